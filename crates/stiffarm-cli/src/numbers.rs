@@ -1,6 +1,6 @@
 //! Numbers as tables show them.
 
-use stiffarm::units::{m_to_mm, rad_to_deg};
+use stiffarm::units::m_to_mm;
 
 /// Shown where a value does not exist.
 pub const NONE: &str = "-";
@@ -96,12 +96,6 @@ pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// Radians in degrees, to a hundredth.
-pub fn deg(rad: f64) -> String {
-    // Adding zero turns −0 into 0.
-    format!("{:.2}", (rad_to_deg(rad) * 100.0).round() / 100.0 + 0.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -122,7 +116,6 @@ mod tests {
         assert_eq!(stiffness(950e3), "9.500e5");
         assert_eq!(percent(0.0123), "1.23");
         assert_eq!(mm(1.39e-5), "0.0139");
-        assert_eq!(deg(-1e-9), "0.00");
         assert_eq!(coarse_mm(0.773), "773");
     }
 }

@@ -72,7 +72,7 @@ impl Session {
     }
 
     /// Writes the JSON object to `target`, if there is one, and shows the result:
-    /// as a remark where the object itself goes to standard output.
+    /// as a remark where the object itself, or another file, goes to standard output.
     ///
     /// # Errors
     /// The file or standard output cannot be written.
@@ -91,6 +91,11 @@ impl Session {
             }
             Some(target) => write_all(self, &[(target, write_result(envelope)?)])?,
             None => {}
+        }
+        if *self.stdout_is_taken.borrow() {
+            self.write_page(envelope)?;
+            self.remark(&table());
+            return Ok(());
         }
         self.show(envelope, table)
     }

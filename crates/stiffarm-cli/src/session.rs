@@ -45,6 +45,8 @@ pub struct Session {
     failure: RefCell<Option<Error>>,
     /// Names of the files that were written, for the end of what is printed.
     written: RefCell<Vec<String>>,
+    /// Whether a file went to standard output: the result is told beside it.
+    pub stdout_is_taken: RefCell<bool>,
     /// The page of the result, where one is asked for.
     pub page: RefCell<Option<WantedPage>>,
     /// Takes what is printed, instead of the process's own output.
@@ -74,6 +76,7 @@ impl Session {
             outputs: RefCell::new(Vec::new()),
             failure: RefCell::new(None),
             written: RefCell::default(),
+            stdout_is_taken: RefCell::default(),
             page: RefCell::default(),
             captured,
             host: Rc::new(host),
@@ -91,6 +94,7 @@ impl Session {
             outputs: RefCell::default(),
             failure: RefCell::default(),
             written: RefCell::default(),
+            stdout_is_taken: RefCell::default(),
             page: RefCell::default(),
             captured: self.captured.clone(),
             host: Rc::clone(&self.host),

@@ -49,19 +49,6 @@ impl Table {
             .push(fields.map(|field| field.replace('\n', "\\n")).collect());
     }
 
-    /// Adds a column on the right of the rows there are.
-    pub fn column<'a>(
-        &mut self,
-        heading: &str,
-        align: Align,
-        fields: impl IntoIterator<Item = &'a str>,
-    ) {
-        self.headings.push((heading.to_string(), align));
-        for (row, field) in self.rows.iter_mut().zip(fields) {
-            row.push(field.replace('\n', "\\n"));
-        }
-    }
-
     /// Says how many columns name a row; they come again where a table is told in blocks. One, unless said.
     pub fn lead(&mut self, columns: usize) {
         self.lead = columns;

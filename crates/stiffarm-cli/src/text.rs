@@ -6,6 +6,9 @@ use anstyle::Style;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm_report::tell::{Block, DataTable, Depth, Piece, SEEN_AT_ONCE, Section, Text, Told};
 
+/// Most rows of a table without details: a few dozen can be read.
+const MOST_ROWS: usize = 36;
+
 /// The verdict, the table to read first, what to know and to do, and the rest as far as it is asked for.
 pub fn told(told: &Told, details: bool) -> String {
     let [done, came, next] = &told.verdict;
@@ -13,7 +16,7 @@ pub fn told(told: &Told, details: bool) -> String {
     let mut out = sentence(came);
     out.extend(of(Severity::Serious).map(finding));
     if let Some(key) = &told.key {
-        out += &format!("\n{}\n", table(key));
+        out += &format!("\n{}\n", table(key, details));
     }
     let cautions: Vec<&Finding> = of(Severity::Caution).collect();
     let seen = if details {
@@ -36,16 +39,27 @@ pub fn told(told: &Told, details: bool) -> String {
         .iter()
         .filter(|section| has_words(&section.blocks))
         .partition(|section| details || section.depth == Depth::Summary);
+    let mut folded = Vec::new();
     for section in shown {
         out += &title(&section.title);
-        out += &blocks(&section.blocks);
+        out += &blocks(&section.blocks, details);
+        folded.extend(section.blocks.iter().filter_map(folded_title));
     }
     out += &sentence(done);
-    if !hidden.is_empty() {
-        let titles: Vec<&str> = hidden.iter().map(|section| &*section.title).collect();
-        out += &line(&format!("--details shows the rest: {}.", titles.join("; ")));
+    let titles = hidden.iter().map(|section| &*section.title);
+    let hidden: Vec<&str> = folded.into_iter().chain(titles).collect();
+    if !hidden.is_empty() && !details {
+        out += &line(&format!("--details shows the rest: {}.", hidden.join("; ")));
     }
     out
+}
+
+/// The title of what is folded away.
+fn folded_title(block: &Block) -> Option<&str> {
+    match block {
+        Block::Details(title, inside) if has_words(inside) => Some(title),
+        _ => None,
+    }
 }
 
 /// Whether something of these blocks can be said in words.
@@ -58,13 +72,14 @@ fn has_words(blocks: &[Block]) -> bool {
 }
 
 /// Blocks below each other; pictures are left to the page.
-fn blocks(all: &[Block]) -> String {
+fn blocks(all: &[Block], details: bool) -> String {
     let shown = all.iter().map(|block| match block {
         Block::Text(text) => sentence(text),
         Block::List(texts) => texts.iter().map(sentence).collect(),
-        Block::Table(data) => format!("{}{}", line(&data.caption), table(data)),
+        Block::Table(data) => format!("{}{}", line(&data.caption), table(data, details)),
         Block::Findings(findings) => findings.iter().map(finding).collect(),
-        Block::Details(_, inside) => blocks(inside),
+        Block::Details(_, inside) if details => blocks(inside, details),
+        Block::Details(..) => String::new(),
         Block::Figure(_) | Block::Figures(_) | Block::Drawing(_) | Block::Scene(..) => {
             String::new()
         }
@@ -79,8 +94,11 @@ fn finding(finding: &Finding) -> String {
     line(&format!("{word}: {}", finding.sentence))
 }
 
-/// A text in lines of the terminal's width.
+/// A text in lines of the terminal's width; one that is only to be typed is a line of its own.
 fn sentence(text: &Text) -> String {
+    if let [Piece::Code(typed)] = text.0.as_slice() {
+        return format!("  {typed}\n");
+    }
     let pieces = text.0.iter().map(|piece| match piece {
         Piece::Words(words) | Piece::Link(words, _) | Piece::Different(words) => words.clone(),
         Piece::Strong(words) => paint(Style::new().bold(), words),
@@ -95,14 +113,20 @@ fn line(words: &str) -> String {
     format!("{}\n", wrapped(words, columns())).replace('\u{a0}', " ")
 }
 
-/// A table in columns.
-fn table(data: &DataTable) -> String {
+/// A table in columns; a long one ends early where no details are wanted.
+fn table(data: &DataTable, details: bool) -> String {
     let mut table = Table::new(data.headings.iter().cloned());
     for (column, is_number) in data.of_numbers().into_iter().enumerate() {
         table.align(column, if is_number { Align::Right } else { Align::Left });
     }
-    for row in &data.rows {
+    let count = data.rows.len();
+    let shown = if details { count } else { count.min(MOST_ROWS) };
+    for row in &data.rows[..shown] {
         table.row(row.iter().map(Text::plain));
     }
-    table.to_string().replace('\u{a0}', " ")
+    let mut out = table.to_string().replace('\u{a0}', " ");
+    if shown < count {
+        out += &line(&format!("{} more rows, with --details", count - shown));
+    }
+    out
 }

@@ -247,6 +247,12 @@ pub struct CheckArgs {
     /// as a line [default: the one with the least room]
     #[arg(long, value_name = "NAME|all", requires = "figure")]
     pub posture: Option<String>,
+    /// Also show every caution
+    #[arg(long)]
+    pub details: bool,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite existing files
     #[arg(long)]
     pub force: bool,
@@ -260,6 +266,9 @@ pub struct EvaluateArgs {
     /// Posture files, one group each
     #[arg(value_hint = ValueHint::FilePath, required = true, value_name = "POSTURES.csv")]
     pub postures: Vec<String>,
+    /// Also show correlations, k(J_N) of each posture and what errors rest on
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,
@@ -350,6 +359,8 @@ impl Command {
     pub fn page(&self) -> Option<(&PageArgs, bool)> {
         match self {
             Command::Study(args) => Some((&args.page, args.force)),
+            Command::Check(args) => Some((&args.page, args.force)),
+            Command::Route(args) => Some((&args.page, args.force)),
             Command::Select(args) => Some((&args.output.page, args.output.force)),
             Command::Evaluate(args) => Some((&args.page, args.force)),
             Command::Simulate(args) => Some((&args.page, args.force)),

@@ -1,5 +1,6 @@
 //! The command line of `stiffarm route`.
 
+use super::PageArgs;
 use super::values::angle_step;
 use clap::{Args, ValueHint};
 
@@ -24,9 +25,15 @@ pub struct RouteArgs {
     /// Seed of the random numbers, for ways around obstacles and for many postures
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    /// Also show each move
+    #[arg(long)]
+    pub details: bool,
     /// Write the postures in this order, as they are to be driven to
     #[arg(long, value_name = "plan.csv", help_heading = "Output")]
     pub output: Option<String>,
+    /// The page of the result.
+    #[command(flatten)]
+    pub page: PageArgs,
     /// Overwrite an existing file
     #[arg(long, help_heading = "Output")]
     pub force: bool,

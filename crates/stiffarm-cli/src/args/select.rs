@@ -42,6 +42,9 @@ pub struct SelectArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "TABLE", conflicts_with_all = ["space_filling", "curve", "sensitivity", "from", "given",
           "rounds", "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
     pub candidates: Option<String>,
+    /// Also show all indices, correlations, the moves, the room that each limit leaves and what errors rest on
+    #[arg(long)]
+    pub details: bool,
     /// Postures that are there already.
     #[command(flatten)]
     pub existing: ExistingArgs,

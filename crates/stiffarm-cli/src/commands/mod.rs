@@ -29,14 +29,11 @@ pub mod study;
 pub mod validate;
 pub mod zones;
 
-use crate::numbers;
 use crate::screen::{columns, wrapped};
-use crate::table::{Table, weight};
+use crate::table::weight;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
 use stiffarm::plan::characteristic_length;
-use stiffarm::plan::index::Index;
 use stiffarm::units::m_to_mm;
 
 /// The cell with the characteristic length of Eq. (20), and a line that says
@@ -101,28 +98,4 @@ pub fn others_last<'f>(findings: impl Iterator<Item = &'f Finding>) -> String {
 /// The same in lines of the terminal's width, without a line end.
 pub fn wrapped_line(finding: &Finding) -> String {
     wrapped(finding_line(finding).trim_end(), columns())
-}
-
-/// Value of an index as tables show it: relative errors in percent, lengths in
-/// millimetres.
-fn index_value(index: Index, value: Option<f64>) -> String {
-    if index.is_relative_error() {
-        numbers::optional_percent(value)
-    } else if index.is_length() {
-        numbers::optional(value.map(m_to_mm), 4)
-    } else {
-        numbers::optional(value, 4)
-    }
-}
-
-/// Postures in degrees, one row each.
-fn posture_table(cell: &Cell, postures: &[Posture]) -> Table {
-    let joints = 1..=cell.setup.robot.joint_count();
-    let headings = joints.map(|j| format!("q{j} [deg]"));
-    let mut table = Table::new(std::iter::once("posture".to_string()).chain(headings));
-    for posture in postures {
-        let angles = posture.q.iter().map(|q| numbers::deg(*q));
-        table.row(std::iter::once(posture.name.clone()).chain(angles));
-    }
-    table
 }

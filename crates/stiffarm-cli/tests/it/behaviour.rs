@@ -267,8 +267,11 @@ fn a_time_limit_ends_the_search_and_its_rounds_repeat_it() {
         assert_eq!(repeated["result"][key], limited["result"][key], "{key}");
     }
     let table = folder.ok(&format!("{line} --time-limit 0.01"));
+    let words: Vec<&str> = table.split_whitespace().collect();
     assert!(
-        table.contains("the time was over; --rounds 1 repeats it"),
+        words
+            .join(" ")
+            .contains("until the time was over. `--rounds 1` repeats it."),
         "{table}"
     );
 }

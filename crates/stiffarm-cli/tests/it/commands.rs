@@ -82,10 +82,7 @@ fn evaluate_names_undetermined_joints_first() {
     let line = "evaluate cell.toml builtin:comau-group1";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1));
-    assert_eq!(
-        ran.out.lines().nth(1).unwrap().split(':').nth(1).unwrap(),
-        " comau-group1 cannot determine joint 6"
-    );
+    assert!(ran.out.starts_with("It cannot determine joint 6."));
     assert_snapshot!(ran.transcript(line));
     let value = folder.json(line);
     assert_eq!(

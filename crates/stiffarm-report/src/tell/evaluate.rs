@@ -1,8 +1,7 @@
-//! The page of `evaluate`: indices and expected errors of given postures.
+//! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use crate::tell::{DataTable, Depth, Given, Quantity, Text, Told, counted, shown};
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -26,7 +25,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         1 => Text::new(format!(
             "{} with {} was evaluated: what it can tell of the joint stiffness, before anything is measured.",
             name(0),
-            counted(groups[0].evaluation.posture_count)
+            counted(groups[0].evaluation.posture_count, "posture")
         )),
         count => Text::new(format!(
             "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
@@ -66,13 +65,12 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         )?);
     }
     sections.extend(worth_sections(context, &result.joints, &groups, &[]));
-    if let Some(table) = dexterity(context, &groups) {
-        let details = Block::Details(
-            "k(J_N) of each posture".to_string(),
-            vec![Block::Table(table)],
-        );
-        sections.push(Section::new("dexterity", "Each posture", vec![details]));
-    }
+    // All indices are what one asks for.
+    sections.iter_mut().for_each(|section| {
+        if section.id == "indices" {
+            section.depth = Depth::Summary;
+        }
+    });
     let key = key(context, &groups);
     let heading = match groups.len() {
         1 => format!("What {} can tell", name(0)),
@@ -87,13 +85,6 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
 fn is_outside(context: &Given<'_>) -> bool {
     let findings = context.saved.findings();
     findings.iter().any(|found| found.code == "posture-outside")
-}
-
-fn counted(count: usize) -> String {
-    match count {
-        1 => "one posture".to_string(),
-        count => format!("{count} postures"),
-    }
 }
 
 /// The group with the smallest expected error, else with the smallest condition number.
@@ -117,7 +108,7 @@ fn came(
         let joints = groups
             .iter()
             .flat_map(|group| &group.evaluation.undetermined_joints);
-        let mut names: Vec<String> = joints.map(|joint| visible(joint).into_owned()).collect();
+        let mut names = shown(joints);
         names.dedup();
         return match groups.len() {
             1 => Text::new("It cannot determine ")
@@ -160,67 +151,32 @@ fn came(
 
 /// One row per group.
 fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
-    let mut table = DataTable::new(
-        "The groups; expected errors are relative standard errors of the joint stiffness",
-        [
-            "group",
-            "postures",
-            "expected error [%]",
-            "worst joint [%]",
-            "one posture lost [%]",
-            "cond(Ψ)",
-            "novel index",
-            "verdict",
-        ],
-    );
-    for group in groups {
-        let index = |key: &str| context.number(&format!("{}/indices/{key}", group.at));
-        let percent = |key: &str| Text::from(index(key).percent().bare().significant(3));
-        let count = context
-            .number(&format!("{}/posture_count", group.at))
-            .decimals(0);
-        let evaluation = group.evaluation;
-        let verdict = match evaluation.undetermined_joints.is_empty() {
-            false => {
-                let names = evaluation.undetermined_joints.iter();
-                let names: Vec<String> = names.map(|n| visible(n).into_owned()).collect();
-                Text::default().strong(format!("cannot determine {}", list(&names)))
+    let caption = "The groups; expected errors are relative standard errors of the joint stiffness";
+    let number = |g: usize, key: &str| Some(context.number(&format!("{}/{key}", groups[g].at)));
+    let percent = Quantity::PERCENT.digits(3);
+    let ratio = Quantity::RATIO.digits(4);
+    let names = groups.iter();
+    let names = names.map(|group| visible(&group.evaluation.name).into_owned());
+    DataTable::of(caption, "group", names)
+        .numbers("postures", ratio, |g| number(g, "posture_count"))
+        .numbers("expected error", percent, |g| {
+            number(g, "indices/expected_error")
+        })
+        .numbers("worst joint", percent, |g| number(g, "indices/worst_joint"))
+        .numbers("one posture lost", percent, |g| {
+            number(g, "indices/drop_one")
+        })
+        .numbers("cond(Ψ)", ratio, |g| number(g, "indices/condition"))
+        .numbers("novel index", ratio, |g| number(g, "indices/novel"))
+        .words("determines", |g| {
+            let evaluation = groups[g].evaluation;
+            if !evaluation.undetermined_joints.is_empty() {
+                let names = list(&shown(&evaluation.undetermined_joints));
+                return Text::default().strong(format!("not {names}"));
             }
-            true if is_beyond_first_order(evaluation) => {
-                Text::from("determines every joint, but too unsure")
+            match is_beyond_first_order(evaluation) {
+                true => "every joint, but too unsure".into(),
+                false => "every joint".into(),
             }
-            true => Text::from("determines every joint"),
-        };
-        let cells = [
-            count.into(),
-            percent("expected_error"),
-            percent("worst_joint"),
-            percent("drop_one"),
-            index("condition").into(),
-            index("novel").into(),
-            verdict,
-        ];
-        table.row(visible(&evaluation.name).into_owned(), cells);
-    }
-    table
-}
-
-/// k(J_N) posture by posture; `None` without any.
-fn dexterity(context: &Given<'_>, groups: &[Worth<'_>]) -> Option<DataTable> {
-    groups
-        .iter()
-        .flat_map(|g| &g.evaluation.k_jn)
-        .flatten()
-        .next()?;
-    let mut table = DataTable::new("k(J_N), Eq. (21)", ["group", "posture", "k(J_N)"]);
-    for group in groups {
-        for p in 0..group.evaluation.k_jn.len() {
-            let cells = [
-                Text::from(super::postures::name_of(group.posture_names, p)),
-                context.number(&format!("{}/k_jn/{p}", group.at)).into(),
-            ];
-            table.row(visible(&group.evaluation.name).into_owned(), cells);
-        }
-    }
-    Some(table)
+        })
 }

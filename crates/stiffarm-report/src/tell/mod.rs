@@ -7,6 +7,7 @@
 
 mod arrows;
 mod at_work;
+mod check;
 mod compensate;
 mod context;
 mod coverage;
@@ -19,6 +20,7 @@ mod points;
 mod postures;
 mod predict;
 mod register;
+mod route;
 mod select;
 mod simulate;
 mod study;
@@ -34,6 +36,8 @@ pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity};
 pub use table::DataTable;
 pub use text::{Piece, Text};
+pub(crate) use text::{counted, shown};
+pub use worth::index_quantity;
 
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
@@ -59,7 +63,8 @@ pub struct Given<'a> {
 }
 
 /// Commands whose results are told.
-pub const COMMANDS: [&str; 12] = [
+pub const COMMANDS: &[&str] = &[
+    "check",
     "compensate",
     "coverage",
     "evaluate",
@@ -67,6 +72,7 @@ pub const COMMANDS: [&str; 12] = [
     "map",
     "predict",
     "register",
+    "route",
     "select",
     "simulate",
     "study",
@@ -97,6 +103,7 @@ pub struct Told {
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
 pub fn tell(given: &Given<'_>) -> Result<Told> {
     match given.saved.command.as_str() {
+        "check" => check::told(given),
         "compensate" => compensate::told(given),
         "coverage" => coverage::told(given),
         "evaluate" => evaluate::told(given),
@@ -104,6 +111,7 @@ pub fn tell(given: &Given<'_>) -> Result<Told> {
         "map" => map::told(given),
         "predict" => predict::told(given),
         "register" => register::told(given),
+        "route" => route::told(given),
         "select" => select::told(given),
         "simulate" => simulate::told(given),
         "study" if given.saved.json["options"]["measured"] == true => study_measured::told(given),

@@ -1,62 +1,54 @@
 //! Tables of postures, their room and the moves between them.
 
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text};
-use stiffarm::findings::visible;
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, counted};
+use stiffarm::findings::{list, visible};
 use stiffarm::model::cell::LimitKind;
+use stiffarm::model::limit::MarginUnit;
 use stiffarm::plan::feasibility::{NearestLimit, PostureLimits};
+use stiffarm::plan::index::GroupEvaluation;
 use stiffarm::plan::route::{Route, RouteMove};
 
 /// Most rows of a table that one reads first.
 pub(super) const FEW: usize = 12;
+/// k(J_N) above which a posture counts as near a singularity.
+const NEAR_SINGULAR: f64 = 50.0;
+
+/// Angles of a posture \[°\].
+const ANGLE: Quantity = Quantity::new("°", 1.0, Form::Decimals(2));
+/// Distances between parts of a cell, from m.
+const ROOM: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
+/// What is left of a limit, from a fraction.
+const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
 
 /// Postures with their angles, and what leaves each the least room; `at` is the place of the angles below `/result`.
 pub(super) fn posture_table(
-    context: &Given<'_>,
+    given: &Given<'_>,
     caption: &str,
     names: &[String],
     (at, postures): (&str, &[Vec<f64>]),
     limits: &[PostureLimits],
 ) -> DataTable {
     let joints = postures.first().map_or(0, Vec::len);
-    let has_lengths = limits.iter().any(|l| nearest_length(l).is_some());
-    let has_shares = limits.iter().any(|l| nearest_share(l).is_some());
-    let mut headings = vec!["posture".to_string()];
-    headings.extend((1..=joints).map(|j| format!("q{j} [°]")));
-    if has_lengths {
-        headings.extend(["room [mm]".to_string(), "least at".to_string()]);
+    let rows = (0..postures.len()).map(|p| name_of(names, p));
+    let mut table = DataTable::of(caption, "posture", rows);
+    for j in 0..joints {
+        table = table.numbers(&format!("q{}", j + 1), ANGLE, |p| {
+            Some(given.number(&format!("{at}/{p}/{j}")))
+        });
     }
-    if has_shares {
-        headings.push("torque left [%]".to_string());
-    }
-    let mut table = DataTable::new(caption, headings);
-    for (p, angles) in postures.iter().enumerate() {
-        let mut cells: Vec<Text> = (0..angles.len())
-            .map(|j| context.number(&format!("{at}/{p}/{j}")).decimals(2).into())
-            .collect();
-        let own = limits.get(p);
-        let below = |i: usize, key: &str| format!("/limits/{p}/nearest/{i}/{key}");
-        if has_lengths {
-            match own.and_then(nearest_length) {
-                Some((i, limit)) => {
-                    let room = context.number(&below(i, "margin_m")).mm().bare();
-                    cells.extend([room.decimals(1).into(), place(limit).into()]);
-                }
-                None => cells.extend([Text::from("–"), Text::from("–")]),
-            }
-        }
-        if has_shares {
-            cells.push(match own.and_then(nearest_share) {
-                Some(i) => {
-                    let left = context.number(&below(i, "margin_share")).percent().bare();
-                    left.decimals(1).into()
-                }
-                None => Text::from("–"),
-            });
-        }
-        table.row(name_of(names, p), cells);
-    }
+    let number = |p: usize, i: usize, key: &str| {
+        Some(given.number(&format!("/limits/{p}/nearest/{i}/{key}")))
+    };
+    let length = |p: usize| limits.get(p).and_then(nearest_length);
+    let share = |p: usize| limits.get(p).and_then(nearest_share);
     table
+        .numbers("room", ROOM, |p| number(p, length(p)?.0, "margin_m"))
+        .words("least at", |p| {
+            length(p).map_or_else(Text::default, |(_, limit)| place(limit).into())
+        })
+        .numbers("torque left", SHARE, |p| {
+            number(p, share(p)?, "margin_share")
+        })
 }
 
 /// The name of a posture, or its number.
@@ -69,15 +61,10 @@ pub(super) fn name_of(names: &[String], p: usize) -> String {
 
 fn nearest_length(limits: &PostureLimits) -> Option<(usize, &NearestLimit)> {
     let all = limits.nearest.iter().enumerate();
-    let lengths = all.filter_map(|(i, limit)| Some((i, limit, limit.margin_m?)));
     // How far a displacement is from its limit is no room.
-    let room = lengths.filter(|(_, limit, _)| {
-        !matches!(
-            limit.kind,
-            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement
-        )
-    });
-    let least = room.min_by(|a, b| a.2.total_cmp(&b.2))?;
+    let lengths = all.filter(|(_, limit)| limit.kind.unit() == MarginUnit::Length);
+    let lengths = lengths.filter_map(|(i, limit)| Some((i, limit, limit.margin_m?)));
+    let least = lengths.min_by(|a, b| a.2.total_cmp(&b.2))?;
     Some((least.0, least.1))
 }
 
@@ -108,113 +95,171 @@ fn place(limit: &NearestLimit) -> String {
     format!("{what}{subject}{load}")
 }
 
-/// The margins of every posture to every kind of limit; `None` without limits.
+/// The room that each kind of limit leaves every posture, and what the tracker sees; `None` without limits.
 pub(super) fn limit_table(
-    context: &Given<'_>,
+    given: &Given<'_>,
     names: &[String],
     limits: &[PostureLimits],
 ) -> Option<DataTable> {
-    let headings = ["posture", "limit", "nearest to it", "room", "unit"];
-    let mut table = DataTable::new(
-        "How near each posture comes to each kind of limit",
-        headings,
-    );
-    for (p, own) in limits.iter().enumerate() {
-        for (i, limit) in own.nearest.iter().enumerate() {
-            let below = |key: &str| context.number(&format!("/limits/{p}/nearest/{i}/{key}"));
-            let (room, unit) = if limit.margin_m.is_some() {
-                (below("margin_m").mm().bare().decimals(2), "mm")
-            } else if limit.margin_rad.is_some() {
-                (
-                    below("margin_rad")
-                        .times(180.0 / std::f64::consts::PI)
-                        .decimals(1),
-                    "°",
-                )
-            } else {
-                (
-                    below("margin_share").percent().bare().decimals(1),
-                    "% of the limit",
-                )
-            };
-            let subject = visible(&limit.subject).into_owned();
-            let cells = [
-                Text::from(limit.kind.describe()),
-                subject.into(),
-                room.into(),
-                unit.into(),
-            ];
-            table.row(name_of(names, p), cells);
+    let rows = (0..limits.len()).map(|p| name_of(names, p));
+    let caption = "How near each posture comes to each kind of limit";
+    let mut table = DataTable::of(caption, "posture", rows);
+    let position = |p: usize, kind| limits[p].nearest.iter().position(|near| near.kind == kind);
+    for kind in LimitKind::ALL {
+        let (key, quantity) = match kind.unit() {
+            MarginUnit::Length => ("margin_m", ROOM),
+            MarginUnit::Displacement => ("margin_m", Quantity::LENGTH),
+            MarginUnit::Angle => ("margin_rad", DEGREES),
+            MarginUnit::Share => ("margin_share", SHARE),
+        };
+        table = table.numbers(kind.short(), quantity, |p| {
+            let i = position(p, kind)?;
+            Some(given.number(&format!("/limits/{p}/nearest/{i}/{key}")))
+        });
+        if kind == LimitKind::Shapes {
+            table = table.words("which shapes", |p| {
+                let near = position(p, kind).map(|i| &limits[p].nearest[i]);
+                near.map_or_else(Text::default, |near| place(near).into())
+            });
         }
     }
-    (!table.rows.is_empty()).then_some(table)
+    let all = given.cell.map(|cell| cell.setup.tool.point_count());
+    let table = table
+        .words("station", |p| {
+            let station = limits[p].station.as_ref();
+            station.map_or_else(Text::default, |name| visible(name).into_owned().into())
+        })
+        .words("sees", |p| match &limits[p] {
+            own if own.station.is_none() => Text::default(),
+            own if own.visible_points.is_empty() => "nothing".into(),
+            own if Some(own.visible_points.len()) == all => "all points".into(),
+            own => visible(&own.visible_points.join(", ")).into_owned().into(),
+        })
+        .numbers("displacement", Quantity::LENGTH, |p| {
+            limits[p].displacement_m?;
+            Some(given.number(&format!("/limits/{p}/displacement_m")))
+        });
+    (table.headings.len() > 1).then_some(table)
 }
 
-/// The moves of a route; `None` where there are none.
+/// Angles that are radians in a file.
+const DEGREES: Quantity = Quantity::new("°", 180.0 / std::f64::consts::PI, Form::Decimals(1));
+
+/// Whether the tracker does not see every point at every posture.
+pub(super) fn hides_points(given: &Given<'_>, limits: &[PostureLimits]) -> bool {
+    let Some(cell) = given.cell else {
+        return false;
+    };
+    let all = cell.setup.tool.point_count();
+    let mut seen = limits.iter().filter(|own| own.station.is_some());
+    seen.any(|own| own.visible_points.len() < all)
+}
+
+/// The moves of a route that stands at `at` below `/result`; `None` where there are none.
 pub(super) fn route_section(
-    context: &Given<'_>,
+    given: &Given<'_>,
     names: &[String],
     route: &Route,
+    at: &str,
 ) -> Option<Section> {
     if route.moves.is_empty() {
         return None;
     }
-    let mut said = Text::new("The postures are listed in the order in which to drive to them");
-    said = match route.shortest {
-        Some(true) => said.words("; no order is shorter"),
-        Some(false) => said.words("; a shorter order may exist"),
-        None => said.words(", which was given"),
+    let mut blocks = vec![Block::Text(moves_in_words(given, route, at))];
+    let table = Block::Table(move_table(given, names, route, at));
+    // What stops a drive is seen at once.
+    if route.is_blocked() {
+        blocks.push(table);
+    } else {
+        blocks.push(Block::Details("The moves".to_string(), vec![table]));
+    }
+    blocks.extend(via_table(given, names, route, at).map(Block::Table));
+    Some(Section::new("route", "Order and moves", blocks).in_summary())
+}
+
+/// How far the moves go, how long they take and what they were kept clear of.
+fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
+    let order = match route.shortest {
+        Some(true) => "no order of the postures is shorter",
+        Some(false) => "a shorter order may exist",
+        None => "the order was given",
     };
-    said = said
-        .words(". All moves together turn the joint that turns most by ")
-        .number(context.number("/route/turn_deg").unit("°").decimals(0));
+    let turn = given.number(&format!("{at}/turn_deg"));
+    let mut said = Text::new(format!("{}, {order}: ", counted(route.moves.len(), "move")))
+        .number(turn.unit("°").decimals(0))
+        .words(" of largest turns in all");
     if route.travel_s.is_some() {
-        said = said
-            .words(" and take ")
-            .number(context.number("/route/travel_s").unit("s").decimals(1));
-        if let Some(cell) = context.cell {
+        let time = given.number(&format!("{at}/travel_s"));
+        said = said.words(" in ").number(time.unit("s").decimals(1));
+        if let Some(cell) = given.cell {
             let share = 100.0 * cell.route.speed_share;
             said = said.words(format!(" at {share} % of the joint speeds"));
         }
         said = said.words(", without speeding up and slowing down");
     }
     said = said.words(".");
-    let has_time = route.moves.iter().any(|m| m.time_s.is_some());
-    let has_nearest = route.moves.iter().any(|m| m.nearest.is_some());
-    let mut headings = vec!["move", "largest turn [°]"];
-    headings.extend(has_time.then_some("time [s]"));
-    headings.extend(["via postures", "way"]);
-    if has_nearest {
-        headings.extend(["nearest [mm]", "at"]);
+    let kinds: Vec<&str> = route.checked.iter().map(|kind| kind.short()).collect();
+    if !kinds.is_empty() && !route.is_blocked() {
+        said = said.words(format!(
+            " Every move is free, checked against {}.",
+            list(&kinds)
+        ));
     }
-    let mut table = DataTable::new("The moves", headings);
-    for (m, one) in route.moves.iter().enumerate() {
-        let at = |key: &str| context.number(&format!("/route/moves/{m}/{key}"));
-        let mut cells = vec![Text::from(at("turn_deg").decimals(1))];
-        if has_time {
-            cells.push(at("time_s").decimals(1).into());
-        }
-        cells.push(match one.via.len() {
-            0 => Text::from("–"),
+    let findings = given.saved.findings();
+    let is_said = findings.iter().any(|f| f.code == "moves-not-checked");
+    if !route.checked.contains(&LimitKind::Shapes) && !is_said {
+        said = said.words(
+            " The cell has no shapes, so nothing says what the arm may touch on the way: drive each move slowly the \
+             first time.",
+        );
+    }
+    said
+}
+
+fn move_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> DataTable {
+    let number = |m: usize, key: &str| Some(given.number(&format!("{at}/moves/{m}/{key}")));
+    let nearest = |m: usize| route.moves[m].nearest.as_ref();
+    let rows = route.moves.iter().map(|one| between(names, one));
+    DataTable::of("The moves", "move", rows)
+        .numbers("largest turn", ANGLE, |m| number(m, "turn_deg"))
+        .numbers("time", Quantity::new("s", 1.0, Form::Decimals(1)), |m| {
+            number(m, "time_s")
+        })
+        .words("via postures", |m| match route.moves[m].via.len() {
+            0 => Text::default(),
             count => count.to_string().into(),
-        });
-        cells.push(match one.free {
-            true => Text::from("free"),
+        })
+        .words("way", |m| match route.moves[m].free {
+            true => "free".into(),
             false => Text::default().strong("not free"),
+        })
+        .numbers("nearest", ROOM, |m| {
+            nearest(m)?;
+            number(m, "nearest/distance_m")
+        })
+        .words("between", |m| {
+            nearest(m).map_or_else(Text::default, |near| {
+                visible(&near.subject).into_owned().into()
+            })
+        })
+}
+
+/// The postures between stops; `None` where every move is straight.
+fn via_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> Option<DataTable> {
+    let each = route.moves.iter().enumerate();
+    let each = each.flat_map(|(m, one)| (0..one.via.len()).map(move |v| (m, v)));
+    let vias: Vec<(usize, usize)> = each.collect();
+    let (first, _) = vias.first()?;
+    let joints = route.moves[*first].via[0].len();
+    let rows = vias.iter().map(|(m, _)| between(names, &route.moves[*m]));
+    let mut table = DataTable::of("Via postures, in their order", "move", rows);
+    for j in 0..joints {
+        table = table.numbers(&format!("q{}", j + 1), ANGLE, |row| {
+            let (m, v) = vias[row];
+            Some(given.number(&format!("{at}/moves/{m}/via_deg/{v}/{j}")))
         });
-        if has_nearest {
-            cells.extend(match &one.nearest {
-                Some(nearest) => [
-                    at("nearest/distance_m").mm().bare().decimals(1).into(),
-                    Text::from(visible(&nearest.subject).into_owned()),
-                ],
-                None => [Text::from("–"), Text::from("–")],
-            });
-        }
-        table.row(between(names, one), cells);
     }
-    let blocks = vec![Block::Text(said), Block::Table(table)];
-    Some(Section::new("route", "Order and moves", blocks))
+    Some(table)
 }
 
 fn between(names: &[String], one: &RouteMove) -> String {
@@ -223,4 +268,30 @@ fn between(names: &[String], one: &RouteMove) -> String {
         None => "start".to_string(),
     };
     format!("{} → {}", end(one.from), end(one.to))
+}
+
+/// To which postures one should move joint by joint; the last ones of the group are those of `names`.
+pub(super) fn near_singular(names: &[String], evaluation: &GroupEvaluation) -> Option<Text> {
+    let known = evaluation.k_jn.iter().any(Option::is_some);
+    let before = evaluation.k_jn.len().saturating_sub(names.len());
+    let own = evaluation.k_jn.iter().skip(before).enumerate();
+    let near = own.filter(|(_, k)| known && k.is_none_or(|k| k > NEAR_SINGULAR));
+    let near: Vec<String> = near.map(|(p, _)| name_of(names, p)).collect();
+    let noun = if near.len() == 1 {
+        "posture"
+    } else {
+        "postures"
+    };
+    (!near.is_empty()).then(|| {
+        Text::new(format!(
+            "Close to a singularity, k(J_N) above {NEAR_SINGULAR}: {noun} {}. That is harmless to the identification, but \
+             move there joint by joint.",
+            list(&near)
+        ))
+    })
+}
+
+/// A number in millimetres as one reads a distance in a cell.
+pub(super) fn room(number: Number) -> Number {
+    number.of(ROOM)
 }

@@ -1,6 +1,7 @@
 //! Sentences in which numbers keep what they are.
 
 use super::Number;
+use stiffarm::findings::visible;
 
 /// A sentence or two in which numbers keep what they are.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -83,6 +84,17 @@ impl Text {
         });
         pieces.collect()
     }
+}
+
+/// `1 posture`, `6 postures`.
+pub(crate) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Names from files as they are shown.
+pub(crate) fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+    let names = names.into_iter();
+    names.map(|name| visible(name).into_owned()).collect()
 }
 
 impl From<&str> for Text {

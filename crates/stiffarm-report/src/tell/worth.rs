@@ -1,12 +1,16 @@
 //! What groups of postures are worth, as sections that several pages share.
 
+use super::postures::name_of;
 use crate::selection::{
     Deviations, IndexUnit, correlation_figure, dexterity_figure, expected_deviation_figure,
     index_name, singular_values_figure,
 };
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Number, Section, Text};
-use stiffarm::findings::visible;
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, shown};
+use stiffarm::Termination;
+use stiffarm::findings::{list, visible};
+use stiffarm::model::cell::Cell;
+use stiffarm::plan::certificate::JointEfficiency;
+use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::index::{FIRST_ORDER_LIMIT, GroupEvaluation, Index, expected_deviation};
 
 /// What to know where some joint is beyond what the first order says.
@@ -20,10 +24,15 @@ pub(super) struct Worth<'a> {
     pub posture_names: &'a [String],
 }
 
+/// Unit and digits of an index.
+pub fn index_quantity(index: Index) -> Quantity {
+    let IndexUnit { unit, factor } = IndexUnit::of(index);
+    Quantity::new(unit, factor, Form::Significant(4))
+}
+
 /// The value of an index in its unit; `below` is its place below `/result`.
-pub(super) fn index_number(context: &Given<'_>, index: Index, below: &str) -> Number {
-    let unit = IndexUnit::of(index);
-    context.number(below).times(unit.factor).unit(unit.unit)
+pub(super) fn index_number(given: &Given<'_>, index: Index, below: &str) -> Number {
+    given.number(below).of(index_quantity(index))
 }
 
 /// What an index says of a plan, as the beginning of a sentence that its value ends.
@@ -62,7 +71,7 @@ pub(super) fn index_says(index: Index) -> &'static str {
 /// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
 /// `at` is the evaluation's place below `/result`.
 pub(super) fn least_sure(
-    context: &Given<'_>,
+    given: &Given<'_>,
     at: &str,
     evaluation: &GroupEvaluation,
     joints: &[String],
@@ -88,7 +97,7 @@ pub(super) fn least_sure(
             ".",
         ),
     };
-    let number = context.number(&format!("{at}/{below}/{worst}")).percent();
+    let number = given.number(&format!("{at}/{below}/{worst}")).percent();
     let number = match forecast {
         Some(_) => number.significant(2).plus_minus(),
         None => number.significant(3),
@@ -115,16 +124,15 @@ pub(super) fn joint_names(joints: &[String], evaluation: &GroupEvaluation) -> Ve
 /// Expected errors joint by joint, singular values, correlations, the parts of the novel index, and all indices.
 /// `bounds` are relative standard errors that no plan of as many postures goes below.
 pub(super) fn worth_sections(
-    context: &Given<'_>,
+    given: &Given<'_>,
     joints: &[String],
     groups: &[Worth<'_>],
-    bounds: &[f64],
+    bounds: &[JointEfficiency],
 ) -> Vec<Section> {
     let Some(first) = groups.first() else {
         return Vec::new();
     };
-    let joints = joint_names(joints, first.evaluation);
-    let noise = context.cell.map(|cell| cell.noise.displacement_std());
+    let noise = given.cell.map(|cell| cell.noise.displacement_std());
     let evaluations: Vec<GroupEvaluation> = groups
         .iter()
         .map(|group| GroupEvaluation {
@@ -133,27 +141,19 @@ pub(super) fn worth_sections(
         })
         .collect();
     let all: Vec<&GroupEvaluation> = evaluations.iter().collect();
+    let names = joint_names(joints, first.evaluation);
     let mut sections = Vec::new();
-    let has_errors = all
-        .iter()
-        .any(|g| g.expected_deviation.iter().any(Option::is_some));
-    if has_errors {
+    if let Some(table) = joint_table(given, joints, groups, bounds) {
         let deviations = all.iter().map(|group| Deviations {
             name: &group.name,
             each: &group.expected_deviation,
         });
         let deviations: Vec<Deviations<'_>> = deviations.collect();
-        let bounds: Vec<f64> = bounds.iter().copied().map(expected_deviation).collect();
-        let mut blocks = vec![
-            Block::Figure(expected_deviation_figure(
-                &joints,
-                &deviations,
-                &bounds,
-                noise,
-            )),
-            Block::Table(errors(context, &joints, groups)),
-        ];
-        blocks.extend(forecast(context, &joints, groups).map(Block::Table));
+        let lowest = bounds.iter().map(|joint| expected_deviation(joint.bound));
+        let lowest: Vec<f64> = lowest.collect();
+        let figure = expected_deviation_figure(&names, &deviations, &lowest, noise);
+        let mut blocks = vec![Block::Figure(figure), Block::Table(table)];
+        blocks.extend(loose(bounds).map(Block::Text));
         if all.iter().copied().any(is_beyond_first_order) {
             blocks.push(Block::Text(
                 Text::new("Where the relative standard error is above 10 %, this closed form no longer holds: ")
@@ -161,19 +161,22 @@ pub(super) fn worth_sections(
                     .words(" draws the errors."),
             ));
         }
-        sections.push(Section::new(
-            "expected",
-            "Expected error of each joint",
-            blocks,
-        ));
+        let parts = groups.iter();
+        let parts = parts.filter_map(|group| error_parts(given, &names, group));
+        let parts: Vec<Block> = parts.map(Block::Table).collect();
+        if !parts.is_empty() {
+            blocks.push(Block::Details("What each ± rests on".to_string(), parts));
+        }
+        let title = "Expected error of each joint";
+        sections.push(Section::new("expected", title, blocks).in_summary());
     }
     let mut blocks = vec![Block::Figure(singular_values_figure(&all, noise))];
-    blocks.extend(correlation_figure(&joints, &all).map(Block::Figure));
+    blocks.extend(correlation_figure(&names, &all).map(Block::Figure));
     let tables = groups
         .iter()
         .filter(|g| !g.evaluation.correlation.is_empty());
     let tables: Vec<Block> = tables
-        .map(|group| Block::Table(correlations(context, &joints, group)))
+        .map(|group| Block::Table(correlations(given, &names, group)))
         .collect();
     if !tables.is_empty() {
         blocks.push(Block::Details(
@@ -186,59 +189,164 @@ pub(super) fn worth_sections(
         "What the readings tell apart",
         blocks,
     ));
-    let named: Vec<Vec<String>> = groups
-        .iter()
-        .map(|g| {
-            g.posture_names
-                .iter()
-                .map(|n| visible(n).into_owned())
-                .collect()
-        })
-        .collect();
+    let named: Vec<Vec<String>> = groups.iter().map(|g| shown(g.posture_names)).collect();
     let with_names = all.iter().zip(&named);
     let with_names: Vec<(&GroupEvaluation, &[String])> = with_names
         .map(|(g, names)| (*g, names.as_slice()))
         .collect();
-    let mut blocks: Vec<Block> = dexterity_figure(&with_names)
-        .map(Block::Figure)
-        .into_iter()
-        .collect();
-    blocks.push(Block::Table(indices(context, groups)));
+    let figure = dexterity_figure(&with_names).map(Block::Figure);
+    let mut blocks: Vec<Block> = figure.into_iter().collect();
+    blocks.push(Block::Table(indices(given, groups)));
+    blocks.extend(length_in_words(given).map(Block::Text));
+    let sizes = all.iter().find_map(|group| group.indices.prediction_sizes);
+    blocks.extend(sizes.map(|sizes| {
+        let taken = format!("The index prediction takes {}.", sizes.in_words());
+        Block::Text(taken.into())
+    }));
+    let dexterity = groups.iter().filter_map(|group| dexterity(given, group));
+    let dexterity: Vec<Block> = dexterity.map(Block::Table).collect();
+    if !dexterity.is_empty() {
+        blocks.push(Block::Details(
+            "k(J_N) of each posture".to_string(),
+            dexterity,
+        ));
+    }
     sections.push(Section::new("indices", "The indices", blocks));
     sections
 }
 
-fn headed(first: &str, groups: &[Worth<'_>]) -> Vec<String> {
-    let names = groups
-        .iter()
-        .map(|g| visible(&g.evaluation.name).into_owned());
-    std::iter::once(first.to_string()).chain(names).collect()
-}
-
-fn errors(context: &Given<'_>, joints: &[String], groups: &[Worth<'_>]) -> DataTable {
-    let mut table = DataTable::new(
-        "Relative standard error of the joint stiffness [%] at the cell's noise; about two thirds of all \
-         identifications lie within ± this",
-        headed("joint", groups),
-    );
-    let cells = |key: &str| {
-        let of = |group: &Worth<'_>| {
-            let number = context.number(&format!("{}/{key}", group.at));
-            Text::from(number.percent().bare().significant(3))
-        };
-        groups.iter().map(of).collect::<Vec<Text>>()
+/// What each joint can be expected to have, beside the least that is possible; `None` where nothing is known of it.
+pub(super) fn joint_table(
+    given: &Given<'_>,
+    joints: &[String],
+    groups: &[Worth<'_>],
+    bounds: &[JointEfficiency],
+) -> Option<DataTable> {
+    let is_known = |group: &Worth<'_>| {
+        let errors = &group.evaluation.relative_standard_error;
+        errors.iter().any(Option::is_some)
     };
-    for (j, joint) in joints.iter().enumerate() {
-        table.row(
-            joint.clone(),
-            cells(&format!("relative_standard_error/{j}")),
+    if !groups.iter().any(is_known) {
+        return None;
+    }
+    let names = joint_names(joints, groups.first()?.evaluation);
+    let count = names.len();
+    let forecast = groups.iter().find_map(|g| g.evaluation.forecast.as_ref());
+    let caption = match forecast {
+        Some(found) => format!(
+            "Relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will print, \
+             systematic errors included",
+            level(found.confidence)
+        ),
+        None => "Relative standard error of the joint stiffness by noise alone".to_string(),
+    };
+    let rows = names.into_iter().map(Text::from);
+    let rows = rows.chain([Text::default().strong("RMS")]);
+    let mut table = DataTable::of(caption, "joint", rows);
+    let heading = |single: &str, before: &str, group: &Worth<'_>| match groups {
+        [_] => single.to_string(),
+        _ => format!("{before}{}", visible(&group.evaluation.name)),
+    };
+    let errors = Quantity::PERCENT.digits(3);
+    for group in groups {
+        table = table.numbers(&heading("by noise", "", group), errors, |j| {
+            let below = match j < count {
+                true => format!("relative_standard_error/{j}"),
+                false => "indices/expected_error".to_string(),
+            };
+            Some(given.number(&format!("{}/{below}", group.at)))
+        });
+    }
+    let bound = |j: usize, key: &str| {
+        let known = bounds.get(j)?;
+        let number = given.number(&format!("/joint_efficiencies/{j}/{key}"));
+        (known.bound > 0.0).then_some(number)
+    };
+    let share = Quantity::new("%", 100.0, Form::Decimals(1));
+    table = table
+        .numbers("no plan below", errors, |j| bound(j, "bound"))
+        .numbers("of what is possible", share, |j| bound(j, "efficiency"));
+    for group in groups {
+        table = table.numbers(
+            &heading("± identified", "± ", group),
+            Quantity::PERCENT,
+            |j| part(given, group, "total", j),
         );
     }
-    table.row(
-        Text::default().strong("RMS"),
-        cells("indices/expected_error"),
+    Some(match groups {
+        [group] => table.words("largest source", |j| source(group, j)),
+        _ => table,
+    })
+}
+
+/// A part of the ± that `identify` is expected to print; what is as large as the stiffness says nothing.
+fn part(given: &Given<'_>, group: &Worth<'_>, key: &str, j: usize) -> Option<Number> {
+    group.evaluation.forecast.as_ref()?;
+    let number = given.number(&format!("{}/forecast/{key}/{j}", group.at));
+    number.value.filter(|part| *part < 1.0)?;
+    Some(number)
+}
+
+/// Where most of a joint's ± comes from.
+fn source(group: &Worth<'_>, j: usize) -> Text {
+    let forecast = group.evaluation.forecast.as_ref();
+    let source = forecast.and_then(|found| found.largest_source.get(j)?.as_deref());
+    let words = source.unwrap_or_default().replace('-', " ");
+    visible(&words).into_owned().into()
+}
+
+/// The ± that `identify` is expected to print, part by part; nothing where there is none.
+fn error_parts(given: &Given<'_>, joints: &[String], group: &Worth<'_>) -> Option<DataTable> {
+    let found = group.evaluation.forecast.as_ref()?;
+    let caption = format!(
+        "{}: ± of the stiffness at {} % that identify will print, for one reading of each point under the whole load",
+        visible(&group.evaluation.name),
+        level(found.confidence)
     );
-    table
+    let number = |key: &'static str| move |j: usize| part(given, group, key, j);
+    let table = DataTable::of(caption, "joint", joints.iter().cloned())
+        .numbers("total", Quantity::PERCENT, number("total"))
+        .numbers("readings", Quantity::PERCENT, number("readings"))
+        .numbers("systematic", Quantity::PERCENT, number("systematic"))
+        .words("largest source", |j| source(group, j));
+    (table.headings.len() > 1).then_some(table)
+}
+
+/// The joints whose bound is looser than the tolerance, with how much higher a tight one could be at most; `None`
+/// where there is none.
+fn loose(bounds: &[JointEfficiency]) -> Option<Text> {
+    let loose = bounds
+        .iter()
+        .filter(|joint| joint.termination != Termination::Converged);
+    let each = loose.map(|joint| {
+        // The bound is a root: 1/(1 + residual) of its square is certain.
+        let higher = Number::computed((1.0 + joint.residual).sqrt() - 1.0).of(Quantity::PERCENT);
+        format!(
+            "{} (up to {} too low)",
+            visible(&joint.joint),
+            higher.text()
+        )
+    });
+    let each: Vec<String> = each.collect();
+    (!each.is_empty()).then(|| format!("Bounds that are not tight: {}.", list(&each)).into())
+}
+
+/// The length that makes rotations and translations comparable, or why there is none.
+pub(super) fn length_in_words(given: &Given<'_>) -> Option<Text> {
+    let pointer = "/options/characteristic_length_m";
+    let length = given.saved.number(pointer);
+    if length.is_some() {
+        let number = Number::new(pointer, length).times(1e3).unit("mm");
+        let stands = |cell: &Cell| cell.characteristic_length.is_some();
+        let computed = match given.cell.is_some_and(|cell| !stands(cell)) {
+            true => ", computed: robot.characteristic_length_mm is not set.",
+            false => ".",
+        };
+        let said = Text::new("The characteristic length of k(J_N) is ");
+        return Some(said.number(number.decimals(1)).words(computed));
+    }
+    let (_, missing) = with_length(given.cell?.clone());
+    missing.map(|why| format!("No characteristic length: {}", visible(&why)).into())
 }
 
 /// A confidence in percent.
@@ -246,63 +354,50 @@ pub(super) fn level(confidence: f64) -> f64 {
     (1000.0 * confidence).round() / 10.0
 }
 
-/// The ± that `identify` is expected to print; nothing where no group has one.
-fn forecast(context: &Given<'_>, joints: &[String], groups: &[Worth<'_>]) -> Option<DataTable> {
-    let found = groups.iter().find_map(|g| g.evaluation.forecast.as_ref())?;
-    let title = format!(
-        "± of the joint stiffness at {} % that identify will print [%], readings and systematic errors together",
-        level(found.confidence)
-    );
-    let mut table = DataTable::new(title, headed("joint", groups));
-    for (j, joint) in joints.iter().enumerate() {
-        let of = |group: &Worth<'_>| {
-            let number = context.number(&format!("{}/forecast/total/{j}", group.at));
-            Text::from(number.percent().bare().significant(2))
-        };
-        table.row(joint.clone(), groups.iter().map(of).collect::<Vec<Text>>());
-    }
-    Some(table)
-}
-
-fn correlations(context: &Given<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {
+fn correlations(given: &Given<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {
     let name = visible(&group.evaluation.name);
-    let mut table = DataTable::new(
-        format!("Correlation of the joints' errors, {name}"),
-        std::iter::once(String::new()).chain(joints.iter().cloned()),
-    );
-    for (i, joint) in joints.iter().enumerate() {
-        let cells = (0..joints.len()).map(|j| {
-            let below = format!("{}/correlation/{i}/{j}", group.at);
-            context.number(&below).decimals(2).into()
+    let caption = format!("Correlation of the joints' errors, {name}");
+    let mut table = DataTable::of(caption, "", joints.iter().cloned());
+    let number = Quantity::new("", 1.0, Form::Decimals(2));
+    for (j, joint) in joints.iter().enumerate() {
+        table = table.numbers(joint, number, |i| {
+            Some(given.number(&format!("{}/correlation/{i}/{j}", group.at)))
         });
-        table.row(joint.clone(), cells);
     }
     table
 }
 
 /// Every index that some group has.
-pub(super) fn indices(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
-    let mut table = DataTable::new(
-        "All indices; the lower, the better, unless said otherwise; – where one does not exist",
-        [headed("index", groups), vec!["what it is".to_string()]].concat(),
-    );
-    for index in Index::ALL {
-        if groups
-            .iter()
-            .all(|g| g.evaluation.indices.get(index).is_none())
-        {
-            continue;
-        }
-        let cells = groups.iter().map(|group| {
-            let below = format!("{}/indices/{}", group.at, index.as_str());
-            index_number(context, index, &below).bare().into()
+pub(super) fn indices(given: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
+    let has = |index: Index| {
+        let mut values = groups.iter().map(|g| g.evaluation.indices.get(index));
+        values.any(|value| value.is_some())
+    };
+    let all: Vec<Index> = Index::ALL.into_iter().filter(|index| has(*index)).collect();
+    let names = all.iter().map(|index| match IndexUnit::of(*index).unit {
+        "" => index_name(*index),
+        unit => format!("{} [{unit}]", index_name(*index)),
+    });
+    let caption =
+        "All indices; the lower, the better, unless said otherwise; – where one does not exist";
+    let mut table = DataTable::of(caption, "index", names);
+    for group in groups {
+        let name = visible(&group.evaluation.name);
+        table = table.words(name, |i| {
+            let below = format!("{}/indices/{}", group.at, all[i].as_str());
+            index_number(given, all[i], &below).bare().into()
         });
-        let cells = cells.chain([Text::from(index.meaning())]);
-        let unit = match IndexUnit::of(index).unit {
-            "" => String::new(),
-            unit => format!(" [{unit}]"),
-        };
-        table.row(format!("{}{unit}", index_name(index)), cells);
     }
-    table
+    table.words("what it is", |i| all[i].meaning().into())
+}
+
+/// k(J_N) posture by posture; `None` without any.
+fn dexterity(given: &Given<'_>, group: &Worth<'_>) -> Option<DataTable> {
+    let known = &group.evaluation.k_jn;
+    known.iter().flatten().next()?;
+    let caption = format!("k(J_N), Eq. (21): {}", visible(&group.evaluation.name));
+    let names = (0..known.len()).map(|p| name_of(group.posture_names, p));
+    let table = DataTable::of(caption, "posture", names);
+    let number = |p: usize| Some(given.number(&format!("{}/k_jn/{p}", group.at)));
+    Some(table.numbers("k(J_N)", Quantity::RATIO.digits(4), number))
 }

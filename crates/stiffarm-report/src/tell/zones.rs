@@ -1,12 +1,13 @@
-//! The page of `zones`: where dexterity is high and K_C matters little.
+//! What `zones` says: where dexterity is high and K_C matters little.
 
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use super::worth::length_in_words;
+use crate::tell::{Block, DataTable, Given, Section, Text, Told, counted};
 use crate::zones::zones_figure;
 use stiffarm::Result;
-use stiffarm::findings::visible;
+use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::zones::Zones;
+use stiffarm::units::rad_to_shortest_deg;
 
 /// What a result says of `zones`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
@@ -15,9 +16,16 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         *joint = visible(joint).into_owned();
     }
     let [horizontal, vertical] = &zones.joints;
+    let held = zones.held.iter().enumerate();
+    let held = held.filter_map(|(j, q)| Some(format!("q{} = {}", j + 1, degrees((*q)?))));
+    let held: Vec<String> = held.collect();
     let done = Text::new(format!(
-        "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures over {horizontal} and {vertical}, the other joints held; ",
-        zones.postures
+        "Dexterity and the influence of K_C, what the load adds to the stiffness, were mapped at {} postures: {horizontal} \
+         {}, {vertical} {}, with {}; ",
+        zones.postures,
+        ends(&zones.q2),
+        ends(&zones.q3),
+        list(&held)
     ))
     .number(context.number("/within_limits").decimals(0))
     .words(" of them meet the limits of the cell.");
@@ -102,9 +110,34 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         )?);
     }
     let map = Block::Figure(zones_figure(&zones));
-    sections.insert(0, Section::new("zones", "The maps", vec![map]));
+    let mut blocks = vec![map];
+    if let Some(best) = &zones.best {
+        let angles: Vec<String> = best.best_q.iter().map(|q| degrees(*q)).collect();
+        let count = counted(best.posture_count, "posture");
+        blocks.push(Block::Text(Text::new(format!(
+            "The best zone has {count} of the map, with 1/k(J_N) in its upper quarter and both deviations in its lower \
+             half. Its most dexterous posture: {}.",
+            angles.join(", ")
+        ))));
+    }
+    blocks.extend(length_in_words(context).map(Block::Text));
+    sections.insert(0, Section::new("zones", "The maps", blocks).in_summary());
     let heading = "Zones for stiffness identification".to_string();
     let told = context.told(heading, [done, came, next], Some(key), sections);
     let none = "No posture of the map is in a good zone.";
     Ok(told.caution("zones", zones.best.is_none().then_some(none)))
+}
+
+/// An angle \[rad\] in degrees, without digits nobody set.
+fn degrees(angle: f64) -> String {
+    let hundredths = (rad_to_shortest_deg(angle) * 100.0).round() / 100.0;
+    format!("{}°", hundredths + 0.0)
+}
+
+/// From where to where the angles of a map go.
+fn ends(angles: &[f64]) -> String {
+    match angles {
+        [low, .., high] => format!("from {} to {}", degrees(*low), degrees(*high)),
+        _ => String::new(),
+    }
 }

@@ -86,6 +86,25 @@ impl LimitKind {
         }
     }
 
+    /// Few words for a list or the heading of a column.
+    pub fn short(self) -> &'static str {
+        match self {
+            LimitKind::ToolBox => "tool box",
+            LimitKind::Floor => "floor",
+            LimitKind::KeepOut => "keep-out cylinder",
+            LimitKind::WristHeight => "lowest height of the wrist",
+            LimitKind::RopeLength => "length of the rope",
+            LimitKind::Shapes => "shapes",
+            LimitKind::RopeClearance => "rope",
+            LimitKind::RopeCone => "cone of the rope",
+            LimitKind::Incidence => "acceptance angle",
+            LimitKind::Sight => "line of sight",
+            LimitKind::Torque => "torque",
+            LimitKind::SmallestDisplacement => "smallest displacement",
+            LimitKind::LargestDisplacement => "largest displacement",
+        }
+    }
+
     /// True where the margins depend on the load.
     pub fn is_of_load(self) -> bool {
         matches!(

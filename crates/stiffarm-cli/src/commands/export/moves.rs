@@ -1,6 +1,5 @@
 //! How the robot goes through a plan.
 
-use crate::commands::route::kinds_in_words;
 use stiffarm::files::program::{Start, Stop};
 use stiffarm::files::table::is_turned;
 use stiffarm::findings::list;
@@ -99,7 +98,7 @@ impl Driven {
             ),
             true => format!(
                 "The moves between the postures were checked against {} as the cell file has them, and nothing else.{first}",
-                list(&kinds_in_words(&self.checked))
+                list(&self.checked.iter().map(|kind| kind.short()).collect::<Vec<_>>())
             ),
             false => "The moves between the postures are straight in joint space and were not checked for collisions."
                 .to_string(),

@@ -1,11 +1,8 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::commands::wrapped_line;
 use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, write_all};
-use crate::input::Line;
-use crate::numbers::optional;
 use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
@@ -15,16 +12,14 @@ use stiffarm::files::source::NamedCell;
 use stiffarm::files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
 };
-use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::{Planned, Stage};
 use stiffarm::plan::select::RoundReport;
-use stiffarm::units::m_to_mm;
 use stiffarm::{Code, Error, Result};
+use stiffarm_report::tell::{Number, index_quantity};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
 /// What every way to work needs.
@@ -33,8 +28,6 @@ pub(super) struct Job<'a> {
     pub args: &'a SelectArgs,
     pub index: Index,
     pub named: NamedCell,
-    /// Says where the characteristic length had to be computed.
-    pub length_line: String,
     pub outputs: Outputs,
 }
 
@@ -49,49 +42,18 @@ impl Job<'_> {
         (step > 0.0).then_some(step)
     }
 
-    /// First lines of every table.
-    pub fn heading(&self) -> String {
-        let findings = self.findings();
-        let lines = findings.iter().map(|f| wrapped_line(f) + "\n");
-        self.named.line() + &self.length_line + &lines.collect::<String>()
-    }
-
-    /// What to distrust about the robot.
-    pub fn findings(&self) -> Vec<Finding> {
-        robot_doubts(&self.cell().setup.robot)
-    }
-
-    /// Writes the postures as plan, sheet and pictures where these are wanted, and prints the result.
-    pub fn deliver<R: Serialize, O: Serialize>(
-        &self,
-        planned: &Planned<R, O>,
-        table: impl FnOnce() -> String,
-    ) -> Result<()> {
+    /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
+    pub fn deliver<R: Serialize, O: Serialize>(&self, planned: &Planned<R, O>) -> Result<()> {
         self.outputs
             .write_postures(self.session, &planned.cell, &planned.postures)?;
-        self.show(planned, table)
+        self.show(planned)
     }
 
-    /// Prints the result; where a file goes to standard output, the table for
-    /// people goes to standard error.
-    pub fn show<R: Serialize, O: Serialize>(
-        &self,
-        planned: &Planned<R, O>,
-        table: impl FnOnce() -> String,
-    ) -> Result<()> {
-        let Planned {
-            seed,
-            options,
-            result,
-            ..
-        } = planned;
-        let envelope = self.session.envelope("select", *seed, options, result);
-        if self.outputs.use_stdout() {
-            self.session.write_page(&envelope)?;
-            self.session.remark(&table());
-            return Ok(());
-        }
-        self.session.show(&envelope, table)
+    /// Tells the result.
+    pub fn show<R: Serialize, O: Serialize>(&self, planned: &Planned<R, O>) -> Result<()> {
+        let (session, seed) = (self.session, planned.seed);
+        let envelope = session.envelope("select", seed, &planned.options, &planned.result);
+        session.deliver_told(None, &envelope, &self.named, self.args.details)
     }
 
     /// Shows what the work is at.
@@ -105,11 +67,9 @@ impl Job<'_> {
     /// Shows how a search stands after a round.
     fn report(&self, progress: &Progress, round: &RoundReport) {
         let best = round.value.map_or_else(String::new, |value| {
-            format!(
-                ", best {} {}",
-                self.index.as_str(),
-                shown(self.index, value)
-            )
+            let number = Number::computed(value).of(index_quantity(self.index));
+            let number = number.text().replace('\u{a0}', " ");
+            format!(", best {} {number}", self.index.as_str())
         });
         match self.args.budget.rounds {
             Some(of) => progress.report(
@@ -199,13 +159,6 @@ impl Outputs {
         })
     }
 
-    fn use_stdout(&self) -> bool {
-        let sheet = self.sheet.as_ref().map(|(target, _)| target);
-        let own = [&self.main, &self.figure, &self.print].map(Option::as_ref);
-        let mut all = own.into_iter().chain([sheet]).flatten();
-        all.any(Target::is_stdout)
-    }
-
     /// Refuses states of the sheet that no reading under the cell's load cases can have.
     pub fn check_states(&self, cell: &Cell) -> Result<()> {
         if !cell.setup.load.has_cases() {
@@ -269,52 +222,6 @@ impl Outputs {
             Some(target) => write_all(session, &[(target.clone(), text())]),
             None => Ok(()),
         }
-    }
-}
-
-/// Unit of an index in tables.
-fn unit(index: Index) -> &'static str {
-    if index.is_relative_error() {
-        "%"
-    } else if index.is_length() {
-        "mm"
-    } else {
-        ""
-    }
-}
-
-/// A value in the unit of tables, with digits enough to tell it from its bound.
-pub(super) fn number(index: Index, value: Option<f64>) -> String {
-    let in_unit = |value: f64| match unit(index) {
-        "%" => 100.0 * value,
-        "mm" => m_to_mm(value),
-        _ => value,
-    };
-    optional(value.map(in_unit), 4)
-}
-
-/// A value with its unit.
-pub(super) fn shown(index: Index, value: f64) -> String {
-    format!("{} {}", number(index, Some(value)), unit(index))
-        .trim_end()
-        .to_string()
-}
-
-/// Which statistic an index is, behind its value.
-pub(super) fn statistic(index: Index) -> &'static str {
-    match index {
-        Index::ExpectedError => " (RMS over the joints of the standard error by noise alone)",
-        Index::WorstJoint => " (largest standard error of a joint, by noise alone)",
-        Index::DropOne => " (RMS over the joints with the worst posture lost, by noise alone)",
-        _ => "",
-    }
-}
-
-/// A heading with the unit of an index behind it.
-pub(super) fn with_unit(index: Index, heading: &str) -> String {
-    match unit(index) {
-        "" => heading.to_string(),
-        unit => format!("{heading} [{unit}]"),
     }
 }
 

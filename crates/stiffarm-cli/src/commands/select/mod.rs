@@ -2,18 +2,13 @@
 //! to leave out. A file for each of these ways to work.
 
 mod candidates;
-mod certificate;
 mod curve;
 mod drop;
 mod job;
-mod limits;
 mod load;
 mod plan;
-mod sensitivity;
 mod space_filling;
-mod table;
 
-use super::with_length;
 use crate::args::SelectArgs;
 use crate::output::Exit;
 use crate::session::Session;
@@ -25,16 +20,13 @@ use stiffarm::plan::index::Index;
 pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     let index = Index::from_name(&args.index)?;
     let outputs = Outputs::new(session, &args.output)?;
-    let mut named = session.read_cell(&args.cell)?;
+    let named = session.read_cell(&args.cell)?;
     outputs.check_states(&named.cell)?;
-    let (cell, length_line) = with_length(named.cell);
-    named.cell = cell;
     let job = Job {
         session,
         args,
         index,
         named,
-        length_line,
         outputs,
     };
     let mut blocked = false;

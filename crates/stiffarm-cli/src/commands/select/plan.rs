@@ -1,7 +1,7 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
 use super::job::{Job, to_usize};
-use super::{load, table};
+use super::load;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::files::source::Source;
@@ -16,7 +16,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         Ok(plan(job.cell(), &request, &mut watch, control)?.with_forecast())
     })?;
     drop(progress);
-    job.deliver(&planned, || table::plan(job, &request, &planned))?;
+    job.deliver(&planned)?;
     Ok(planned.result.is_blocked())
 }
 

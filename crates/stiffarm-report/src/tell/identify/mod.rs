@@ -10,12 +10,12 @@ mod readings;
 mod stiffness;
 mod story;
 
-use super::{Given, Outcome, Told, arrows};
+use super::{Given, Outcome, Told, arrows, counted, shown};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
 use stiffarm::files::result::SavedResult;
-use stiffarm::findings::{Severity, visible};
+use stiffarm::findings::Severity;
 
 /// Whether a result of `identify` comes from postures with the flange fixed.
 pub(crate) fn is_clamped(saved: &SavedResult) -> bool {
@@ -99,17 +99,4 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
 /// A confidence in percent, without the last bits of a binary fraction.
 fn level(confidence: f64) -> f64 {
     (1e6 * confidence).round() / 1e4
-}
-
-/// `1 posture`, `6 postures`.
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
-/// Names from files as they are shown.
-fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
-    names
-        .into_iter()
-        .map(|name| visible(name).into_owned())
-        .collect()
 }

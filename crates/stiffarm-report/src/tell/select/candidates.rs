@@ -1,31 +1,14 @@
 //! `--candidates`: the best postures out of a list.
 
-use super::super::postures::{name_of, posture_table};
+use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, index_says, worth_sections};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
-use serde::Deserialize;
+use crate::tell::{Block, DataTable, Given, Section, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::select::CandidateSelection;
-use stiffarm::units::deg_to_rad;
+use stiffarm::plan::planned::Chosen;
 
-/// What `select --candidates` writes.
-#[derive(Deserialize)]
-struct Chosen {
-    #[serde(flatten)]
-    selection: CandidateSelection,
-    #[serde(default)]
-    joints: Vec<String>,
-    candidate_names: Vec<String>,
-    #[serde(default)]
-    measured_wrenches: bool,
-    postures_deg: Vec<Vec<f64>>,
-    posture_names: Vec<String>,
-}
-
-/// The part of a page for postures out of a list.
+/// What is said of postures out of a list.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut chosen: Chosen = context.saved.result()?;
     chosen.selection.evaluation.name = "chosen postures".to_string();
@@ -37,8 +20,8 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         false => "",
     };
     let done = Text::new(format!(
-        "Of {} candidates the best {count} were chosen{wrenches}.",
-        chosen.candidate_names.len()
+        "Of {} the best {count} were chosen{wrenches}.",
+        counted(chosen.candidate_names.len(), "candidate")
     ));
     let mut came = Text::new(index_says(index))
         .number(index_number(context, index, "/value"))
@@ -58,6 +41,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             .number(context.number("/efficiency").percent().decimals(1))
             .words(" of what is possible.");
     }
+    if !found.forbidden.is_empty() {
+        let count = counted(found.forbidden.len(), "candidate");
+        came = came.words(format!(" {count} lie outside bounds or limits."));
+    }
     let next = match chosen.measured_wrenches {
         true => Text::new(
             "These are measured already: identify with them alone and compare, or plan more with ",
@@ -74,11 +61,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         context,
         "The chosen postures, controller angles",
         &chosen.posture_names,
-        ("/postures_deg", &chosen.postures_deg),
+        ("/postures_deg", &chosen.postures),
         &[],
     );
-    let angles = chosen.postures_deg.iter();
-    let angles = angles.map(|q| q.iter().copied().map(deg_to_rad).collect());
+    let angles = chosen.postures.iter().cloned();
     let group = PostureGroup::named("chosen postures", &chosen.posture_names, angles);
     let mut sections = vec![context.cell_section(
         &[group],
@@ -91,16 +77,18 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     };
     sections.extend(worth_sections(context, &chosen.joints, &[worth], &[]));
     if !found.forbidden.is_empty() {
-        let mut table = DataTable::new(
-            "Candidates that bounds or limits of the cell forbid",
-            ["candidate", "why"],
-        );
-        for own in &found.forbidden {
-            let name = name_of(&chosen.candidate_names, own.candidate);
-            table.row(name, [Text::from(visible(&own.because).into_owned())]);
-        }
-        let blocks = vec![Block::Table(table)];
-        sections.push(Section::new("forbidden", "Left out", blocks));
+        let names = found.forbidden.iter();
+        let names = names.map(|own| name_of(&chosen.candidate_names, own.candidate));
+        let caption = "Candidates that bounds or limits of the cell forbid";
+        let table = DataTable::of(caption, "candidate", names).words("why", |row| {
+            let why = visible(&found.forbidden[row].because);
+            why.into_owned().into()
+        });
+        let section = Section::new("forbidden", "Left out", vec![Block::Table(table)]);
+        sections.push(match found.forbidden.len() > FEW {
+            true => section,
+            false => section.in_summary(),
+        });
     }
     let verdict = [done, came, next];
     Ok(context.told(

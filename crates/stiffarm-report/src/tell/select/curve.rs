@@ -1,35 +1,17 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
-use super::super::worth::index_number;
-use crate::selection::{CountPoint, IndexUnit, count_figure, index_name};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
-use serde::Deserialize;
+use super::super::worth::{index_number, index_quantity};
+use crate::selection::{CountPoint, count_figure, index_name};
+use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::select::ErrorAtCount;
+use stiffarm::plan::planned::{Curve, CurveSize};
 
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;
 
-/// What `select --curve` writes.
-#[derive(Deserialize)]
-struct Curve {
-    index: Index,
-    sizes: Vec<Size>,
-    certificate_missing: Option<String>,
-}
-
-#[derive(Deserialize)]
-struct Size {
-    #[serde(flatten)]
-    point: ErrorAtCount,
-    gain: Option<f64>,
-    bound: Option<f64>,
-}
-
-/// The part of a page for the best value against the number of postures.
+/// What is said of the best value against the number of postures.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let curve: Curve = context.saved.result()?;
     let (index, sizes) = (curve.index, &curve.sizes);
@@ -45,13 +27,13 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             .number(value(first))
             .words(format!(
                 " with {} to ",
-                counted(sizes[first].point.postures)
+                counted(sizes[first].point.postures, "posture")
             ))
             .number(value(sizes.len() - 1))
-            .words(format!(" with {}.", counted(largest))),
+            .words(format!(" with {}.", counted(largest, "posture"))),
     };
     // From here on no posture more gains much.
-    let is_worth = |size: &Size| size.gain.is_none_or(|gain| gain >= WORTH_MORE);
+    let is_worth = |size: &CurveSize| size.gain.is_none_or(|gain| gain >= WORTH_MORE);
     let enough = sizes
         .iter()
         .rposition(|size| size.gain.is_some() && is_worth(size));
@@ -64,7 +46,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
                 true => Text::new("Even the last posture gains more than a tenth"),
                 false => Text::new(format!(
                     "Beyond {} one more gains less than a tenth",
-                    counted(size.point.postures)
+                    counted(size.point.postures, "posture")
                 )),
             };
             text = text
@@ -76,44 +58,42 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             }
         }
     };
-    let unit = match IndexUnit::of(index).unit {
-        "" => String::new(),
-        unit => format!(" [{unit}]"),
-    };
-    let has_bound = sizes.iter().any(|size| size.bound.is_some());
-    let mut headings = vec![
-        "postures".to_string(),
-        format!("{}{unit}", index_name(index)),
-        "one more gains [%]".to_string(),
-    ];
-    if has_bound {
-        headings.push(format!("no plan below{unit}"));
-        headings.push("of what is possible [%]".to_string());
+    let rows = sizes.iter().map(|size| size.point.postures.to_string());
+    let number = |s: usize, key: &str| Some(context.number(&format!("/sizes/{s}/{key}")));
+    let share = Quantity::new("%", 100.0, Form::Decimals(1));
+    let mut key = DataTable::of(
+        "Best plan found for each number of postures",
+        "postures",
+        rows,
+    )
+    .numbers(&index_name(index), index_quantity(index), |s| {
+        number(s, "value")
+    });
+    if index != Index::ExpectedError {
+        let errors = Quantity::PERCENT.digits(4);
+        key = key.numbers("expected error", errors, |s| number(s, "expected_error"));
     }
-    let mut key = DataTable::new("Best plan found for each number of postures", headings);
-    for (s, size) in sizes.iter().enumerate() {
-        let percent = |key: &str| {
-            let number = context.number(&format!("/sizes/{s}/{key}"));
-            Text::from(number.percent().bare().decimals(1))
-        };
-        let mut cells = vec![Text::from(value(s).bare()), percent("gain")];
-        if has_bound {
-            let bound = index_number(context, index, &format!("/sizes/{s}/bound"));
-            cells.extend([bound.bare().into(), percent("efficiency")]);
-        }
-        key.row(size.point.postures.to_string(), cells);
-    }
+    let key = key
+        .numbers("one more gains", share, |s| number(s, "gain"))
+        .numbers("no plan below", index_quantity(index), |s| {
+            number(s, "bound")
+        })
+        .numbers("of what is possible", share, |s| number(s, "efficiency"));
     let points = sizes.iter().map(|size| CountPoint {
         postures: size.point.postures,
         value: size.point.value,
         bound: size.bound,
     });
     let points: Vec<CountPoint> = points.collect();
-    let mut blocks = vec![Block::Figure(count_figure(index, &points))];
-    if let Some(why) = &curve.certificate_missing {
-        let why = format!("There are no bounds: {}.", visible(why));
-        blocks.push(Block::Text(why.into()));
-    }
+    let blocks = vec![Block::Figure(count_figure(index, &points))];
+    let done = match &curve.certificate_missing {
+        Some(why) => done.words(format!(" There are no bounds: {}.", visible(why))),
+        None => done,
+    };
+    let done = match sizes.iter().any(|size| size.point.value.is_none()) {
+        true => done.words(" –: so few postures cannot determine every joint."),
+        false => done,
+    };
     let sections = vec![Section::new("count", "How many postures", blocks)];
     let verdict = [done, came, next];
     Ok(context.told(
@@ -122,11 +102,4 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         Some(key),
         sections,
     ))
-}
-
-fn counted(count: usize) -> String {
-    match count {
-        1 => "one posture".to_string(),
-        count => format!("{count} postures"),
-    }
 }

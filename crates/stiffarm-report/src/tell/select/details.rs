@@ -1,22 +1,16 @@
 //! Certificate, prices, chosen load and sensitivity of a plan.
 
-use super::super::worth::index_number;
-use super::planned::Plan;
-use crate::selection::{IndexUnit, index_name, sensitivity_figure};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text};
+use super::super::postures::room;
+use super::super::worth::index_quantity;
+use crate::selection::{index_name, sensitivity_figure};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
 use stiffarm::findings::{list, visible};
-use stiffarm::plan::select::{LimitPrice, Spread, WORTH_CHANGING};
+use stiffarm::plan::planned::Plan;
+use stiffarm::plan::select::{LimitPrice, Sensitivity, WORTH_CHANGING};
 
-/// What the bound rests on; `None` where nobody wanted one.
+/// What the bound rests on; `None` where there is none.
 pub(super) fn certificate(plan: &Plan) -> Option<Text> {
-    if let Some(why) = &plan.certificate_missing {
-        return Some(Text::new(format!(
-            "What no plan can go below is not known in full: {}.",
-            visible(why)
-        )));
-    }
     let found = plan.certificate.as_ref()?;
     let (searches, agreeing) = (found.verification.searches, found.verification.agreeing);
     let mut text = Text::new(format!(
@@ -36,133 +30,170 @@ pub(super) fn certificate(plan: &Plan) -> Option<Text> {
 }
 
 /// What is measured more than once.
-pub(super) fn repeats(plan: &Plan) -> Option<Block> {
-    let each: Vec<Text> = plan
-        .repeats
-        .iter()
-        .map(|same| {
-            let names: Vec<String> = same.iter().map(|n| visible(n).into_owned()).collect();
-            Text::new(format!("Postures {} are the same.", list(&names)))
-        })
-        .collect();
-    (!each.is_empty()).then_some(Block::List(each))
+pub(super) fn repeats(given: &Given<'_>, plan: &Plan) -> Vec<Block> {
+    let times = |count: usize| match count {
+        2 => "twice".to_string(),
+        count => format!("{count} times"),
+    };
+    let each = plan.repeats.iter().map(|same| {
+        let names = shown(same);
+        let rest = list(&names[1..]);
+        Text::new(format!(
+            "Measure posture {} {} (it is also {rest}): drive away in between.",
+            names[0],
+            times(names.len())
+        ))
+    });
+    let each: Vec<Text> = each.collect();
+    if each.is_empty() {
+        return Vec::new();
+    }
+    let mut why = Text::new(
+        "Against noise alone they are worth more once again than any other posture; what else may be wrong shows better at \
+         another one",
+    );
+    // That index counts one load.
+    if given.cell.is_none_or(|cell| !cell.setup.load.has_cases()) {
+        why = why.words(" (").code("--index prediction").words(")");
+    }
+    vec![Block::List(each), Block::Text(why.words("."))]
 }
 
 /// What each kind of limit costs.
-pub(super) fn price_table(context: &Given<'_>, plan: &Plan, prices: &[LimitPrice]) -> DataTable {
+pub(super) fn price_table(given: &Given<'_>, plan: &Plan, prices: &[LimitPrice]) -> DataTable {
     let index = plan.selection.index;
-    let unit = match IndexUnit::of(index).unit {
-        "" => String::new(),
-        unit => format!(" [{unit}]"),
-    };
-    let heading = format!("{}{unit}", index_name(index));
-    let mut table = DataTable::new(
-        "The best plan found without each limit",
-        ["without".to_string(), heading, "cost [%]".to_string()],
-    );
-    let own = index_number(context, index, "/value").bare();
-    table.row("nothing: all limits", [own.into(), Text::default()]);
-    for (p, price) in prices.iter().enumerate() {
-        let value = index_number(context, index, &format!("/prices/{p}/value")).bare();
-        let cost = context
-            .number(&format!("/prices/{p}/price"))
-            .percent()
-            .bare();
-        let cells = [value.into(), cost.decimals(2).into()];
-        table.row(price.kind.describe(), cells);
-    }
-    table
+    let kinds = prices.iter().map(|price| price.kind.describe());
+    let rows = std::iter::once("nothing: all limits").chain(kinds);
+    DataTable::of("The best plan found without each limit", "without", rows)
+        .numbers(&index_name(index), index_quantity(index), |row| {
+            Some(match row.checked_sub(1) {
+                Some(p) => given.number(&format!("/prices/{p}/value")),
+                None => given.number("/value"),
+            })
+        })
+        .numbers("cost", Quantity::PERCENT, |row| {
+            let p = row.checked_sub(1)?;
+            Some(given.number(&format!("/prices/{p}/price")))
+        })
 }
 
-/// The load that was chosen together with the postures.
-pub(super) fn load_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
+/// The load that was chosen together with the postures, as lines of the cell file.
+pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
-    let mut table = DataTable::new(
-        "The load that the plan holds for: put it into cell.toml",
-        ["", "x [mm]", "y [mm]", "z [mm]"],
-    );
-    let mut point = |name: &str, key: &str| {
-        let cells = (0..3).map(|i| {
-            let number = context.number(&format!("/load/{key}/{i}"));
-            Text::from(number.mm().bare().decimals(1))
-        });
-        table.row(name, cells);
+    let asked = |key: &str| {
+        let option = given.saved.json.pointer(&format!("/options/load/{key}"));
+        option.is_none_or(|option| !option.is_null())
     };
-    if load.anchor_m.is_some() {
-        point("anchor, base axes", "anchor_m");
+    // A tenth of a millimetre is finer than anybody rigs a rope.
+    let point = |key: &str| {
+        let mm = (0..3).map(|i| room(given.number(&format!("/load/{key}/{i}"))).digits());
+        mm.collect::<Vec<String>>().join(", ").replace('−', "-")
+    };
+    let mut lines = Vec::new();
+    if asked("loading_point_box_m") {
+        lines.push("[tool]".to_string());
+        lines.push(format!("loading_point_mm = [{}]", point("loading_point_m")));
     }
-    point("loading point, flange axes", "loading_point_m");
-    let mut blocks = vec![Block::Table(table)];
-    if load.magnitude_n.is_some() {
-        let size = context.number("/load/magnitude_n").unit("N");
-        blocks.push(Block::Text(
-            Text::new("Size of the force: ").number(size).words("."),
-        ));
+    let newtons = load.magnitude_n.filter(|_| asked("largest_load_n"));
+    let anchor = load.anchor_m.filter(|_| asked("anchor_box_m"));
+    if newtons.is_some() || anchor.is_some() {
+        lines.push("[load]".to_string());
     }
-    Some(Section::new(
-        "load",
-        "The load chosen with the postures",
-        blocks,
-    ))
+    lines.extend(newtons.map(|newtons| format!("magnitude_n = {newtons}")));
+    lines.extend(anchor.map(|_| format!("anchor_mm = [{}]", point("anchor_m"))));
+    let lines = lines.iter().map(|line| Text::default().code(line));
+    let blocks = vec![
+        Block::Text("The plan holds for this load: put these lines into the cell file before anything else.".into()),
+        Block::List(lines.collect()),
+    ];
+    let title = "The load chosen with the postures";
+    Some(Section::new("load", title, blocks).in_summary())
 }
 
 /// Whether wrong assumptions would change the plan.
-pub(super) fn sensitivity_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
+pub(super) fn sensitivity_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
     let found = plan.sensitivity.as_ref()?;
-    let mut blocks = Vec::new();
-    let said = match (found.priors.is_empty(), found.would_change) {
-        (true, _) => Text::new("The index does not use the prior stiffness."),
-        (false, true) => Text::new("With another prior stiffness of one joint ")
-            .strong("another plan would be better")
-            .words(format!(
-                " by more than {} %: identify with this plan, put the result into the cell, and plan again.",
-                100.0 * WORTH_CHANGING
-            )),
-        (false, false) => Text::new("With any one joint's prior stiffness changed, ")
-            .strong("the plan stands")
-            .words(format!(
-                ": no plan found is better by more than {} %.",
-                100.0 * WORTH_CHANGING
-            )),
-    };
-    blocks.push(Block::Text(said));
+    let mut blocks = vec![Block::Text(stands(found))];
     blocks.extend(sensitivity_figure(found).map(Block::Figure));
+    if !found.priors.is_empty() {
+        blocks.push(Block::Table(prior_table(given, found)));
+    }
     let options = &found.options;
     let angle = options.joint_angle_std.to_degrees();
     let point = 1e3 * options.tool_point_std;
     let spreads = [
         (
-            format!("joint angles off by {angle:.3}° (1σ)"),
+            format!("joint angles by {angle:.3}° (1σ)"),
             "postures",
-            &found.postures,
+            found.postures.is_some(),
         ),
         (
-            format!("loading and measuring points off by {point:.2} mm (1σ)"),
+            format!("loading and measuring points by {point:.2} mm (1σ)"),
             "tool_points",
-            &found.tool_points,
+            found.tool_points.is_some(),
         ),
     ];
-    let mut table = DataTable::new(
-        format!(
-            "The index under random errors, as a multiple of the plan's ({} draws)",
-            options.samples
-        ),
-        ["what is off", "mean", "worst"],
+    let caption = format!(
+        "How much worse the index is under random errors ({} draws); – where it does not exist in some of them",
+        options.samples
     );
-    for (name, key, spread) in spreads {
-        let cells = match spread {
-            Some(Spread { .. }) => ["mean", "worst"].map(|which| {
-                let below = format!("/sensitivity/{key}/{which}");
-                Text::from(context.number(&below).decimals(4))
-            }),
-            None => [Text::from("not always determined"), Text::from("–")],
-        };
-        table.row(name, cells);
-    }
+    let worse = |key: &'static str| {
+        let spreads = &spreads;
+        move |row: usize| {
+            let (_, what, is_known) = spreads[row];
+            let ratio = given.number(&format!("/sensitivity/{what}/{key}")).value?;
+            is_known.then(|| Number::computed(ratio - 1.0))
+        }
+    };
+    let names = spreads.iter().map(|(name, ..)| name.clone());
+    let table = DataTable::of(caption, "what is off", names)
+        .numbers("on average", Quantity::PERCENT, worse("mean"))
+        .numbers("at worst", Quantity::PERCENT, worse("worst"));
     blocks.push(Block::Table(table));
-    Some(Section::new(
-        "sensitivity",
-        "If assumptions are wrong",
-        blocks,
-    ))
+    let section = Section::new("sensitivity", "If assumptions are wrong", blocks);
+    Some(section.in_summary())
+}
+
+/// Whether another plan would be better with another prior stiffness.
+fn stands(found: &Sensitivity) -> Text {
+    let share = 100.0 * WORTH_CHANGING;
+    let unknown = found.priors.iter().find(|case| case.value.is_none());
+    if found.priors.is_empty() {
+        return "The index does not use the prior stiffness.".into();
+    }
+    if let Some(case) = unknown {
+        return Text::new(format!(
+            "With {} at {} times its prior stiffness the index of this plan does not exist: ",
+            visible(&case.joint),
+            case.factor
+        ))
+        .strong("another plan would be better")
+        .words(".");
+    }
+    if found.would_change {
+        return Text::new("With another prior stiffness of one joint ")
+            .strong("another plan would be better")
+            .words(format!(
+                " by more than {share} %: identify with this plan, put the result into the cell, and plan again."
+            ));
+    }
+    Text::new("With any one joint's prior stiffness changed, ")
+        .strong("the plan stands")
+        .words(format!(": no plan found is better by more than {share} %."))
+}
+
+/// The plan and the best one found with other prior stiffness, joint by joint.
+fn prior_table(given: &Given<'_>, found: &Sensitivity) -> DataTable {
+    let number =
+        |row: usize, key: &str| Some(given.number(&format!("/sensitivity/priors/{row}/{key}")));
+    let quantity = index_quantity(found.index);
+    let names = found.priors.iter();
+    let names = names.map(|case| visible(&case.joint).into_owned());
+    DataTable::of("The plan with other prior stiffness", "joint", names)
+        .words("its prior k", |row| {
+            format!("× {}", found.priors[row].factor).into()
+        })
+        .numbers("this plan", quantity, |row| number(row, "value"))
+        .numbers("best found", quantity, |row| number(row, "best"))
+        .numbers("loss", Quantity::PERCENT, |row| number(row, "loss"))
 }

@@ -1,29 +1,15 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::super::postures::name_of;
-use super::super::worth::{index_number, index_says};
-use crate::selection::{IndexUnit, index_name, worth_figure};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
-use serde::Deserialize;
+use super::super::worth::{index_number, index_quantity, index_says};
+use crate::selection::{index_name, worth_figure};
+use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Text, Told, shown};
 use stiffarm::Result;
-use stiffarm::findings::{list, visible};
+use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::select::Dropped;
-use stiffarm::units::deg_to_rad;
+use stiffarm::plan::planned::DropResult;
 
-/// What `select --drop` writes.
-#[derive(Deserialize)]
-struct DropResult {
-    #[serde(default)]
-    posture_names: Vec<String>,
-    #[serde(default)]
-    postures_deg: Vec<Vec<f64>>,
-    #[serde(flatten)]
-    dropped: Dropped,
-}
-
-/// The part of a page for postures of which some are left out.
+/// What is said of postures of which some are left out.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let result: DropResult = context.saved.result()?;
     let dropped = &result.dropped;
@@ -55,46 +41,32 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         "Measure the other {}, where that loss is worth the time saved; else keep them all.",
         dropped.kept.len()
     ));
-    let unit = match IndexUnit::of(index).unit {
-        "" => String::new(),
-        unit => format!(" [{unit}]"),
-    };
-    let mut key = DataTable::new(
+    let worth = &dropped.values;
+    let rows = worth.iter();
+    let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
+    let number = |v: usize, key: &str| Some(context.number(&format!("/worth/{v}/{key}")));
+    let without = format!("{} without it", index_name(index));
+    let loss = Quantity::new("%", 100.0, Form::Decimals(2));
+    let key = DataTable::of(
         "What is lost without one posture, the least first",
-        [
-            "posture".to_string(),
-            format!("{} without it{unit}", index_name(index)),
-            "loss [%]".to_string(),
-            "verdict".to_string(),
-        ],
-    );
-    for (v, value) in dropped.values.iter().enumerate() {
-        let verdict = match (dropped.dropped.contains(&value.posture), value.loss) {
-            (true, _) => Text::default().strong("leave out"),
-            (false, None) => Text::from("needed: a joint is undetermined without it"),
-            (false, Some(_)) => Text::from("keep"),
-        };
-        let cells = [
-            index_number(context, index, &format!("/worth/{v}/value"))
-                .bare()
-                .into(),
-            context
-                .number(&format!("/worth/{v}/loss"))
-                .percent()
-                .bare()
-                .decimals(2)
-                .into(),
-            verdict,
-        ];
-        key.row(name_of(&result.posture_names, value.posture), cells);
-    }
+        "posture",
+        rows,
+    )
+    .numbers(&without, index_quantity(index), |v| number(v, "value"))
+    .numbers("loss", loss, |v| number(v, "loss"))
+    .words("verdict", |v| match worth[v].loss {
+        _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
+        None => "needed: a joint is undetermined without it".into(),
+        Some(_) => "keep".into(),
+    });
     let mut sections = Vec::new();
     let group = |name: &str, positions: &[usize]| {
-        let angles = positions.iter().filter_map(|p| result.postures_deg.get(*p));
-        let angles = angles.map(|q| q.iter().copied().map(deg_to_rad).collect());
+        let angles = positions
+            .iter()
+            .filter_map(|p| result.postures.get(*p).cloned());
         PostureGroup::named(name, &names(positions), angles)
     };
-    if !result.postures_deg.is_empty() {
+    if !result.postures.is_empty() {
         let groups = [
             group("postures that stay", &dropped.kept),
             group("left out", &dropped.dropped),
@@ -104,12 +76,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             "Step through the postures that stay, and lay those that are left out over them.",
         )?);
     }
-    let shown: Vec<String> = result
-        .posture_names
-        .iter()
-        .map(|name| visible(name).into_owned())
-        .collect();
-    let figure = worth_figure(&dropped.values, &shown);
+    let figure = worth_figure(&dropped.values, &shown(&result.posture_names));
     sections.push(Section::new(
         "worth",
         "What each posture is worth",

@@ -1,11 +1,10 @@
-//! The pages of `select`, a file for each way to work.
+//! What `select` says, a file for each way to work.
 
 mod candidates;
 mod curve;
 mod details;
 mod drop;
 mod plan;
-mod planned;
 mod space_filling;
 mod story;
 

@@ -1,27 +1,25 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
-use super::super::postures::{FEW, limit_table, posture_table, route_section};
-use super::super::worth::{
-    UNSURE, Worth, is_beyond_first_order, joint_names, level, worth_sections,
+use super::super::postures::{
+    FEW, hides_points, limit_table, near_singular, posture_table, route_section,
 };
-use super::planned::Plan;
+use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, worth_sections};
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
-use stiffarm::Result;
-use stiffarm::findings::visible;
+use crate::tell::{Block, Given, Section, Told};
+use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::index::Index;
+use stiffarm::plan::planned::Plan;
+use stiffarm::{Result, Termination};
 
 /// The part of a page for a plan.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut plan: Plan = context.saved.result()?;
-    if let Some(evaluation) = &mut plan.evaluation {
-        evaluation.name = match plan.given_names.is_empty() {
-            true => "the plan".to_string(),
-            false => "given and new".to_string(),
-        };
-    }
+    plan.evaluation.name = match plan.given_names.is_empty() {
+        true => "the plan".to_string(),
+        false => "given and new".to_string(),
+    };
     // The plan holds for the load that was chosen with it.
     let with_load = plan.selection.load.as_ref().zip(context.cell);
     let with_load = with_load.map(|(load, cell)| load.applied(cell));
@@ -37,43 +35,41 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         ("/postures_deg", &plan.selection.group),
         &plan.selection.limits,
     );
-    let joints = joint_table(context, &plan);
-    let (key, folded) = match joints {
-        Some(joints) if count > FEW => (joints, Some(postures)),
-        Some(joints) => (postures, Some(joints)),
-        None => (postures, None),
-    };
+    let names: Vec<String> = plan
+        .given_names
+        .iter()
+        .chain(&plan.posture_names)
+        .cloned()
+        .collect();
+    let groups = worth(&plan, &names);
+    let bounds = plan.joint_efficiencies.as_deref().unwrap_or_default();
+    let mut shown = worth_sections(context, &plan.joints, &groups, bounds);
     let mut sections = vec![cell_section(context, &plan)?];
-    let mut shown = worth(context, &plan);
-    if let Some(folded) = folded {
-        match count > FEW {
-            true => sections.push(Section::new(
-                "postures",
-                "The postures",
-                vec![Block::Table(folded)],
-            )),
-            false => {
-                // The bound of each joint beside its error.
-                if let Some(section) = shown.first_mut().filter(|s| s.id == "expected") {
-                    section.blocks.truncate(1);
-                    section.blocks.push(Block::Table(folded));
-                }
-            }
+    let key = match joint_table(context, &plan.joints, &groups, bounds) {
+        // Of a long plan the joints are read first.
+        Some(joints) if count > FEW => {
+            let postures = vec![Block::Table(postures)];
+            sections.push(Section::new("postures", "The postures", postures).in_summary());
+            let expected = &mut shown[0].blocks;
+            expected.retain(|block| !matches!(block, Block::Table(_)));
+            joints
         }
-    }
-    let indices: Vec<Section> = shown.drain(shown.len().min(1)..).collect();
-    sections.append(&mut shown);
-    sections.extend(search_section(&plan));
-    sections.extend(limit_section(context, &plan));
-    let route = plan.route.as_ref();
-    let way = route.and_then(|route| route_section(context, &plan.posture_names, route));
+        _ => postures,
+    };
+    let rest = shown.split_off(usize::from(shown[0].id == "expected"));
+    sections.extend(shown);
+    let way = route_section(context, &plan.posture_names, &plan.route, "/route");
     sections.extend(way.map(|mut section| {
-        section.blocks.extend(details::repeats(&plan));
+        let near = near_singular(&plan.posture_names, &plan.evaluation);
+        section.blocks.extend(near.map(Block::Text));
+        section.blocks.extend(details::repeats(context, &plan));
         section
     }));
     sections.extend(details::load_section(context, &plan));
+    sections.extend(search_section(&plan));
+    sections.extend(limit_section(context, &plan));
     sections.extend(details::sensitivity_section(context, &plan));
-    sections.extend(indices);
+    sections.extend(rest);
     let heading = match (plan.given_names.is_empty(), count) {
         (false, _) => "Further postures to measure".to_string(),
         (true, 1) => "Plan of one posture".to_string(),
@@ -81,90 +77,36 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     };
     let mut told = context.told(heading, story::verdict(context, &plan), Some(key), sections);
     if let Some(cell) = context.cell {
-        told.add_findings(cell.posture_findings(&plan.postures()));
+        let group = PostureGroup::named("", &plan.posture_names, plan.selection.group.clone());
+        told.add_findings(cell.posture_findings(&group.postures));
+        told.add_findings(cell.setup.robot.limits_are_unknown().then(|| {
+            let sentence = "The machine's limits are not known (±360° stand in): compare the postures with the machine \
+                            before driving them.";
+            Finding::new("unknown-limits", Severity::Caution, "robot.limits_deg", sentence)
+        }));
     }
-    let unsure = plan.evaluation.as_ref().is_some_and(is_beyond_first_order);
+    let sizes = plan.evaluation.indices.prediction_sizes;
+    if let (Index::Prediction, Some(sizes)) = (plan.selection.index, sizes) {
+        let sentence = format!("The index prediction takes {}.", sizes.in_words());
+        told.verdict[1] = std::mem::take(&mut told.verdict[1]).words(format!(" {sentence}"));
+    }
+    let unsure = is_beyond_first_order(&plan.evaluation);
     Ok(told.caution("select", unsure.then_some(UNSURE)))
 }
 
-fn worth(context: &Given<'_>, plan: &Plan) -> Vec<Section> {
-    let Some(after) = &plan.evaluation else {
-        return Vec::new();
-    };
-    let mut groups = Vec::new();
-    if let Some(before) = &plan.before {
-        groups.push(Worth {
-            at: "/before".to_string(),
-            evaluation: &before.evaluation,
-            posture_names: &before.posture_names,
-        });
-    }
-    let given = plan.given_names.iter();
-    let names: Vec<String> = given.chain(&plan.posture_names).cloned().collect();
-    groups.push(Worth {
-        at: "/evaluation".to_string(),
-        evaluation: after,
-        posture_names: &names,
+/// What was there before and what there is with the plan.
+fn worth<'a>(plan: &'a Plan, names: &'a [String]) -> Vec<Worth<'a>> {
+    let before = plan.before.as_ref().map(|before| Worth {
+        at: "/before".to_string(),
+        evaluation: &before.evaluation,
+        posture_names: &before.posture_names,
     });
-    let bounds = plan.joint_efficiencies.iter().flatten().map(|j| j.bound);
-    let bounds: Vec<f64> = bounds.collect();
-    worth_sections(context, &plan.joints, &groups, &bounds)
-}
-
-/// What each joint can be expected to have, with its bound.
-fn joint_table(context: &Given<'_>, plan: &Plan) -> Option<DataTable> {
-    let evaluation = plan.evaluation.as_ref()?;
-    if evaluation
-        .relative_standard_error
-        .iter()
-        .all(Option::is_none)
-    {
-        return None;
-    }
-    let bounds = plan.joint_efficiencies.as_ref();
-    let before = plan.before.as_ref();
-    let mut headings = vec!["joint".to_string()];
-    headings.extend(before.map(|b| format!("{} [± %]", visible(&b.evaluation.name))));
-    headings.push(format!("{} [± %]", visible(&evaluation.name)));
-    if bounds.is_some() {
-        headings.extend([
-            "no plan below [± %]".to_string(),
-            "of what is possible [%]".to_string(),
-        ]);
-    }
-    let forecast = evaluation.forecast.as_ref();
-    headings.extend(forecast.map(|_| "identified [± %]".to_string()));
-    let title = match forecast {
-        Some(found) => format!(
-            "Expected relative standard error of the joint stiffness by noise alone, and the ± at {} % that identify will \
-             print with systematic errors",
-            level(found.confidence)
-        ),
-        None => {
-            "Expected relative standard error of the joint stiffness by noise alone".to_string()
-        }
+    let after = Worth {
+        at: "/evaluation".to_string(),
+        evaluation: &plan.evaluation,
+        posture_names: names,
     };
-    let mut table = DataTable::new(title, headings);
-    let percent =
-        |below: String| Text::from(context.number(&below).percent().bare().significant(3));
-    for (j, joint) in joint_names(&plan.joints, evaluation).iter().enumerate() {
-        let mut cells = Vec::new();
-        if before.is_some() {
-            cells.push(percent(format!("/before/relative_standard_error/{j}")));
-        }
-        cells.push(percent(format!("/evaluation/relative_standard_error/{j}")));
-        if bounds.is_some() {
-            cells.push(percent(format!("/joint_efficiencies/{j}/bound")));
-            let efficiency = context.number(&format!("/joint_efficiencies/{j}/efficiency"));
-            cells.push(efficiency.percent().bare().decimals(1).into());
-        }
-        if forecast.is_some() {
-            let total = context.number(&format!("/evaluation/forecast/total/{j}"));
-            cells.push(total.percent().bare().significant(2).into());
-        }
-        table.row(joint.clone(), cells);
-    }
-    Some(table)
+    before.into_iter().chain([after]).collect()
 }
 
 /// The cell with the plan in measuring order; what was there before is laid over it.
@@ -196,14 +138,29 @@ fn search_section(plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
     blocks.extend(convergence_figure(&plan.selection, bound).map(Block::Figure));
     blocks.extend(details::certificate(plan).map(Block::Text));
-    (!blocks.is_empty()).then(|| Section::new("search", "How far the search came", blocks))
+    if blocks.is_empty() {
+        return None;
+    }
+    let section = Section::new("search", "How far the search came", blocks);
+    let doubtful = plan.certificate.as_ref().is_some_and(|found| {
+        let tight = found.termination == Termination::Converged && found.outside.is_empty();
+        !tight || found.verification.doubt().is_some()
+    });
+    Some(match doubtful {
+        true => section.in_summary(),
+        false => section,
+    })
 }
 
 fn limit_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
-    if let Some(prices) = plan.prices.as_ref().filter(|prices| !prices.is_empty()) {
+    let priced = plan.prices.as_ref().filter(|prices| !prices.is_empty());
+    if let Some(prices) = priced {
         blocks.push(Block::Figure(price_figure(prices)));
         blocks.push(Block::Table(details::price_table(context, plan, prices)));
+        blocks.push(Block::Text(
+            "Each row is a search of its own; a difference of a few tenths of a per cent may be its luck.".into(),
+        ));
     }
     let wanted = context.saved.json.pointer("/options/prices");
     if plan.prices.is_none() && wanted == Some(&serde_json::Value::Bool(true)) {
@@ -212,11 +169,24 @@ fn limit_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
         ));
     }
     let limits = &plan.selection.limits;
+    if hides_points(context, limits) {
+        blocks.push(Block::Text(
+            "The tracker does not see every point. Hidden points count in the index as if they were read: the plan is a \
+             little worse than it says."
+                .into(),
+        ));
+    }
+    let is_short = blocks.is_empty();
     if let Some(table) = limit_table(context, &plan.posture_names, limits) {
         blocks.push(Block::Details(
             "The room that every limit leaves".to_string(),
             vec![Block::Table(table)],
         ));
     }
-    (!blocks.is_empty()).then(|| Section::new("limits", "The limits", blocks))
+    let section = Section::new("limits", "The limits", blocks);
+    match section.blocks.len() {
+        0 => None,
+        _ if is_short => Some(section),
+        _ => Some(section.in_summary()),
+    }
 }

@@ -1,52 +1,42 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
-use super::super::postures::{posture_table, route_section};
+use super::super::postures::{near_singular, posture_table, room, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::Given;
-use crate::tell::{Text, Told};
-use serde::Deserialize;
-use stiffarm::Result;
-use stiffarm::findings::{list, visible};
+use crate::tell::{Block, Given, Text, Told, counted, shown};
+use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::GroupEvaluation;
-use stiffarm::plan::route::Route;
-use stiffarm::units::deg_to_rad;
+use stiffarm::plan::planned::SpaceFillingPlan;
+use stiffarm::{Result, Termination};
 
-/// What `select --space-filling` writes.
-#[derive(Deserialize)]
-struct SpaceFilling {
-    #[serde(default)]
-    joints: Vec<String>,
-    postures_deg: Vec<Vec<f64>>,
-    posture_names: Vec<String>,
-    smallest_distance: Option<f64>,
-    evaluation: GroupEvaluation,
-    route: Option<Route>,
-}
-
-/// The part of a page for evenly spread postures.
+/// What is said of evenly spread postures.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let result: SpaceFilling = context.saved.result()?;
+    let result: SpaceFillingPlan = context.saved.result()?;
     let evaluation = &result.evaluation;
     let mut done = Text::new(format!(
-        "{} postures were spread evenly over the joint space, without any index",
-        result.posture_names.len()
+        "{} spread evenly over the joint space, without any index",
+        counted(result.posture_names.len(), "posture")
     ));
     if result.smallest_distance.is_some() {
         done = done
             .words("; the nearest two are ")
             .number(context.number("/smallest_distance").significant(3))
-            .words(" of the joints' ranges apart");
+            .words(" of the joints' ranges apart (root of the sum of squares)");
     }
     done = done.words(".");
+    if result.smallest_margin_m.is_some() {
+        let margin = room(context.number("/smallest_margin_m"));
+        done = done
+            .words(" The smallest margin to the cell's limits is ")
+            .number(margin)
+            .words(".");
+    }
+    if result.termination == Termination::Interrupted {
+        done = done.words(" It was stopped: more exchanges may spread them further.");
+    }
     let undetermined = &evaluation.undetermined_joints;
     let came = if !undetermined.is_empty() {
-        let names: Vec<String> = undetermined
-            .iter()
-            .map(|n| visible(n).into_owned())
-            .collect();
         Text::new("They cannot determine ")
-            .strong(list(&names))
+            .strong(list(&shown(undetermined)))
             .words(".")
     } else if evaluation.indices.expected_error.is_some() {
         let error = context.number("/evaluation/indices/expected_error");
@@ -74,11 +64,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         context,
         "The postures in measuring order, controller angles",
         &result.posture_names,
-        ("/postures_deg", &result.postures_deg),
+        ("/postures_deg", &result.postures),
         &[],
     );
-    let angles = result.postures_deg.iter();
-    let angles = angles.map(|q| q.iter().copied().map(deg_to_rad).collect());
+    let angles = result.postures.iter().cloned();
     let group = PostureGroup::named("space-filling", &result.posture_names, angles);
     let mut sections = vec![context.cell_section(
         &[group],
@@ -90,8 +79,12 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         posture_names: &result.posture_names,
     };
     sections.extend(worth_sections(context, &result.joints, &[worth], &[]));
-    let route = result.route.as_ref();
-    sections.extend(route.and_then(|route| route_section(context, &result.posture_names, route)));
+    let way = route_section(context, &result.posture_names, &result.route, "/route");
+    sections.extend(way.map(|mut section| {
+        let near = near_singular(&result.posture_names, evaluation);
+        section.blocks.extend(near.map(Block::Text));
+        section
+    }));
     let verdict = [done, came, next];
     let told = context.told(
         "Evenly spread postures".to_string(),

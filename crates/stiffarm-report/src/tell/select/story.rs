@@ -1,12 +1,12 @@
 //! The story of a plan in three sentences.
 
 use super::super::worth::{index_number, index_says, is_beyond_first_order, least_sure};
-use super::planned::Plan;
 use crate::tell::Given;
 use crate::tell::Text;
 use stiffarm::Termination;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
+use stiffarm::plan::planned::Plan;
 use stiffarm::plan::select::different;
 
 /// Below this share of what is possible a longer search is worth its time.
@@ -70,10 +70,28 @@ fn done(context: &Given<'_>, plan: &Plan) -> Text {
         Termination::TimeLimit => ", until the time was over",
         _ => "",
     };
-    Text::new(format!(
+    let text = Text::new(format!(
         "{}{beside} {were} chosen inside the cell's limits by {searches}{ended}.",
         counted(plan)
-    ))
+    ));
+    let is_cut = matches!(
+        plan.selection.termination,
+        Termination::Interrupted | Termination::TimeLimit
+    );
+    match plan.selection.rounds {
+        Some(0) if is_cut => {
+            text.words(" It was stopped in the first round, which cannot be repeated.")
+        }
+        Some(rounds) if is_cut => {
+            let again = format!("--rounds {rounds}");
+            text.words(" ").code(again).words(" repeats it.")
+        }
+        Some(_) if plan.selection.index.has_many_local_minima() => text
+            .words(" This index has many local minima: another ")
+            .code("--seed")
+            .words(" may find a better plan."),
+        _ => text,
+    }
 }
 
 fn came(context: &Given<'_>, plan: &Plan) -> Text {
@@ -118,10 +136,14 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
             )
             .words(" of what is possible.");
     }
-    if let Some(evaluation) = plan.evaluation.as_ref() {
-        text = text.then(least_sure(context, "/evaluation", evaluation, &plan.joints));
+    if let Some(why) = &plan.certificate_missing {
+        text = text.words(format!(
+            " What no plan can go below is not known in full: {}.",
+            visible(why)
+        ));
     }
-    text.words(on_limits(context))
+    let least = least_sure(context, "/evaluation", &plan.evaluation, &plan.joints);
+    text.then(least).words(on_limits(context))
 }
 
 /// What to do depends on what is worst about the plan.
@@ -140,7 +162,7 @@ fn next(context: &Given<'_>, plan: &Plan) -> Text {
             "Rig the load as listed below and put it into the cell file first: the plan holds for it alone. Then measure.",
         );
     }
-    if plan.evaluation.as_ref().is_some_and(is_beyond_first_order) {
+    if is_beyond_first_order(&plan.evaluation) {
         let index = plan.selection.index;
         if !index.is_relative_error() && !index.is_length() {
             return Text::new(

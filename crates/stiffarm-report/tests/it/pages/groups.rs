@@ -1,4 +1,4 @@
-//! Pages of `evaluate`, `simulate` and `zones`.
+//! Pages of `check`, `route`, `evaluate`, `simulate` and `zones`.
 
 use super::{figures, html, page, saved, story};
 use serde_json::json;
@@ -7,7 +7,9 @@ use stiffarm::estimate::simulate::{SimulationOptions, simulate};
 use stiffarm::files::builtin;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
+use stiffarm::plan::check::check;
 use stiffarm::plan::index::EvaluatedGroup;
+use stiffarm::plan::route::{RouteOptions, route};
 use stiffarm::plan::zones::{ZoneOptions, zones};
 
 #[test]
@@ -107,4 +109,48 @@ fn zones_say_where_to_measure() {
     assert_eq!(came.starts_with("The best zone"), best.is_some(), "{came}");
     assert_eq!(figures(&shown), ["zones"]);
     html(&shown);
+}
+
+#[test]
+fn a_cell_says_what_it_is_and_what_to_look_at() {
+    let mut cell = builtin::cell("comau").unwrap();
+    let value = serde_json::to_value(check(&cell).unwrap()).unwrap();
+    let shown = page(&saved("check", None, &value), Some(&cell));
+    let [done, came, next] = story(&shown);
+    assert!(done.contains("postures spread over its bounds"), "{done}");
+    assert!(came.starts_with("The cell can be used"), "{came}");
+    assert!(next.contains("stiffarm select"), "{next}");
+    let text = html(&shown);
+    assert!(text.contains("towards the anchor (1800, 0, 0) mm"));
+    assert!(text.contains("<div class=\"scene\""));
+    // The rope's force goes through the axis of joint 6, and the only measuring point lies on it.
+    cell.setup.tool.loading_point.x = 0.0;
+    cell.setup.tool.loading_point.y = 0.0;
+    cell.setup.tool.measuring_points.truncate(1);
+    cell.setup.tool.measuring_points[0].position.x = 0.0;
+    cell.setup.tool.measuring_points[0].position.y = 0.0;
+    let value = serde_json::to_value(check(&cell).unwrap()).unwrap();
+    let shown = page(&saved("check", None, &value), None);
+    let [_, came, _] = story(&shown);
+    assert_eq!(came, "The cell cannot be used as it is.");
+    let rows = &shown.parts[0].key.as_ref().unwrap().rows;
+    assert_eq!(rows[5].last().unwrap().plain(), "not determined");
+}
+
+#[test]
+fn a_route_says_which_moves_are_free() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    let group = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
+    let angles: Vec<Vec<f64>> = group.into_iter().map(|posture| posture.q).collect();
+    let found = route(&cell, &angles, &RouteOptions::default(), Control::default()).unwrap();
+    let mut value = serde_json::to_value(&found).unwrap();
+    value["posture_names"] = json!(["1", "2", "3", "4", "5", "6"]);
+    value["findings"] = json!([]);
+    let [_, came, next] = story(&page(&saved("route", None, &value), Some(&cell)));
+    assert_eq!(came, "5 moves, every one of them free.");
+    assert!(next.contains("stiffarm export"), "{next}");
+    value["moves"][0]["free"] = json!(false);
+    let [_, came, next] = story(&page(&saved("route", None, &value), None));
+    assert_eq!(came, "No free way was found for 1 of 5 moves.");
+    assert!(next.starts_with("Teach a way of your own"), "{next}");
 }

@@ -182,6 +182,7 @@ fn postures_left_out_are_named_with_their_loss() {
     let angles: Vec<Vec<f64>> = group.postures.iter().map(|p| degrees(&p.q)).collect();
     value["posture_names"] = json!(names);
     value["postures_deg"] = json!(angles);
+    value["findings"] = json!([]);
     let shown = page(&saved("select", Some("drop"), &value), Some(&cell));
     let [done, came, _] = story(&shown);
     assert!(done.contains("every way"), "{done}");

@@ -1,0 +1,271 @@
+//! What `check` says: what to know about a cell before anybody measures in it.
+
+use super::postures::room;
+use crate::cell::usual_posture;
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
+use stiffarm::Result;
+use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::model::cell::{Cell, Noise};
+use stiffarm::model::load::{Axes, Load, Wrench};
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::check::CellCheck;
+use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
+
+/// What a result says of `check`.
+pub(super) fn told(given: &Given<'_>) -> Result<Told> {
+    let check: CellCheck = given.saved.result()?;
+    let done = Text::new("The cell was looked at in ")
+        .number(given.number("/postures_sampled").decimals(0))
+        .words(" postures spread over its bounds; ")
+        .number(given.number("/postures_within_limits").decimals(0))
+        .words(" of them meet its limits.");
+    let of = |severity: Severity| {
+        check
+            .findings
+            .iter()
+            .filter(move |f| f.severity == severity)
+    };
+    let cautions = of(Severity::Caution).count();
+    let came = if check.is_serious() {
+        Text::default().strong("The cell cannot be used as it is.")
+    } else if cautions > 0 {
+        let things = counted(cautions, "thing");
+        Text::new(format!("The cell can be used; {things} to look at."))
+    } else if check.findings.is_empty() {
+        Text::default().strong("Nothing to complain about.")
+    } else {
+        Text::new("The cell can be used; see the notes.")
+    };
+    let next = match check.is_serious() {
+        true => Text::new("Correct the cell file, and check it again."),
+        false => Text::new("Choose the postures to measure with ")
+            .code("stiffarm select")
+            .words("."),
+    };
+    let mut sections = Vec::new();
+    if let Some(cell) = given.cell {
+        sections
+            .push(Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary());
+        if given.pictures {
+            let group = match cell.validation.is_empty() {
+                true => vec![usual_posture(cell)?],
+                false => cell.validation.clone(),
+            };
+            let group = PostureGroup {
+                name: "the cell".to_string(),
+                postures: group,
+            };
+            sections.push(given.cell_section(&[group], "The cell as its file describes it.")?);
+        }
+    }
+    let notes: Vec<Finding> = of(Severity::Note).cloned().collect();
+    if !notes.is_empty() {
+        let notes = vec![Block::Findings(notes)];
+        sections.push(Section::new("notes", "Notes", notes).in_summary());
+    }
+    let key = joints(given, &check);
+    let heading = "The cell before measuring".to_string();
+    let mut told = given.told(heading, [done, came, next], Some(key), sections);
+    // They stand in a section of their own.
+    told.findings
+        .retain(|found| found.severity != Severity::Note);
+    Ok(told)
+}
+
+/// The joints with what the load does to them.
+fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
+    let robot = given.cell.map(|cell| cell.setup.robot.joints());
+    let range = |range: [f64; 2]| {
+        let [low, high] = range.map(rad_to_shortest_deg);
+        Text::from(format!("{low} to {high}"))
+    };
+    let names = check.joints.iter();
+    let names = names.map(|joint| visible(&joint.name).into_owned());
+    let number = |j: usize, key: &str| Some(given.number(&format!("/joints/{j}/{key}")));
+    DataTable::of(
+        "The joints, and the most that the load does to each",
+        "joint",
+        names,
+    )
+    .words("bounds [°]", |j| {
+        let bounds = given.cell.and_then(|cell| cell.bounds.get(j));
+        bounds.map_or_else(Text::default, |bounds| range(*bounds))
+    })
+    .words("machine limits [°]", |j| {
+        let joint = robot.and_then(|joints| joints.get(j));
+        joint.map_or_else(Text::default, |joint| range(joint.limits))
+    })
+    .numbers("prior k", Quantity::STIFFNESS, |j| {
+        let prior = given.cell?.prior.as_ref()?;
+        Some(Number::computed(*prior.get(j)?))
+    })
+    .numbers("torque", Quantity::TORQUE, |j| {
+        number(j, "largest_torque_nm")
+    })
+    .numbers(
+        "share of a displacement",
+        Quantity::new("mm", 1e3, Form::Significant(3)),
+        |j| number(j, "largest_displacement_m"),
+    )
+    .words("", |j| match check.joints[j].determined {
+        true => Text::default(),
+        false => Text::default().strong("not determined"),
+    })
+}
+
+/// The set-up, a row for each part.
+fn setup(cell: &Cell) -> DataTable {
+    let tool = &cell.setup.tool;
+    let flange = |position: &[f64]| format!("({}) mm, flange axes", point(position));
+    let mut rows: Vec<(&str, String)> = vec![
+        ("robot", cell.setup.robot.name().to_string()),
+        ("loading point", flange(tool.loading_point.as_slice())),
+    ];
+    rows.extend(tool.measuring_points.iter().map(|measuring| {
+        let at = flange(measuring.position.as_slice());
+        ("measuring point", format!("{}: {at}", measuring.name))
+    }));
+    let sensor = match (tool.has_sensor, tool.series_compliance.is_some()) {
+        (true, true) => Some("between flange and reflectors, compliance known"),
+        (true, false) => Some("between flange and reflectors, compliance unknown"),
+        (false, true) => Some("none, but a known compliance between flange and reflectors"),
+        (false, false) => None,
+    };
+    rows.extend(sensor.map(|sensor| ("force sensor", sensor.to_string())));
+    for case in cell.setup.load.cases() {
+        let at = case.loading_point.as_ref();
+        let at = at.map_or(String::new(), |at| {
+            format!(", at {}", flange(at.as_slice()))
+        });
+        rows.push((
+            "load case",
+            format!("{}: {}{at}", case.name, load(&case.load)),
+        ));
+    }
+    if !cell.setup.load.has_cases() {
+        rows.push(("load", load(&cell.setup.load)));
+    }
+    rows.push(("limits", limits(cell)));
+    rows.push(("noise", noise(&cell.noise)));
+    let length = match cell.characteristic_length {
+        Some(length) => mm(length).text(),
+        None => "computed where it is needed".to_string(),
+    };
+    rows.push(("characteristic length", length));
+    if !cell.validation.is_empty() {
+        let names: Vec<&str> = cell.validation.iter().map(|p| p.name.as_str()).collect();
+        rows.push(("validation postures", names.join(", ")));
+    }
+    rows.extend(cell.tasks.iter().map(|task| {
+        let tip = flange(task.tip.as_slice());
+        let wrench = wrench(&task.wrench, task.axes);
+        ("task", format!("{}: {wrench}; tip {tip}", task.name))
+    }));
+    let names = rows.iter().map(|(name, _)| *name);
+    DataTable::of("What the cell file describes", "part", names).words("what it is", |row| {
+        visible(&rows[row].1).into_owned().into()
+    })
+}
+
+/// A length as one reads it in a cell, without digits nobody set.
+fn mm(m: f64) -> Number {
+    let number = room(Number::computed(m));
+    match (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 {
+        true => number.decimals(0),
+        false => number,
+    }
+}
+
+/// `x, y, z` in millimetres.
+fn point(position: &[f64]) -> String {
+    let digits: Vec<String> = position.iter().map(|m| mm(*m).digits()).collect();
+    digits.join(", ")
+}
+
+fn noise(noise: &Noise) -> String {
+    let length = |m: f64| Number::computed(m).of(Quantity::LENGTH).text();
+    let common = match noise.posture_common_std {
+        std if std > 0.0 => format!("; {} common to the points of a posture", length(std)),
+        _ => String::new(),
+    };
+    format!(
+        "{} per displacement component ({} of {}){common}",
+        length(noise.displacement_std()),
+        counted(noise.readings_per_displacement as usize, "reading"),
+        length(noise.reading_variance.sqrt())
+    )
+}
+
+fn load(load: &Load) -> String {
+    match load {
+        Load::Rope { anchor, magnitude } => {
+            let way = if *magnitude < 0.0 {
+                "away from"
+            } else {
+                "towards"
+            };
+            format!(
+                "{}, {} N {way} the anchor ({}) mm, base axes",
+                load.line(),
+                magnitude.abs(),
+                point(anchor.as_slice())
+            )
+        }
+        Load::Weight { magnitude, .. } => format!("weight, {magnitude} N along gravity"),
+        Load::Constant { wrench: w, axes } => wrench(w, *axes),
+        Load::Measured => "measured with each displacement".to_string(),
+        Load::Cases(cases) => counted(cases.len(), "load case"),
+    }
+}
+
+fn wrench(wrench: &Wrench, axes: Axes) -> String {
+    let list = |values: &[f64]| {
+        let digits = values.iter().map(|v| Number::computed(*v).digits());
+        digits.collect::<Vec<String>>().join(", ")
+    };
+    let moment = match wrench.moment.norm() > 0.0 {
+        true => format!(", moment ({}) N·m", list(wrench.moment.as_slice())),
+        false => String::new(),
+    };
+    let axes = match axes {
+        Axes::Base => "base",
+        Axes::Tool => "tool",
+    };
+    let force = list(wrench.force.as_slice());
+    format!("force ({force}) N{moment}, {axes} axes")
+}
+
+fn limits(cell: &Cell) -> String {
+    let (limits, line) = (&cell.limits, cell.setup.load.line());
+    let length = |m: f64| mm(m).text();
+    let mut parts = Vec::new();
+    if let Some([low, high]) = &limits.tool_box {
+        let [low, high] = [low, high].map(|corner| point(corner.as_slice()));
+        parts.push(format!("box ({low}) to ({high}) mm"));
+    }
+    parts.extend(
+        limits
+            .floor
+            .map(|floor| format!("tool above {}", length(floor))),
+    );
+    let clear = limits.keep_out_radius;
+    parts.extend(clear.map(|radius| format!("{} clear of axis 1", length(radius))));
+    let wrist = limits.wrist_height;
+    parts.extend(wrist.map(|height| format!("wrist above {}", length(height))));
+    if let Some([short, long]) = limits.rope_length {
+        parts.push(format!("{line} {} to {}", mm(short).digits(), length(long)));
+    }
+    if let Some(moved) = cell.scene.displacement() {
+        let number = |m: f64| Number::computed(1e3 * m).significant(3).digits();
+        let least = moved.smallest.map(|least| format!("{} to ", number(least)));
+        let most = moved.largest.map_or_else(|| "any".to_string(), number);
+        parts.push(format!(
+            "displacement {}{most} mm",
+            least.unwrap_or_else(|| "up to ".to_string())
+        ));
+    }
+    match parts.is_empty() {
+        true => "none".to_string(),
+        false => parts.join("; "),
+    }
+}

@@ -1,0 +1,65 @@
+//! What `route` says: the order of a plan's postures, and the moves between them.
+
+use super::postures::{posture_table, route_section};
+use crate::tell::{Given, Text, Told, counted};
+use serde::Deserialize;
+use stiffarm::Result;
+use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::route::Route;
+
+/// What `route` writes, beside its findings.
+#[derive(Deserialize)]
+struct Routed {
+    posture_names: Vec<String>,
+    #[serde(flatten)]
+    route: Route,
+}
+
+/// What a result says of `route`.
+pub(super) fn told(given: &Given<'_>) -> Result<Told> {
+    let Routed {
+        posture_names,
+        route,
+    } = given.saved.result()?;
+    let count = counted(route.postures.len(), "posture");
+    let kept = given.saved.json["options"]["keep_order"] == true;
+    let done = Text::new(match kept {
+        true => format!("The moves between {count} were looked at in the order given."),
+        false => format!("The order of {count} was chosen for the least turning or time."),
+    });
+    let blocked = route.moves.iter().filter(|one| !one.free).count();
+    let moves = counted(route.moves.len(), "move");
+    let came = match blocked {
+        _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
+        0 if route.checked.is_empty() => {
+            Text::new(format!("{moves}, not checked against anything."))
+        }
+        0 => Text::new(format!("{moves}, every one of them free.")),
+        count => Text::default()
+            .strong("No free way was found")
+            .words(format!(" for {count} of {moves}.")),
+    };
+    let next = match blocked {
+        0 => Text::new("Write the postures in this order with ")
+            .code("--output plan.csv")
+            .words(", and the robot's program with ")
+            .code("stiffarm export")
+            .words("."),
+        _ => Text::new(
+            "Teach a way of your own for the moves that are not free, or move what is in the way.",
+        ),
+    };
+    let key = posture_table(
+        given,
+        "The postures in this order, controller angles",
+        &posture_names,
+        ("/postures_deg", &route.postures),
+        &[],
+    );
+    let mut sections = Vec::new();
+    sections.extend(route_section(given, &posture_names, &route, ""));
+    let group = PostureGroup::named("route", &posture_names, route.postures.iter().cloned());
+    sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
+    let heading = "Order of the postures and moves between them";
+    Ok(given.told(heading, [done, came, next], Some(key), sections))
+}
