@@ -7,7 +7,7 @@ use stiffarm::files::builtin;
 use stiffarm::findings::visible;
 
 /// Options without a value that no result depends on.
-const FLAGS: [&str; 4] = ["--json", "--quiet", "-q", "--force"];
+const FLAGS: [&str; 5] = ["--json", "--quiet", "-q", "--force", "--details"];
 /// Options with a value that no result depends on. Those that name an output file are known by the file.
 const WITH_VALUE: [&str; 3] = ["--color", "--threads", "--output-dir"];
 

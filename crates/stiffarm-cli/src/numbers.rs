@@ -30,16 +30,6 @@ pub fn significant(value: f64, digits: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// A ratio above one in words, `3.2 times less`; below one the other way round. `words` are for
-/// more than one and for less.
-pub fn times(ratio: f64, digits: usize, words: [&str; 2]) -> String {
-    let [above, below] = words;
-    match ratio < 1.0 {
-        true => format!("{} times {below}", significant(1.0 / ratio, digits)),
-        false => format!("{} times {above}", significant(ratio, digits)),
-    }
-}
-
 /// An optional value with `digits` significant digits.
 pub fn optional(value: Option<f64>, digits: usize) -> String {
     value.map_or_else(|| NONE.to_string(), |v| significant(v, digits))

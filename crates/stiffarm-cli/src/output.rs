@@ -7,7 +7,9 @@ use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
 use crate::text;
 use serde::Serialize;
+use std::any::Any;
 use std::io::{ErrorKind, Write};
+use stiffarm::estimate::saved::Saved;
 use stiffarm::files::envelope::{Envelope, write_result};
 use stiffarm::files::result::SavedResult;
 use stiffarm::files::source::NamedCell;
@@ -116,9 +118,43 @@ impl Session {
             return self.deliver(target, envelope, String::new);
         }
         let saved = SavedResult::of(envelope, "result")?;
-        let told = tell(&Given::new(&saved, Some(&named.cell)).in_words())?;
-        let words = || text::told(&told, details) + &named.line();
-        self.deliver(target, envelope, words)
+        let given = Given::new(&saved, Some(&named.cell)).in_words();
+        let words = text::told(&tell(&given)?, details) + &named.line();
+        self.deliver(target, envelope, || words)
+    }
+
+    /// Delivers what a result at work says, and how the command ended: what is made of JSON holds none of its `points`,
+    /// of which there can be hundred thousands. Where a table of them went to standard output, only what is serious is
+    /// said.
+    ///
+    /// # Errors
+    /// As [`Session::deliver`].
+    pub fn deliver_at_work<O: Serialize, R: Serialize + Any, P>(
+        &self,
+        mut envelope: Envelope<O, R>,
+        points: fn(&mut R) -> &mut Vec<P>,
+        (named, stiffness): (&NamedCell, &Saved),
+        details: bool,
+        on_stdout: bool,
+    ) -> Result<Exit> {
+        let all = std::mem::take(points(&mut envelope.result));
+        let saved = SavedResult::of(&envelope, "result")?;
+        *points(&mut envelope.result) = all;
+        let findings = saved.findings();
+        if on_stdout {
+            self.write_page(&envelope)?;
+            self.remark_serious(findings.iter());
+        } else {
+            let mut given = Given::new(&saved, Some(&named.cell)).in_words();
+            given.made = Some(&envelope.result);
+            let words = match self.json {
+                true => String::new(),
+                false => text::told(&tell(&given)?, details),
+            };
+            self.show(&envelope, || words + &named.line() + &stiffness.line())?;
+        }
+        let is_serious = |finding: &Finding| finding.severity == Severity::Serious;
+        Ok(Exit::finding(findings.iter().any(is_serious)))
     }
 
     /// Prints text for people to standard output: what others wrote in it is

@@ -1,19 +1,18 @@
-//! What predict and compensate share: options of the path, its line, table and picture.
+//! What the commands at work share: the stiffness, options of a path, its table and picture.
 
 use crate::args::PathArgs;
 use crate::error::of_usage;
 use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, ends_in, write_all};
-use crate::numbers::significant;
 use crate::session::Session;
 use nalgebra::Vector3;
+use stiffarm::estimate::saved::Saved;
+use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::process::ForceAxes;
-use stiffarm::units::rad_to_deg;
 use stiffarm::work::along::PathOptions;
-use stiffarm::work::posture_path::{Origin, PosturePathSummary};
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::PathCurvePoint;
 
@@ -44,21 +43,15 @@ pub fn of_path_usage(error: Error) -> Error {
     of_usage(error, &fields)
 }
 
-/// Line about a path below those of cell and stiffness.
-pub fn path_line(name: &str, summary: &PosturePathSummary, points: usize) -> String {
-    let count = match points {
-        1 => "1 point".to_string(),
-        count => format!("{count} points"),
-    };
-    let origin = match summary.origin {
-        Origin::Given => "joint angles as given",
-        Origin::ClosedForm => "postures by inverse kinematics in closed form",
-        Origin::Numeric => "postures by inverse kinematics, iterated",
-    };
-    format!(
-        "path: {name} ({count}; {origin}, largest step of a joint {}°)\n",
-        significant(rad_to_deg(summary.largest_step), 3)
-    )
+/// Reads a stiffness, with a caution among its doubts where it was identified with another version of the cell.
+///
+/// # Errors
+/// As [`Source::read_stiffness`].
+pub fn read_stiffness(session: &Session, from: &str, cell: &Cell) -> Result<Saved> {
+    let mut saved = session.read_stiffness(from, cell)?;
+    let other = saved.of_another_cell(session.last_hash("cell").as_deref());
+    saved.predictor.doubts.extend(other);
+    Ok(saved)
 }
 
 /// The table and the picture of a command about a path.
@@ -112,15 +105,6 @@ impl Outputs {
         write_all(session, &files)?;
         Ok(files.iter().any(|(target, _)| target.is_stdout()))
     }
-}
-
-/// The `count` largest, in the order of the path.
-pub fn largest_first<P>(points: &[P], size: impl Fn(&P) -> f64, count: usize) -> Vec<&P> {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|a, b| size(&points[*b]).total_cmp(&size(&points[*a])));
-    order.truncate(count);
-    order.sort_unstable();
-    order.into_iter().map(|i| &points[i]).collect()
 }
 
 /// Values along the path for the figure.

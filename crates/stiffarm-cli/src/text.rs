@@ -13,8 +13,18 @@ const MOST_ROWS: usize = 36;
 pub fn told(told: &Told, details: bool) -> String {
     let [done, came, next] = &told.verdict;
     let of = |severity: Severity| told.findings.iter().filter(move |f| f.severity == severity);
-    let mut out = sentence(came);
-    out.extend(of(Severity::Serious).map(finding));
+    // What is serious may be what came out.
+    let said = came.plain();
+    let (first, serious): (Vec<&Finding>, Vec<&Finding>) =
+        of(Severity::Serious).partition(|f| said.starts_with(&f.sentence));
+    let mut out = match first.is_empty() {
+        true => sentence(came),
+        false => {
+            let word = format!("{}: ", weight(Severity::Serious));
+            sentence(&Text::new(word).then(came.clone()))
+        }
+    };
+    out.extend(serious.into_iter().map(finding));
     if let Some(key) = &told.key {
         out += &format!("\n{}\n", table(key, details));
     }

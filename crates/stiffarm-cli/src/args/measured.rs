@@ -112,6 +112,9 @@ pub struct ValidateArgs {
     /// Options of the fits.
     #[command(flatten)]
     pub fit: FitArgs,
+    /// Also show every displacement, and what raw readings say of the day
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

@@ -85,6 +85,9 @@ pub struct PredictArgs {
     /// Draw the deflection along the path with its band
     #[arg(long, value_name = "predicted.svg")]
     pub figure: Option<String>,
+    /// Also show all points, what the ± is made of, and which way the tip gives way
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,
@@ -119,6 +122,9 @@ pub struct CompensateArgs {
     /// Write also what goes beyond the identification's displacements and forces, or has a serious finding
     #[arg(long)]
     pub beyond_data: bool,
+    /// Also show all points, what the ± is made of, and which way the tip gives way
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

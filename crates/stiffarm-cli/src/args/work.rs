@@ -27,6 +27,9 @@ pub struct MapArgs {
     /// Folder for map.svg and map.csv, with --place for placement.svg and placement.csv
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
+    /// Also show the postures, which way the tip gives way, and what the arm may reach
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

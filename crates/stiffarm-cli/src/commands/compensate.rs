@@ -1,30 +1,23 @@
 //! `stiffarm compensate`: the path to command so that the loaded tool follows
 //! the nominal one.
 
-use super::{finding_line, others_last, serious_first};
 use crate::args::{CompensateArgs, WriteChoice};
-use crate::input::Line;
-use crate::numbers::{confidence, mm, times};
 use crate::output::Exit;
-use crate::path::{Outputs, curve, largest_first, of_path_usage, path_line};
+use crate::path::{Outputs, curve, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
-use crate::table::{Align, Table, title};
 use stiffarm::Result;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::{PathFormat, PathKind, PathTable, write_path};
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
-use stiffarm::work::compensate::{Compensation, PointCompensation};
+use stiffarm::work::compensate::Compensation;
 use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm_report::{path_figure, render_svg};
-
-/// Rows of the table on the terminal.
-const SHOWN: usize = 12;
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
@@ -36,7 +29,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     )?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
-    let saved = session.read_stiffness(&args.stiffness, cell)?;
+    let saved = read_stiffness(session, &args.stiffness, cell)?;
     let options = Options {
         path: args.along.options(),
     };
@@ -71,67 +64,32 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         render_svg(&path_figure(&curve, found.confidence))
     };
     let table = || commanded(cell, &saved.predictor, &path.table, found, args.write);
-    let objections = objections(&result);
     let wanted = args.output.is_some() || args.figure.is_some();
-    let withheld = wanted && !args.beyond_data && !objections.is_empty();
+    let withheld = wanted && !args.beyond_data && is_objected(&result);
     let on_stdout = match withheld {
         true => false,
         false => outputs.write(session, table, figure)?,
     };
-    let envelope = session.envelope("compensate", None, options, &result);
-    let other = saved.is_of_another_cell(envelope.inputs.get("cell").map(String::as_str));
-    let exit =
-        Exit::finding(withheld || findings(&result).any(|f| f.severity == Severity::Serious));
-    if on_stdout {
-        session.write_page(&envelope)?;
-        session.remark_serious(findings(&result));
-        return Ok(exit);
+    if withheld {
+        session.print_error(
+            "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n",
+        );
     }
-    if withheld && session.json {
-        session.print_error(&refusal(&objections));
-    }
-    session.show(&envelope, || {
-        let mut out = serious_first(findings(&result), finding_line);
-        let shown = |finding: &&Finding| !withheld || !objections.contains(finding);
-        if withheld {
-            let other = objections
-                .iter()
-                .filter(|f| f.severity != Severity::Serious);
-            out += &refusal(&other.copied().collect::<Vec<_>>());
-        }
-        out += &(named.line()
-            + &saved.line()
-            + &path_line(&path.name, &result.postures, followed.postures.len()));
-        if other {
-            out += "note: the stiffness was identified with another version of this cell\n";
-        }
-        out + &corrections(&result.compensation)
-            + &others_last(findings(&result).filter(shown))
-            + match wanted {
-                false => "\n`--output commanded.csv` writes the path to command.\n",
-                true => "",
-            }
-    })?;
-    Ok(exit)
+    let exit = session.deliver_at_work(
+        session.envelope("compensate", None, options, result),
+        |result| &mut result.compensation.points,
+        (&named, &saved),
+        args.details,
+        on_stdout,
+    )?;
+    Ok(if withheld { Exit::Finding } else { exit })
 }
 
-/// All findings of a result.
-fn findings(result: &Compensated) -> impl Iterator<Item = &Finding> + Clone {
-    let of_path = result.postures.findings.iter();
-    of_path.chain(&result.compensation.findings)
-}
-
-/// What speaks against commanding the path.
-fn objections(result: &Compensated) -> Vec<&Finding> {
-    let of_path = result.postures.findings.iter();
-    let serious = of_path.filter(|f| f.severity == Severity::Serious);
-    serious.chain(result.compensation.objections()).collect()
-}
-
-/// That nothing was written, and why.
-fn refusal(objections: &[&Finding]) -> String {
-    let why: String = objections.iter().map(|f| finding_line(f)).collect();
-    why + "Nothing was written; `--beyond-data` writes it all the same.\n"
+/// Whether something speaks against commanding the path.
+fn is_objected(result: &Compensated) -> bool {
+    let mut of_path = result.postures.findings.iter();
+    of_path.any(|f| f.severity == Severity::Serious)
+        || result.compensation.objections().next().is_some()
 }
 
 /// The path to command, in the columns of the path or as `write` says.
@@ -168,63 +126,4 @@ fn commanded(
             }
         });
     write_path(&format, points)
-}
-
-fn corrections(result: &Compensation) -> String {
-    let rows = largest_first(&result.points, |p| p.correction_size_m, SHOWN);
-    let mut out = match rows.len() < result.points.len() {
-        true => title(&format!("The {SHOWN} largest corrections [mm]")),
-        false => title("Corrections [mm]"),
-    };
-    let mut headings = vec![
-        "point",
-        "without",
-        "correction x",
-        "y",
-        "z",
-        "left by the model",
-    ];
-    let band = result.confidence.map(|c| format!("± {} %", confidence(c)));
-    headings.extend(band.as_deref());
-    let mut table = Table::new(headings);
-    table.align(0, Align::Left);
-    for PointCompensation {
-        point,
-        uncompensated_m,
-        correction_m: c,
-        residual_m,
-        band,
-        ..
-    } in rows
-    {
-        let mut row = vec![point.to_string(), mm(*uncompensated_m)];
-        row.extend(c.iter().map(|v| mm(*v)));
-        row.push(tiny(*residual_m));
-        row.extend(band.map(|b| mm(b.size_m[3])));
-        table.row(row);
-    }
-    out += &table.to_string();
-    out += &format!(
-        "\nWithout compensation: deflection RMS {} mm, largest {} mm.\nWith it, by the same model: RMS {} mm, largest {} mm.\n",
-        mm(result.uncompensated_rms_m),
-        mm(result.uncompensated_max_m),
-        tiny(result.residual_rms_m),
-        tiny(result.residual_max_m)
-    );
-    if let (Some(error), Some(factor)) = (result.error_rms_m, result.expected_factor) {
-        out += &format!(
-            "Expected on the arm, as far as the bands know: RMS {} mm, {} than without.\n",
-            mm(error),
-            times(factor, 2, ["less", "more"])
-        );
-    }
-    out
-}
-
-/// Lengths far below what anybody measures.
-fn tiny(m: f64) -> String {
-    match m < 1e-9 {
-        true => "< 1e-6".to_string(),
-        false => mm(m),
-    }
 }

@@ -31,7 +31,7 @@ pub mod zones;
 
 use crate::screen::{columns, wrapped};
 use crate::table::weight;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::characteristic_length;
 use stiffarm::units::m_to_mm;
@@ -71,31 +71,7 @@ pub fn finding_line(finding: &Finding) -> String {
     }
 }
 
-/// What is serious among `findings`, as lines that stand before any number; empty without one.
-pub fn serious_first<'f>(
-    findings: impl Iterator<Item = &'f Finding>,
-    line: impl Fn(&Finding) -> String,
-) -> String {
-    let serious = findings.filter(|f| f.severity == Severity::Serious);
-    let said: Vec<String> = serious
-        .map(|f| wrapped(line(f).trim_end(), columns()))
-        .collect();
-    match said.is_empty() {
-        true => String::new(),
-        false => format!(
-            "{}\nNot to be used before this is settled; as it is:\n",
-            said.join("\n")
-        ),
-    }
-}
-
-/// The other findings, as lines below the numbers.
-pub fn others_last<'f>(findings: impl Iterator<Item = &'f Finding>) -> String {
-    let others = findings.filter(|f| f.severity != Severity::Serious);
-    others.map(finding_line).collect()
-}
-
-/// The same in lines of the terminal's width, without a line end.
+/// A finding in lines of the terminal's width, without a line end.
 pub fn wrapped_line(finding: &Finding) -> String {
     wrapped(finding_line(finding).trim_end(), columns())
 }

@@ -99,7 +99,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
     let line = "compensate builtin:comau inch.json builtin:contour --output go.csv --figure go.svg";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1), "{}", ran.out);
-    assert!(ran.out.contains("Nothing was written"), "{}", ran.out);
+    assert!(ran.err.contains("Nothing was written"), "{}", ran.err);
     let names = folder.names();
     assert!(
         !names.iter().any(|name| name.starts_with("go")),

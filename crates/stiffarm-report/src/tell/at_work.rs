@@ -4,7 +4,7 @@ use crate::cell::{Full, cell_drawing};
 use crate::path::thinned;
 use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
 use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text};
+use crate::tell::{Block, DataTable, Form, Quantity, Section};
 use std::collections::BTreeSet;
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -14,8 +14,16 @@ use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::Model;
 use stiffarm::nalgebra::{Point3, Vector3};
-use stiffarm::work::predict::PrincipalAxis;
+use stiffarm::work::predict::{PrincipalAxis, TipBand};
 
+/// Stiffness of the tip, from N/m.
+pub(super) const TIP_STIFFNESS: Quantity = Quantity::new("N/µm", 1e-6, Form::Significant(3));
+/// Force at work \[N\].
+pub(super) const FORCE: Quantity = Quantity::new("N", 1.0, Form::Significant(3));
+/// Where a tip or a workpiece is, from m.
+pub(super) const POSITION: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
+/// A component of a direction.
+const DIRECTION: Quantity = Quantity::new("", 1.0, Form::Decimals(3));
 /// Most postures of a path that one steps through.
 const POSTURES: usize = 60;
 /// Least share of an ellipsoid's longest axis that a half axis is drawn with.
@@ -261,47 +269,67 @@ pub(super) fn along(tips: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
     lengths.collect()
 }
 
-/// What gives way how much at some places: the pointer of three principal axes, and the name of each.
-pub(super) fn principal_table(context: &Given<'_>, rows: &[(String, String)]) -> DataTable {
-    let mut table = DataTable::new(
+/// Where the tip gives way: name, pointer to its principal axes, and these.
+pub(super) type GivesWay = (String, String, [PrincipalAxis; 3]);
+
+/// What gives way how much at some places.
+pub(super) fn principal_table(context: &Given<'_>, places: &[GivesWay]) -> DataTable {
+    let axes = ["softest", "middle", "stiffest"];
+    let of = |row: usize| (&places[row / axes.len()], row % axes.len());
+    let names = (0..places.len() * axes.len()).map(|row| match of(row) {
+        ((name, ..), 0) => name.clone(),
+        _ => String::new(),
+    });
+    let part = |row: usize, k: usize| {
+        let ((_, pointer, principal), i) = of(row);
+        let below = format!("{pointer}/{i}/direction/{k}");
+        Some(context.valued(&below, principal[i].direction[k]))
+    };
+    DataTable::of(
         "Stiffness of the tip along its principal axes, under a force without moment, softest first",
-        ["place", "axis", "stiffness [N/µm]", "x", "y", "z"],
-    );
-    for (name, pointer) in rows {
-        for (i, axis) in ["softest", "middle", "stiffest"].into_iter().enumerate() {
-            let stiffness = context.number(&format!("{pointer}/{i}/stiffness_n_per_m"));
-            let stiffness = Text::from(stiffness.times(1e-6).significant(3));
-            let part = |k: usize| {
-                let direction = context.number(&format!("{pointer}/{i}/direction/{k}"));
-                Text::from(direction.decimals(2))
-            };
-            let name = if i == 0 { name.as_str() } else { "" };
-            table.row(name, [axis.into(), stiffness, part(0), part(1), part(2)]);
-        }
-    }
-    table
+        "place",
+        names,
+    )
+    .words("axis", |row| axes[of(row).1].into())
+    .numbers("stiffness", TIP_STIFFNESS, |row| {
+        let ((_, pointer, principal), i) = of(row);
+        let below = format!("{pointer}/{i}/stiffness_n_per_m");
+        Some(context.valued(&below, principal[i].stiffness_n_per_m))
+    })
+    .numbers("x", DIRECTION, |row| part(row, 0))
+    .numbers("y", DIRECTION, |row| part(row, 1))
+    .numbers("z", DIRECTION, |row| part(row, 2))
 }
 
 /// What the ± of a point is made of; `pointer` is that of its band.
-pub(super) fn band_table(context: &Given<'_>, caption: String, pointer: &str) -> DataTable {
-    let headings = ["from", "size [mm]", "x [mm]", "y [mm]", "z [mm]"];
-    let mut table = DataTable::new(caption, headings);
+pub(super) fn band_table(
+    context: &Given<'_>,
+    caption: String,
+    pointer: &str,
+    band: &TipBand,
+) -> DataTable {
     let rows = [
-        ("scatter of the readings", "statistical_m"),
-        ("errors common to the experiment", "common_m"),
-        ("load at work", "load_m"),
-        ("total", "total_m"),
+        (
+            "scatter of the readings",
+            "statistical_m",
+            band.statistical_m,
+        ),
+        ("errors common to the experiment", "common_m", band.common_m),
+        ("load at work", "load_m", band.load_m),
+        ("total", "total_m", band.total_m),
     ];
-    for (part, (name, key)) in rows.into_iter().enumerate() {
-        let mm = |below: &str| {
-            let number = context.number(&format!("{pointer}/{below}"));
-            Text::from(number.mm().bare().decimals(3))
-        };
-        let size = mm(&format!("size_m/{part}"));
-        let axes = [0, 1, 2].map(|axis| mm(&format!("{key}/{axis}")));
-        table.row(name, std::iter::once(size).chain(axes));
-    }
-    table
+    let axis = |row: usize, axis: usize| {
+        let (_, key, parts) = rows[row];
+        Some(context.valued(&format!("{pointer}/{key}/{axis}"), parts[axis]))
+    };
+    DataTable::of(caption, "from", rows.map(|(name, ..)| name))
+        .numbers("size", Quantity::LENGTH, |row| {
+            let below = format!("{pointer}/size_m/{row}");
+            Some(context.valued(&below, band.size_m[row]))
+        })
+        .numbers("x", Quantity::LENGTH, |row| axis(row, 0))
+        .numbers("y", Quantity::LENGTH, |row| axis(row, 1))
+        .numbers("z", Quantity::LENGTH, |row| axis(row, 2))
 }
 
 /// Most of the ± at a point, in words, from its parts: statistical, common, load.

@@ -1,42 +1,50 @@
-//! The page of `compensate`: the path to command, and what it leaves.
+//! What `compensate` says: the path to command, and what it leaves.
 
 use super::at_work::{AtWork, WorkPoint, along, band_table, dominant, principal_table, wrench};
-use super::points::{all_points, extreme_rows, largest_first};
+use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, largest_first};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Number, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::compensate::Compensation;
-
-/// Rows of the key table.
-const KEY_ROWS: usize = 5;
+use stiffarm::work::compensated::Compensated;
 
 /// What a result says of `compensate`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let result: Compensation = context.saved.result()?;
+    let result = context.result(|made: &Compensated| &made.compensation)?;
+    let result: &Compensation = &result;
     let count = result.points.len();
     let done = Text::new(format!(
         "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
     ));
-    let verdict = [done, came(context, &result), next(&result)];
+    let verdict = [
+        done.then(how_found(context)),
+        came(context, result),
+        next(result),
+    ];
     let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
     let key = corrections(
         context,
-        &result,
+        result,
         "The largest corrections, each with the ± of the deflection that it makes up for",
         &order[..count.min(KEY_ROWS)],
     );
-    let mut sections = vec![cell_section(context, &result)?];
-    sections.push(path_section(&result));
-    sections.extend(band_section(context, &result));
-    sections.extend(stiffness_section(context, &result));
-    sections.push(all_points("The corrections", count, |caption, rows| {
-        corrections(context, &result, caption, rows)
-    }));
-    Ok(context.told("Compensated path".to_string(), verdict, Some(key), sections))
+    let mut sections = Vec::new();
+    if context.pictures {
+        sections.push(cell_section(context, result)?);
+        sections.push(path_section(result));
+    }
+    sections.extend(band_section(context, result));
+    sections.extend(stiffness_section(context, result));
+    sections.push(all_points(
+        context,
+        "The corrections",
+        count,
+        |caption, rows| corrections(context, result, caption, rows),
+    ));
+    Ok(context.told("Compensated path", verdict, Some(key), sections))
 }
 
 fn came(context: &Given<'_>, result: &Compensation) -> Text {
@@ -105,33 +113,29 @@ fn corrections(
     caption: &str,
     rows: &[usize],
 ) -> DataTable {
-    let headings = [
-        "point",
-        "deflection without [mm]",
-        "correction [mm]",
-        "± total [mm]",
-        "x [mm]",
-        "y [mm]",
-        "z [mm]",
-    ];
-    let mut table = DataTable::new(caption, headings);
-    for &i in rows {
-        let at = |below: &str| {
-            let number = context.number(&format!("/points/{i}{below}"));
-            Text::from(number.mm().bare().decimals(3))
-        };
-        let cells = [
-            at("/uncompensated_m"),
-            at("/correction_size_m"),
-            at("/band/size_m/3"),
-            at("/correction_m/0"),
-            at("/correction_m/1"),
-            at("/correction_m/2"),
-        ];
-        let name = visible(&result.points[i].point).into_owned();
-        table.row(name, cells);
-    }
-    table
+    let point = |row: usize| &result.points[rows[row]];
+    let at = |row: usize, below: &str, value: f64| {
+        Some(context.valued(&format!("/points/{}/{below}", rows[row]), value))
+    };
+    let part = |row: usize, axis: usize| {
+        let value = point(row).correction_m[axis];
+        at(row, &format!("correction_m/{axis}"), value)
+    };
+    let names = rows.iter().map(|i| visible(&result.points[*i].point));
+    let names = names.map(|name| name.into_owned());
+    DataTable::of(caption, heading(rows.len(), result.points.len()), names)
+        .numbers("deflection without", Quantity::LENGTH, |row| {
+            at(row, "uncompensated_m", point(row).uncompensated_m)
+        })
+        .numbers("correction", Quantity::LENGTH, |row| {
+            at(row, "correction_size_m", point(row).correction_size_m)
+        })
+        .numbers("along x", Quantity::LENGTH, |row| part(row, 0))
+        .numbers("along y", Quantity::LENGTH, |row| part(row, 1))
+        .numbers("along z", Quantity::LENGTH, |row| part(row, 2))
+        .numbers("± total", Quantity::LENGTH, |row| {
+            at(row, "band/size_m/3", point(row).band?.size_m[3])
+        })
 }
 
 fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
@@ -204,7 +208,7 @@ fn band_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
     let band = result.points[i].band?;
     let name = visible(&result.points[i].point);
     let caption = format!("What the ± is made of at point {name}, where the tip bends most");
-    let table = band_table(context, caption, &format!("/points/{i}/band"));
+    let table = band_table(context, caption, &format!("/points/{i}/band"), &band);
     let model = match result.residual_max_m < 1e-9 {
         true => Text::new("By the model itself nothing is left (below 10⁻⁶ mm): "),
         false => Text::new("By the model itself ")
@@ -225,13 +229,10 @@ fn band_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
 
 fn stiffness_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
     let extremes = result.extremes?;
-    let rows = extreme_rows(&extremes, |at| {
+    let places = extreme_places(&extremes, |at| {
         Some(result.points.get(at)?.point.to_string())
     });
-    let table = Block::Table(principal_table(context, &rows));
-    Some(Section::new(
-        "stiffness",
-        "Which way the tip gives way",
-        vec![table],
-    ))
+    let table = Block::Table(principal_table(context, &places));
+    let title = "Which way the tip gives way";
+    Some(Section::new("stiffness", title, vec![table]))
 }

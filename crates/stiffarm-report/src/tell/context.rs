@@ -4,7 +4,10 @@ use super::Text;
 use super::{Block, DataTable, Given, Outcome, Section, Told};
 use crate::cell::{Full, cell_drawing};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
+use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::any::Any;
+use std::borrow::Cow;
 use std::cmp::Reverse;
 use stiffarm::Result;
 use stiffarm::files::result::SavedResult;
@@ -13,6 +16,9 @@ use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// Commands whose numbers come after what forbids to use them.
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
+
+/// Codes of findings that are the result, and not about its numbers.
+const NOWHERE: [&str; 2] = ["nothing-reachable", "nowhere"];
 
 /// Codes of findings that a command was stopped.
 const STOPPED: [&str; 2] = ["interrupted", "stopped"];
@@ -30,6 +36,21 @@ impl Given<'_> {
 }
 
 impl<'a> Given<'a> {
+    /// What is told of the result: a part of what its command made, or as the file holds it.
+    ///
+    /// # Errors
+    /// As [`SavedResult::result`].
+    pub(super) fn result<R, T>(&self, part: impl Fn(&'a R) -> &'a T) -> Result<Cow<'a, T>>
+    where
+        R: Any,
+        T: DeserializeOwned + Clone,
+    {
+        match self.made.and_then(|made| made.downcast_ref()) {
+            Some(made) => Ok(Cow::Borrowed(part(made))),
+            None => self.saved.result().map(Cow::Owned),
+        }
+    }
+
     /// What all results say, around what is their own.
     pub(super) fn told(
         &self,
@@ -51,10 +72,13 @@ impl<'a> Given<'a> {
         };
         let serious = findings.iter().find(serious);
         let came = match serious.filter(|_| AT_WORK.contains(&self.saved.command.as_str())) {
-            Some(serious) => Text::default()
-                .strong(serious.sentence.clone())
-                .words(" As it is: ")
-                .then(came),
+            Some(serious) => {
+                let text = Text::default().strong(serious.sentence.clone());
+                match NOWHERE.contains(&serious.code.as_str()) {
+                    true => text,
+                    false => text.words(" As it is: ").then(came),
+                }
+            }
             None => came,
         };
         findings.extend(stopped(self.saved));
@@ -160,7 +184,7 @@ fn stopped(saved: &SavedResult) -> Option<Finding> {
         false => format!(" Not computed: {}.", list(&left_out).replace('_', " ")),
     };
     let sentence = format!(
-        "The command was stopped before it was done; the page shows what it had by then.{left_out}"
+        "The command was stopped before it was done; this is what it had by then.{left_out}"
     );
     let is_known = |f: &Finding| STOPPED.contains(&f.code.as_str());
     let known = saved.findings().iter().any(is_known);

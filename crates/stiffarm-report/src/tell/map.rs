@@ -1,123 +1,161 @@
-//! The page of `map`: where the tool tip gives way least.
+//! What `map` says: where the tool tip gives way least.
 
-use super::at_work::{AtWork, WorkPoint, norm, principal_table, wrench};
+use super::at_work::{
+    AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, norm, principal_table, wrench,
+};
 use super::place;
+use super::points::{position, region, vector};
 use crate::map_figure;
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Number, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
+use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::model::stiffness::Model;
-use stiffarm::work::map::{MapExtremes, StiffnessMap};
+use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, StiffnessMap};
+use stiffarm::work::mapped::LoadSource;
+
+/// Deflection of a tip under a small load, from m.
+const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));
+/// Deflections below this are small \[m\].
+const IS_SMALL: f64 = 1e-4;
+/// Controller angles, from degrees.
+const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
 
 /// What a result says of `map`, with a workpiece to place or without.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     if context.saved.json["result"]["candidates"].is_array() {
         return place::told(context);
     }
-    let map: StiffnessMap = context.saved.result()?;
-    let verdict = [done(context, &map), came(context, &map), next(&map)];
-    let mut sections = vec![cell_section(context, &map)?];
-    let figure = map_figure(&map);
-    sections.push(Section::new(
-        "map",
-        "The map",
-        vec![Block::Figure(figure), Block::Table(ranges(context, &map))],
-    ));
-    if map.extremes.is_some_and(|e| e.principal.is_some()) {
-        let rows = ["stiffest place", "softest place"].into_iter().enumerate();
-        let rows = rows.map(|(i, name)| (name.to_string(), format!("/extremes/principal/{i}")));
-        let rows: Vec<(String, String)> = rows.collect();
-        let table = Block::Table(principal_table(context, &rows));
-        sections.push(Section::new(
-            "stiffness",
-            "Which way the tip gives way",
-            vec![table],
-        ));
+    let map = context.result(|made: &StiffnessMap| made)?;
+    let map: &StiffnessMap = &map;
+    let verdict = [done(context, map), came(context, map), next(map)];
+    let mut sections = Vec::new();
+    let mut shown = Vec::new();
+    if context.pictures {
+        sections.push(cell_section(context, map)?);
+        shown.push(Block::Figure(map_figure(map)));
     }
+    if map.extremes.is_some() {
+        shown.push(Block::Table(ranges(context, map)));
+    }
+    if !shown.is_empty() {
+        sections.push(Section::new("map", "The map", shown).in_summary());
+    }
+    if let Some(extremes) = map.extremes {
+        sections.push(postures(map, extremes));
+    }
+    if let Some(principal) = map.extremes.and_then(|e| e.principal) {
+        let names = ["stiffest place", "softest place"].into_iter();
+        let places = names.zip(principal).enumerate();
+        let places = places.map(|(i, (name, principal))| {
+            let pointer = format!("/extremes/principal/{i}");
+            (name.to_string(), pointer, principal)
+        });
+        let places: Vec<GivesWay> = places.collect();
+        let table = Block::Table(principal_table(context, &places));
+        let title = "Which way the tip gives way";
+        sections.push(Section::new("stiffness", title, vec![table]));
+    }
+    let counts = Block::Table(counts(context, map));
     sections.push(Section::new(
         "nodes",
         "What the arm may reach",
-        vec![Block::Table(counts(context, &map))],
+        vec![counts],
     ));
     Ok(context.told(
-        "Stiffness of the tool tip over the workspace".to_string(),
+        "Stiffness of the tool tip over the workspace",
         verdict,
-        map.extremes.map(|extremes| key(context, &map, extremes)),
+        map.extremes.map(|extremes| key(context, map, extremes)),
         sections,
     ))
 }
 
 fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
-    let text = Text::new(format!(
-        "The tool tip was held at {} positions under a force of {:.0} N; ",
+    let ends = map.axes().map(|at| match at {
+        [first, .., last] => [*first, *last],
+        [only] => [*only; 2],
+        [] => [0.0; 2],
+    });
+    let turn = match map.free_turn {
+        Some(turns) => format!(" and the turn about it free, the best of {turns}"),
+        None => String::new(),
+    };
+    let axis = [0, 1, 2].map(|i| map.rotation[i][2]);
+    let moment = match map.moment_nm.iter().any(|m| *m != 0.0) {
+        true => format!(" and a moment of {} N·m", vector(map.moment_nm)),
+        false => String::new(),
+    };
+    Text::new(format!(
+        "The tool tip was held at {} positions, {}, with its axis along {}{turn}, under a force of {} N{moment}{}; ",
         map.nodes.len(),
-        norm(map.force_n)
-    ));
-    text.number(context.number("/counts/reachable").decimals(0))
-        .words(" of them are reachable within all limits.")
+        region(ends),
+        vector(axis),
+        vector(map.force_n),
+        load(context)
+    ))
+    .number(context.number("/counts/reachable").decimals(0))
+    .words(" of them are reachable within all limits.")
 }
 
-/// Position of a node, tied to the file.
-fn place_words(context: &Given<'_>, text: Text, pointer: &str) -> Text {
-    let names = ["x = ", ", y = ", ", z = "];
-    let mut text = text;
-    for (axis, name) in names.into_iter().enumerate() {
-        let number = context.number(&format!("{pointer}/{axis}"));
-        let number = number.mm().decimals(0);
-        let number = if axis < 2 { number.bare() } else { number };
-        text = text.words(name).number(number);
+/// Where the load comes from, in words; empty where it was given.
+fn load(context: &Given<'_>) -> &'static str {
+    match LoadSource::deserialize(&context.saved.json["options"]["load_from"]) {
+        Ok(LoadSource::Cell) => ", from the cell's [work]",
+        Ok(LoadSource::CellAlongPath) => {
+            ", 1 N along the direction: the cell's [work] gives a load in the axes of a path, which a map has not"
+        }
+        Ok(LoadSource::Unit) => ", 1 N along the direction: no force is given",
+        Ok(LoadSource::Given) | Err(_) => "",
     }
-    text
 }
 
-/// A deflection in millimetres, or in micrometres where it is small.
-fn deflection(context: &Given<'_>, node: usize, value: f64) -> Number {
-    let number = context.number(&format!("/nodes/{node}/values/deflection_m"));
-    match value < 1e-4 {
-        true => number.times(1e6).unit("µm").significant(3),
-        false => number.mm().decimals(3),
-    }
+/// What was found at a node.
+fn values(map: &StiffnessMap, node: usize) -> Option<&NodeValues> {
+    map.nodes.get(node)?.values.as_ref()
 }
 
 fn came(context: &Given<'_>, map: &StiffnessMap) -> Text {
-    let value = |node: usize| map.nodes[node].values.as_ref().map(|v| v.deflection_m);
+    let value = |node: usize| Some(values(map, node)?.deflection_m);
     let ends = map
         .extremes
         .and_then(|e| Some((e, value(e.best)?, value(e.worst)?)));
     let Some((extremes, least, most)) = ends else {
         return Text::new("There is no place to compare.");
     };
-    let text = Text::new("It gives way least at ");
-    let text = place_words(
-        context,
-        text,
-        &format!("/nodes/{}/position_m", extremes.best),
-    )
-    .words(", by ")
-    .number(deflection(context, extremes.best, least));
-    let text = half_width(context, map, extremes.best, text);
-    let factor = Number::new("", Some(most / least)).significant(2);
-    let text = text.words("; ").number(factor).words(" times as far at ");
-    let text = place_words(
-        context,
-        text,
-        &format!("/nodes/{}/position_m", extremes.worst),
-    );
-    text.words(", by ")
-        .number(deflection(context, extremes.worst, most))
+    let place = |node: usize| {
+        let pointer = format!("/nodes/{node}/position_m");
+        position(context, &pointer, map.nodes[node].position_m)
+    };
+    // In millimetres, or in micrometres where it is small.
+    let deflection = |node: usize, value: f64| {
+        let number = context.valued(&format!("/nodes/{node}/values/deflection_m"), value);
+        match value < IS_SMALL {
+            true => number.of(SMALL),
+            false => number.mm().decimals(3),
+        }
+    };
+    let text = Text::new("It gives way least at ")
+        .then(place(extremes.best))
+        .words(", by ")
+        .number(deflection(extremes.best, least));
+    half_width(context, map, extremes.best, text)
+        .words("; ")
+        .number(Number::computed(most / least).significant(2))
+        .words(" times as far at ")
+        .then(place(extremes.worst))
+        .words(", by ")
+        .number(deflection(extremes.worst, most))
         .words(".")
 }
 
 fn half_width(context: &Given<'_>, map: &StiffnessMap, node: usize, text: Text) -> Text {
-    let values = map.nodes[node].values.as_ref();
-    match values.and_then(|v| Some((v.half_width_m?, v.deflection_m))) {
+    match values(map, node).and_then(|v| Some((v.half_width_m?, v.deflection_m))) {
         None => text,
         // Errors that do not shrink with the load, such as lost motion, say nothing about stiffness under a small one.
         Some((half, size)) if half > size => text,
-        Some((_, size)) => {
-            let number = context.number(&format!("/nodes/{node}/values/half_width_m"));
-            let number = match size < 1e-4 {
-                true => number.times(1e6).unit("µm").significant(2),
+        Some((half, size)) => {
+            let number = context.valued(&format!("/nodes/{node}/values/half_width_m"), half);
+            let number = match size < IS_SMALL {
+                true => number.of(SMALL.digits(2)),
                 false => number.mm().decimals(3),
             };
             text.words(" ").number(number.plus_minus())
@@ -146,20 +184,10 @@ fn next(map: &StiffnessMap) -> Text {
     }
 }
 
-/// The two extreme places with their postures.
+/// The two extreme places.
 fn key(context: &Given<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
-    let headings = [
-        "place",
-        "x [mm]",
-        "y [mm]",
-        "z [mm]",
-        "deflection [µm]",
-        "± total [µm]",
-        "along the direction [N/µm]",
-        "softest [N/µm]",
-    ];
-    let values = map.nodes[extremes.best].values.as_ref();
-    let is_small = values.is_some_and(|v| v.half_width_m.is_some_and(|half| half > v.deflection_m));
+    let is_small = values(map, extremes.best)
+        .is_some_and(|v| v.half_width_m.is_some_and(|half| half > v.deflection_m));
     let caption = format!(
         "Where the tip gives way least and most under {:.0} N{}",
         norm(map.force_n),
@@ -169,49 +197,62 @@ fn key(context: &Given<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTa
             false => "",
         }
     );
-    let mut table = DataTable::new(caption, headings);
-    for (name, node) in [("stiffest", extremes.best), ("softest", extremes.worst)] {
-        let number = |below: &str| context.number(&format!("/nodes/{node}/{below}"));
-        let mm = |axis: usize| {
-            let number = number(&format!("position_m/{axis}"));
-            Text::from(number.mm().bare().decimals(0))
-        };
-        let scaled = |below: &str, factor: f64| {
-            let number = number(&format!("values/{below}"));
-            Text::from(number.times(factor).significant(3))
-        };
-        let cells = [
-            mm(0),
-            mm(1),
-            mm(2),
-            scaled("deflection_m", 1e6),
-            scaled("half_width_m", 1e6),
-            scaled("stiffness_n_per_m", 1e-6),
-            scaled("softest/stiffness_n_per_m", 1e-6),
-        ];
-        table.row(name, cells);
-    }
-    table
+    let nodes = [extremes.best, extremes.worst];
+    let place = |row: usize, axis: usize| {
+        let node = nodes[row];
+        let at = map.nodes[node].position_m[axis];
+        Some(context.valued(&format!("/nodes/{node}/position_m/{axis}"), at))
+    };
+    let own = |row: usize, key: &str, of: fn(&NodeValues) -> Option<f64>| {
+        let value = of(values(map, nodes[row])?)?;
+        Some(context.valued(&format!("/nodes/{}/values/{key}", nodes[row]), value))
+    };
+    DataTable::of(caption, "place", ["stiffest", "softest"])
+        .numbers("x", POSITION, |row| place(row, 0))
+        .numbers("y", POSITION, |row| place(row, 1))
+        .numbers("z", POSITION, |row| place(row, 2))
+        .numbers("deflection", SMALL, |row| {
+            own(row, "deflection_m", |v| Some(v.deflection_m))
+        })
+        .numbers("± total", SMALL.digits(2), |row| {
+            own(row, "half_width_m", |v| v.half_width_m)
+        })
+        .numbers("along the direction", TIP_STIFFNESS, |row| {
+            own(row, "stiffness_n_per_m", |v| v.stiffness_n_per_m)
+        })
+        .numbers("softest", TIP_STIFFNESS, |row| {
+            own(row, "softest/stiffness_n_per_m", |v| {
+                v.softest.stiffness_n_per_m
+            })
+        })
+}
+
+/// The postures at the two extreme places.
+fn postures(map: &StiffnessMap, extremes: MapExtremes) -> Section {
+    let angles = |node: usize| values(map, node).map_or(&[][..], |v| &v.q);
+    let rows = [angles(extremes.best), angles(extremes.worst)];
+    let caption = "Controller angles there, of the posture that bends least";
+    let table = DataTable::of(caption, "place", ["stiffest", "softest"]);
+    let table = (0..rows[0].len()).fold(table, |table, joint| {
+        table.numbers(&format!("q{}", joint + 1), ANGLE, |row| {
+            let angle = rows[row].get(joint)?;
+            Some(Number::computed(angle.to_degrees()))
+        })
+    });
+    let title = "The postures at these places";
+    Section::new("postures", title, vec![Block::Table(table)])
 }
 
 fn ranges(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
-    let mut table = DataTable::new(
-        "Over the reachable places, at each the posture that bends least",
-        ["quantity", "smallest", "median", "largest"],
-    );
-    let rows = [
+    let along = format!("stiffness along {} [N/µm]", vector(map.direction));
+    let rows: [(&str, &str, f64, Option<MapRange>); 4] = [
         (
             "deflection per newton [µm/N]",
             "deflection_per_newton_m",
             1e6,
             map.deflection_per_newton_m,
         ),
-        (
-            "stiffness along the direction [N/µm]",
-            "stiffness_n_per_m",
-            1e-6,
-            map.stiffness_n_per_m,
-        ),
+        (&along, "stiffness_n_per_m", 1e-6, map.stiffness_n_per_m),
         (
             "stiffness along the softest direction [N/µm]",
             "softest_n_per_m",
@@ -220,24 +261,20 @@ fn ranges(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
         ),
         ("k(J_N)", "k_jn", 1.0, map.k_jn),
     ];
-    for (name, key, factor, range) in rows {
-        if range.is_none() {
-            continue;
-        }
-        let cells = ["smallest", "median", "largest"].map(|end| {
+    let rows: Vec<_> = rows.iter().filter(|row| row.3.is_some()).collect();
+    let caption = "Over the reachable places, at each the posture that bends least";
+    let table = DataTable::of(caption, "quantity", rows.iter().map(|row| row.0));
+    let ends = ["smallest", "median", "largest"].into_iter();
+    ends.fold(table, |table, end| {
+        table.words(end, |row| {
+            let (_, key, factor, _) = rows[row];
             let number = context.number(&format!("/{key}/{end}"));
-            Text::from(number.times(factor).significant(3))
-        });
-        table.row(name, cells);
-    }
-    table
+            number.times(*factor).significant(3).into()
+        })
+    })
 }
 
 fn counts(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
-    let mut table = DataTable::new(
-        "Positions by what the arm may do there",
-        ["status", "positions", "share [%]"],
-    );
     let rows = [
         ("reachable", "reachable", map.counts.reachable),
         (
@@ -253,16 +290,24 @@ fn counts(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
         ("out of reach", "unreachable", map.counts.unreachable),
         ("not computed", "not_computed", map.counts.not_computed),
     ];
-    for (name, key, count) in rows {
-        if count == 0 && key != "reachable" {
-            continue;
-        }
-        let number = context.number(&format!("/counts/{key}"));
-        let share = count as f64 / map.nodes.len().max(1) as f64;
-        let share = Number::new("", Some(share)).percent().bare().decimals(1);
-        table.row(name, [number.decimals(0).into(), share.into()]);
-    }
-    table
+    let rows: Vec<_> = rows
+        .iter()
+        .filter(|(_, key, count)| *count > 0 || *key == "reachable")
+        .collect();
+    let share = Quantity::new("%", 100.0, Form::Decimals(1));
+    DataTable::of(
+        "Positions by what the arm may do there",
+        "status",
+        rows.iter().map(|row| row.0),
+    )
+    .words("positions", |row| {
+        let number = context.number(&format!("/counts/{}", rows[row].1));
+        number.decimals(0).into()
+    })
+    .numbers("share", share, |row| {
+        let share = rows[row].2 as f64 / map.nodes.len().max(1) as f64;
+        Some(Number::computed(share))
+    })
 }
 
 fn cell_section(context: &Given<'_>, map: &StiffnessMap) -> Result<Section> {

@@ -42,6 +42,7 @@ pub use worth::index_quantity;
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
+use std::any::Any;
 use std::cmp::Reverse;
 use stiffarm::files::result::SavedResult;
 use stiffarm::findings::{Finding, Severity};
@@ -58,8 +59,10 @@ pub struct Given<'a> {
     pub saved: &'a SavedResult,
     /// The cell it was made with.
     pub cell: Option<&'a Cell>,
-    /// Whether the cell is drawn: a terminal shows none of it.
+    /// Whether there are figures and the cell is drawn: a terminal shows none of it.
     pub pictures: bool,
+    /// The result as its command made it, where that is at hand: `saved` need not hold its points then.
+    pub made: Option<&'a dyn Any>,
 }
 
 /// Commands whose results are told.
@@ -134,10 +137,11 @@ impl<'a> Given<'a> {
             saved,
             cell,
             pictures: true,
+            made: None,
         }
     }
 
-    /// The same without the cell's pictures.
+    /// The same without pictures.
     #[must_use]
     pub fn in_words(self) -> Self {
         Given {
@@ -151,6 +155,11 @@ impl<'a> Given<'a> {
         let pointer = format!("/result{below}");
         let value = self.saved.number(&pointer);
         Number::new(pointer, value)
+    }
+
+    /// The same with its value: a number of a list that the saved result need not hold.
+    pub(crate) fn valued(&self, below: &str, value: impl Into<Option<f64>>) -> Number {
+        Number::new(format!("/result{below}"), value.into())
     }
 }
 

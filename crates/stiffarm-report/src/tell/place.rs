@@ -1,9 +1,9 @@
-//! The page of `map --place`: where the workpiece should stand.
+//! What `map --place` says: where the workpiece should stand.
 
-use super::at_work::{AtWork, WorkPoint, wrench};
+use super::at_work::{AtWork, POSITION, WorkPoint, wrench};
+use super::points::{position, region};
 use crate::placement_figure;
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Number, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
@@ -12,34 +12,54 @@ use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
 /// A gain from which on moving the workpiece is worth it.
 const WORTH: f64 = 1.05;
 
-/// The part of a page for a search of the best place.
+/// What a result says of a search for the best place.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let placement: Placement = context.saved.result()?;
-    let done = Text::new(format!(
-        "{} places of the workpiece were tried for a path of ",
+    let placement = context.result(|made: &Placement| made)?;
+    let placement: &Placement = &placement;
+    let verdict = [
+        done(context, placement),
+        came(context, placement),
+        next(placement),
+    ];
+    let mut sections = Vec::new();
+    let mut places = Vec::new();
+    if context.pictures {
+        sections.push(cell_section(context, placement)?);
+        places.push(Block::Figure(placement_figure(placement)));
+    }
+    sections.extend(placement.best.as_ref().map(lines));
+    places.push(Block::Table(counts(placement)));
+    sections.push(Section::new("places", "The places", places));
+    let key = key(context, placement);
+    Ok(context.told("Place of the workpiece", verdict, Some(key), sections))
+}
+
+fn done(context: &Given<'_>, placement: &Placement) -> Text {
+    let end = |key: &str, axis: usize| {
+        let pointer = format!("/options/{key}/{axis}");
+        context.saved.number(&pointer)
+    };
+    let ends = [0, 1, 2].map(|axis| Some([end("lower_m", axis)?, end("upper_m", axis)?]));
+    let within = match ends {
+        [Some(x), Some(y), Some(z)] => format!(" in {}", region([x, y, z])),
+        _ => String::new(),
+    };
+    let is_works = |c: &&PlacementCandidate| c.status == Status::Reachable;
+    let works = placement.candidates.iter().filter(is_works).count();
+    let text = Text::new(format!(
+        "{} places of the workpiece{within} were tried for a path of ",
         placement.candidates.len()
     ))
     .number(context.number("/point_count").decimals(0))
-    .words(" points under its loads.");
-    let verdict = [done, came(context, &placement), next(&placement)];
-    let sections = vec![
-        cell_section(context, &placement)?,
-        Section::new(
-            "places",
-            "The places",
-            vec![
-                Block::Figure(placement_figure(&placement)),
-                Block::Table(counts(&placement)),
-            ],
-        ),
-    ];
-    let key = key(context, &placement);
-    Ok(context.told(
-        "Place of the workpiece".to_string(),
-        verdict,
-        Some(key),
-        sections,
-    ))
+    .words(" points under its loads");
+    let text = match placement.searched_points < placement.point_count {
+        true => text
+            .words(", of which ")
+            .number(context.number("/searched_points").decimals(0))
+            .words(" were looked at"),
+        false => text,
+    };
+    text.words(format!("; at {works} of them the arm can go along."))
 }
 
 fn came(context: &Given<'_>, placement: &Placement) -> Text {
@@ -47,15 +67,8 @@ fn came(context: &Given<'_>, placement: &Placement) -> Text {
     let Some(best) = &placement.best else {
         return Text::new("At none of them can the arm go along the whole path.");
     };
-    let mut text = Text::new("At ");
-    for (axis, name) in ["x = ", ", y = ", ", z = "].into_iter().enumerate() {
-        let number = context
-            .number(&format!("/best/position_m/{axis}"))
-            .mm()
-            .decimals(0);
-        let number = if axis < 2 { number.bare() } else { number };
-        text = text.words(name).number(number);
-    }
+    let place = position(context, "/best/position_m", best.position_m);
+    let mut text = Text::new("At ").then(place);
     if best.yaw != 0.0 {
         let yaw = context.number("/best/yaw_deg").unit("°").significant(4);
         text = text.words(", turned by ").number(yaw).words(",");
@@ -90,9 +103,7 @@ fn next(placement: &Placement) -> Text {
             .words(" and ")
             .code("--yaw-deg 0,90,180,270")
             .words("."),
-        Some(best) if gain >= WORTH => Text::new("Put ")
-            .code(lines(best))
-            .words(" into ")
+        Some(_) if gain >= WORTH => Text::new("Put the best place into ")
             .code("[work]")
             .words(" of the cell, check fixture, cables and collisions there, and predict again."),
         Some(_) => Text::new("Leave the workpiece where it is; ")
@@ -101,57 +112,57 @@ fn next(placement: &Placement) -> Text {
     }
 }
 
-/// The place as a cell has it.
-fn lines(best: &Placed) -> String {
-    let list = |values: [f64; 3]| {
+/// The best place as a cell has it.
+fn lines(best: &Placed) -> Section {
+    let line = |key: &str, values: [f64; 3]| {
         let values = values.map(|v| ((v * 1e6).round() / 1e6 + 0.0).to_string());
-        format!("[{}]", values.join(", "))
+        Text::default().code(format!("{key} = [{}]", values.join(", ")))
     };
-    let rpy = best.roll_pitch_yaw.map(f64::to_degrees);
-    format!(
-        "workpiece_mm = {}, workpiece_rpy_deg = {}",
-        list(best.position_m.map(|v| 1e3 * v)),
-        list(rpy)
-    )
+    let lines = vec![
+        line("workpiece_mm", best.position_m.map(|m| 1e3 * m)),
+        line(
+            "workpiece_rpy_deg",
+            best.roll_pitch_yaw.map(f64::to_degrees),
+        ),
+    ];
+    let title = "The best place in [work] of the cell";
+    Section::new("lines", title, vec![Block::List(lines)]).in_summary()
 }
 
 fn key(context: &Given<'_>, placement: &Placement) -> DataTable {
-    let headings = [
+    let rows = [
+        Some(("given", &placement.given)),
+        placement.best.as_ref().map(|best| ("best", best)),
+    ];
+    let rows: Vec<(&str, &Placed)> = rows.into_iter().flatten().collect();
+    let number = |row: usize, below: &str| {
+        let number = context.number(&format!("/{}/{below}", rows[row].0));
+        number.value.map(|_| number)
+    };
+    DataTable::of(
+        "Deflection along the whole path at the given place and the best one",
         "place",
-        "x [mm]",
-        "y [mm]",
-        "z [mm]",
-        "turned by [°]",
-        "RMS [mm]",
-        "largest [mm]",
-        "at point",
-    ];
-    let mut table = DataTable::new("Deflection along the whole path", headings);
-    let both = [
-        ("given", Some(&placement.given)),
-        ("best", placement.best.as_ref()),
-    ];
-    for (key, placed) in both {
-        let Some(placed) = placed else { continue };
-        let number = |below: &str| context.number(&format!("/{key}/{below}"));
-        let mm =
-            |below: &str, digits: usize| Text::from(number(below).mm().bare().decimals(digits));
-        let point = match (&placed.deflection_max_point, placed.status) {
-            (Some(point), _) => visible(point).into_owned(),
-            (None, status) => status.describe().to_string(),
-        };
-        let cells = [
-            mm("position_m/0", 1),
-            mm("position_m/1", 1),
-            mm("position_m/2", 1),
-            number("yaw_deg").significant(4).into(),
-            mm("deflection_rms_m", 3),
-            mm("deflection_max_m", 3),
-            point.into(),
-        ];
-        table.row(key, cells);
-    }
-    table
+        rows.iter().map(|(key, _)| *key),
+    )
+    .numbers("x", POSITION, |row| number(row, "position_m/0"))
+    .numbers("y", POSITION, |row| number(row, "position_m/1"))
+    .numbers("z", POSITION, |row| number(row, "position_m/2"))
+    .numbers("turned by [°]", Quantity::RATIO.digits(4), |row| {
+        number(row, "yaw_deg")
+    })
+    .numbers("RMS", Quantity::LENGTH, |row| {
+        number(row, "deflection_rms_m")
+    })
+    .numbers("largest", Quantity::LENGTH, |row| {
+        number(row, "deflection_max_m")
+    })
+    .words("at point", |row| {
+        let placed = rows[row].1;
+        match &placed.deflection_max_point {
+            Some(point) => visible(point).into_owned().into(),
+            None => placed.status.describe().into(),
+        }
+    })
 }
 
 fn counts(placement: &Placement) -> DataTable {

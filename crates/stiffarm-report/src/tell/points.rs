@@ -1,11 +1,14 @@
-//! What pages about many points share: those where something is largest, and all of them.
+//! What results about many points share: those where something is largest, all of them, and places in words.
 
-use crate::tell::{Block, DataTable, Section};
+use super::at_work::GivesWay;
+use crate::tell::{Block, DataTable, Given, Number, Section, Text};
 use stiffarm::findings::visible;
 use stiffarm::work::predict::PathExtremes;
 
-/// Most rows of the table of all points.
-const ROWS: usize = 200;
+/// Rows of the table of those points where something is largest.
+pub(super) const KEY_ROWS: usize = 12;
+/// Most rows of the table of all points, on a page and in a terminal.
+const ROWS: [usize; 2] = [200, 40];
 
 /// Places of values, the largest first.
 pub(super) fn largest_first(sizes: impl Iterator<Item = f64>) -> Vec<usize> {
@@ -14,23 +17,34 @@ pub(super) fn largest_first(sizes: impl Iterator<Item = f64>) -> Vec<usize> {
     sizes.into_iter().map(|(i, _)| i).collect()
 }
 
+/// Heading of the points' names, of which `shown` of `count` are in the table of the largest.
+pub(super) fn heading(shown: usize, count: usize) -> &'static str {
+    match shown == KEY_ROWS && count > shown {
+        true => "worst points",
+        false => "point",
+    }
+}
+
 /// All of `count` points in a folded table, of very many some evenly along the path; `table` takes a caption and
 /// the points.
 pub(super) fn all_points(
+    context: &Given<'_>,
     summary: &str,
     count: usize,
     table: impl FnOnce(&str, &[usize]) -> DataTable,
 ) -> Section {
-    let (caption, rows): (String, Vec<usize>) = match count <= ROWS {
+    let [on_page, in_words] = ROWS;
+    let most = if context.pictures { on_page } else { in_words };
+    let (caption, rows): (String, Vec<usize>) = match count <= most {
         true => (
             "All points in their order".to_string(),
             (0..count).collect(),
         ),
         false => (
             format!(
-                "{ROWS} of the {count} points, evenly along the path; the result's file has all"
+                "{most} of the {count} points, evenly along the path; the result's file has all"
             ),
-            (0..ROWS).map(|i| i * (count - 1) / (ROWS - 1)).collect(),
+            (0..most).map(|i| i * (count - 1) / (most - 1)).collect(),
         ),
     };
     let table = Block::Table(table(&caption, &rows));
@@ -38,17 +52,84 @@ pub(super) fn all_points(
     Section::new("points", "Points", vec![details])
 }
 
-/// Names and places in the result of the principal axes where the tip bends most and least; `name` is that of a point.
-pub(super) fn extreme_rows(
+/// The places of the principal axes where the tip bends most and least; `name` is that of a point.
+pub(super) fn extreme_places(
     extremes: &PathExtremes,
     name: impl Fn(usize) -> Option<String>,
-) -> Vec<(String, String)> {
-    let row = |words: &str, at: usize, key: &str| {
-        let name = format!("{words}, point {}", visible(&name(at)?));
-        Some((name, format!("/extremes/{key}/principal")))
+) -> Vec<GivesWay> {
+    let (best, worst) = (&extremes.best, &extremes.worst);
+    let both = [
+        ("bends most", "worst", worst),
+        ("bends least", "best", best),
+    ];
+    // Of equals there is one.
+    let apart = if best.at == worst.at { 1 } else { 2 };
+    let places = both
+        .into_iter()
+        .take(apart)
+        .filter_map(|(words, key, own)| {
+            let name = format!("{words}, point {}", visible(&name(own.at)?));
+            Some((name, format!("/extremes/{key}/principal"), own.principal))
+        });
+    places.collect()
+}
+
+/// How the postures of a path were found, as a sentence behind another one; empty where there is no path.
+pub(super) fn how_found(context: &Given<'_>) -> Text {
+    let how = match context.saved.text("/result/postures/origin") {
+        Some("given") => " The joint angles are as given",
+        Some("closed_form") => " The postures come from inverse kinematics in closed form",
+        Some("numeric") => " The postures come from inverse kinematics, iterated",
+        _ => return Text::default(),
     };
-    let (best, worst) = (extremes.best.at, extremes.worst.at);
-    let least = (best != worst).then(|| row("bends least", best, "best"));
-    let rows = [row("bends most", worst, "worst"), least.flatten()];
-    rows.into_iter().flatten().collect()
+    let step = context.number("/postures/largest_step_deg");
+    Text::new(how)
+        .words(", with steps of a joint up to ")
+        .number(step.significant(3).unit("°"))
+        .words(".")
+}
+
+/// Where a tip or a workpiece is: `x = 1425, y = −814, z = 800 mm`; `pointer` is that of the position.
+pub(super) fn position(context: &Given<'_>, pointer: &str, at_m: [f64; 3]) -> Text {
+    let mut text = Text::default();
+    for (axis, name) in ["x = ", ", y = ", ", z = "].into_iter().enumerate() {
+        let number = context.valued(&format!("{pointer}/{axis}"), at_m[axis]);
+        let number = number.mm().decimals(0);
+        let number = if axis < 2 { number.bare() } else { number };
+        text = text.words(name).number(number);
+    }
+    text
+}
+
+/// Ends of a region along x, y and z \[m\]: `x 900 to 3000 mm, z = 800 mm`.
+pub(super) fn region(ends_m: [[f64; 2]; 3]) -> String {
+    let mm = |m: f64| {
+        ((1e4 * m).round() / 10.0 + 0.0)
+            .to_string()
+            .replace('-', "−")
+    };
+    let words = ["x", "y", "z"].into_iter().zip(ends_m);
+    let words = words.map(|(name, [low, high])| match high > low {
+        true => format!("{name} {} to {} mm", mm(low), mm(high)),
+        false => format!("{name} = {} mm", mm(low)),
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
+
+/// Three components with four digits: `(0, −0.5, 1)`.
+pub(super) fn vector(components: [f64; 3]) -> String {
+    let parts = components.map(|c| {
+        let digits = match c.abs() < 1e-9 {
+            true => "0".to_string(),
+            false => Number::computed(c).digits(),
+        };
+        match digits.contains('.') && !digits.contains('e') {
+            true => digits
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_string(),
+            false => digits,
+        }
+    });
+    format!("({})", parts.join(", "))
 }

@@ -1,55 +1,58 @@
-//! The page of `predict`: how far the loaded tool bends away, and how sure that is.
+//! What `predict` says: how far the loaded tool bends away, and how sure that is.
 
 use super::at_work::{
-    AtWork, WorkPoint, along, band_table, dominant, norm, principal_table, wrench,
+    AtWork, FORCE, WorkPoint, along, band_table, dominant, norm, principal_table, wrench,
 };
-use super::points::{all_points, extreme_rows, largest_first};
+use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, largest_first};
 use crate::path::{PathCurvePoint, path_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
-use stiffarm::work::predict::Prediction;
+use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
+use stiffarm::work::predicted::Predicted;
 
-/// Rows of the key table.
-const KEY_ROWS: usize = 5;
+/// Points whose stiffness matrices are shown.
+const MATRICES: usize = 2;
+/// An entry of such a matrix: newtons per millimetre and per milliradian alike.
+const STIFFNESS: Quantity = Quantity::new("", 1e-3, Form::Significant(5));
+/// Entries of a matrix below this share of the largest are rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// What a result says of `predict`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let prediction: Prediction = context.saved.result()?;
+    let prediction = context.result(|made: &Predicted| &made.prediction)?;
+    let prediction: &Prediction = &prediction;
     let work = What::of(context);
-    let verdict = [
-        done(&prediction, &work),
-        came(context, &prediction),
-        next(&prediction, &work),
-    ];
     let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
-    let caption = "Deflection of the tool tip where it is largest, with its total ±";
-    let key = points_table(
-        context,
-        &prediction,
-        caption,
-        &order[..order.len().min(KEY_ROWS)],
-    );
-    let mut sections = vec![
-        cell_section(context, &prediction, &work)?,
-        path_section(&prediction, &work),
+    let worst = order.first().copied();
+    let verdict = [
+        done(context, prediction, &work),
+        came(context, prediction, worst),
+        next(prediction, &work, worst),
     ];
-    sections.extend(band_section(context, &prediction));
-    sections.extend(stiffness_section(context, &prediction));
-    sections.push(all_points(
-        "The points",
-        prediction.points.len(),
-        |caption, rows| points_table(context, &prediction, caption, rows),
-    ));
-    Ok(context.told(
-        "Predicted deflection".to_string(),
-        verdict,
-        Some(key),
-        sections,
-    ))
+    let shown = &order[..order.len().min(KEY_ROWS)];
+    let caption = "Deflection of the tool tip where it is largest";
+    let key = points_table(context, prediction, caption, shown);
+    let mut sections = Vec::new();
+    if context.pictures {
+        sections.push(cell_section(context, prediction, &work)?);
+        sections.push(path_section(prediction, &work));
+    }
+    sections.extend(matrices_section(context, prediction));
+    sections.extend(worst.and_then(|worst| band_section(context, prediction, worst)));
+    sections.extend(stiffness_section(context, prediction));
+    let count = prediction.points.len();
+    sections.push(all_points(context, "The points", count, |caption, rows| {
+        with_parts(
+            context,
+            prediction,
+            rows,
+            points_table(context, prediction, caption, rows),
+        )
+    }));
+    Ok(context.told("Predicted deflection", verdict, Some(key), sections))
 }
 
 /// What was predicted.
@@ -79,7 +82,7 @@ impl What {
     }
 }
 
-fn done(prediction: &Prediction, what: &What) -> Text {
+fn done(context: &Given<'_>, prediction: &Prediction, what: &What) -> Text {
     let count = prediction.points.len();
     let points = match (what.is_path, what.is_cell_load, count) {
         (true, _, 1) => "at one point of the path".to_string(),
@@ -94,28 +97,22 @@ fn done(prediction: &Prediction, what: &What) -> Text {
     Text::new(format!(
         "The deflection of the tool tip was predicted {points}, each under its own load."
     ))
+    .then(how_found(context))
 }
 
-/// The point of the largest deflection.
-fn worst(prediction: &Prediction) -> Option<usize> {
-    let sizes = prediction.points.iter().map(|p| p.deflection_m);
-    largest_first(sizes).first().copied()
-}
-
-fn came(context: &Given<'_>, prediction: &Prediction) -> Text {
+fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> Text {
     let number = |below: &str| context.number(below).mm().decimals(3);
     let text = Text::new("The tool bends away by ")
         .number(number("/deflection_rms_m"))
         .words(" (RMS), at most ")
         .number(number("/deflection_max_m"));
     let at = format!(" at point {}", visible(&prediction.deflection_max_point));
-    let worst = worst(prediction);
     let band = worst.and_then(|i| Some((i, prediction.points[i].band?, prediction.confidence?)));
     match band {
         None => text.words(format!("{at}; nothing says how sure that is.")),
         Some((i, band, confidence)) => text
             .words(" ")
-            .number(number(&format!("/points/{i}/band/size_m/3")).plus_minus())
+            .number(total(context, i, &band).mm().decimals(3).plus_minus())
             .words(format!(
                 " ({} %){at}; most of the ± comes from {}.",
                 (1000.0 * confidence).round() / 10.0,
@@ -124,13 +121,13 @@ fn came(context: &Given<'_>, prediction: &Prediction) -> Text {
     }
 }
 
-fn next(prediction: &Prediction, what: &What) -> Text {
+fn next(prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {
     if prediction.deflection_rms_m == 0.0 {
         return Text::new("Give the path its forces, in its own columns or in ")
             .code("[work]")
             .words(" of the cell.");
     }
-    let Some(band) = worst(prediction).and_then(|i| prediction.points[i].band) else {
+    let Some(band) = worst.and_then(|i| prediction.points[i].band) else {
         return Text::new("Predict with an identified stiffness, so that the deflection has a ±: ")
             .code("stiffarm identify cell.toml readings.csv --output k.json")
             .words(" writes it.");
@@ -164,40 +161,62 @@ fn next(prediction: &Prediction, what: &What) -> Text {
         .words(" looks for a stiffer place for the workpiece.")
 }
 
+/// The total ± of a point.
+fn total(context: &Given<'_>, point: usize, band: &TipBand) -> Number {
+    context.valued(&format!("/points/{point}/band/size_m/3"), band.size_m[3])
+}
+
 fn points_table(
     context: &Given<'_>,
     prediction: &Prediction,
     caption: &str,
     rows: &[usize],
 ) -> DataTable {
-    let headings = [
-        "point",
-        "deflection [mm]",
-        "± total [mm]",
-        "x [mm]",
-        "y [mm]",
-        "z [mm]",
-        "force [N]",
-    ];
-    let mut table = DataTable::new(caption, headings);
-    for &i in rows {
-        let at = |below: &str| {
-            let number = context.number(&format!("/points/{i}{below}"));
-            Text::from(number.mm().bare().decimals(3))
-        };
-        let point = &prediction.points[i];
-        let force = crate::tell::Number::new("", Some(norm(point.force_n)));
-        let cells = [
-            at("/deflection_m"),
-            at("/band/size_m/3"),
-            at("/shift_m/0"),
-            at("/shift_m/1"),
-            at("/shift_m/2"),
-            force.decimals(0).into(),
-        ];
-        table.row(visible(&point.point).into_owned(), cells);
-    }
-    table
+    let point = |row: usize| &prediction.points[rows[row]];
+    let at = |row: usize, below: &str, value: f64| {
+        Some(context.valued(&format!("/points/{}/{below}", rows[row]), value))
+    };
+    let shift = |row: usize, axis: usize| {
+        let value = point(row).shift_m[axis];
+        at(row, &format!("shift_m/{axis}"), value)
+    };
+    let names = rows.iter().map(|i| name(&prediction.points[*i]));
+    DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
+        .numbers("force", FORCE, |row| {
+            Some(Number::computed(norm(point(row).force_n)))
+        })
+        .numbers("along x", Quantity::LENGTH, |row| shift(row, 0))
+        .numbers("along y", Quantity::LENGTH, |row| shift(row, 1))
+        .numbers("along z", Quantity::LENGTH, |row| shift(row, 2))
+        .numbers("deflection", Quantity::LENGTH, |row| {
+            at(row, "deflection_m", point(row).deflection_m)
+        })
+        .numbers("± total", Quantity::LENGTH, |row| {
+            let band = point(row).band.as_ref();
+            band.map(|band| total(context, rows[row], band))
+        })
+}
+
+/// The same table with the parts of the ±.
+fn with_parts(
+    context: &Given<'_>,
+    prediction: &Prediction,
+    rows: &[usize],
+    table: DataTable,
+) -> DataTable {
+    let parts = ["± readings", "± systematic", "± load"].into_iter();
+    parts.enumerate().fold(table, |table, (i, heading)| {
+        table.numbers(heading, Quantity::LENGTH, |row| {
+            let band = prediction.points[rows[row]].band?;
+            let below = format!("/points/{}/band/size_m/{i}", rows[row]);
+            (band.size_m[i] > 0.0).then(|| context.valued(&below, band.size_m[i]))
+        })
+    })
+}
+
+/// The name of a point as it is shown.
+fn name(point: &PointPrediction) -> String {
+    visible(&point.point).into_owned()
 }
 
 fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Result<Section> {
@@ -292,12 +311,11 @@ fn along_path(prediction: &Prediction) -> Section {
     Section::new("path", "Along the path", blocks)
 }
 
-fn band_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
-    let i = worst(prediction)?;
-    let band = prediction.points[i].band?;
-    let name = visible(&prediction.points[i].point);
+fn band_section(context: &Given<'_>, prediction: &Prediction, worst: usize) -> Option<Section> {
+    let band = prediction.points[worst].band?;
+    let name = name(&prediction.points[worst]);
     let caption = format!("What the ± is made of at point {name}, where the tip bends most");
-    let table = band_table(context, caption, &format!("/points/{i}/band"));
+    let table = band_table(context, caption, &format!("/points/{worst}/band"), &band);
     let text = Text::new(format!("Most of the ± comes from {}. ", dominant(band.size_m)))
         .words("Over all points the errors that the bands stand for are ")
         .number(context.number("/error_rms_m").mm().decimals(3))
@@ -312,18 +330,74 @@ fn band_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section>
 
 fn stiffness_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
     let extremes = prediction.extremes?;
-    let rows = extreme_rows(&extremes, |at| {
+    let places = extreme_places(&extremes, |at| {
         Some(prediction.points.get(at)?.point.to_string())
     });
     let words = "A force along the softest axis moves the tip most; turning the workpiece so that forces act along a \
                  stiffer one helps as much as a stiffer place.";
     let blocks = vec![
         Block::Text(words.into()),
-        Block::Table(principal_table(context, &rows)),
+        Block::Table(principal_table(context, &places)),
     ];
     Some(Section::new(
         "stiffness",
         "Which way the tip gives way",
         blocks,
     ))
+}
+
+/// The Cartesian stiffness of the first points, where it was asked for.
+fn matrices_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
+    let points = prediction.points.iter().enumerate();
+    let points = points.filter_map(|(i, p)| Some((i, name(p), p.stiffness.as_deref()?)));
+    let points: Vec<_> = points.take(MATRICES).collect();
+    let mut blocks = Vec::new();
+    for (i, name, stiffness) in &points {
+        let below = format!("/points/{i}/stiffness");
+        let axes = (
+            format!("point {name}"),
+            format!("{below}/principal"),
+            stiffness.principal,
+        );
+        blocks.push(Block::Table(principal_table(context, &[axes])));
+        let both = [
+            ("K, Eq. (2)", "matrix", &stiffness.matrix),
+            (
+                "K with K_C of this load",
+                "matrix_with_k_c",
+                &stiffness.matrix_with_k_c,
+            ),
+        ];
+        blocks.extend(both.map(|(what, key, matrix)| match matrix {
+            Some(matrix) => {
+                let units = "N/mm, N/mrad; N·m/mm, N·m/mrad";
+                let caption = format!("{what}, at point {name} [{units}]");
+                let below = format!("{below}/{key}");
+                Block::Table(matrix_table(context, caption, &below, matrix))
+            }
+            None => Block::Text(format!("{what}: none, point {name} is singular.").into()),
+        }));
+    }
+    (!blocks.is_empty())
+        .then(|| Section::new("matrices", "Stiffness matrices of the tip", blocks).in_summary())
+}
+
+fn matrix_table(
+    context: &Given<'_>,
+    caption: String,
+    pointer: &str,
+    matrix: &[[f64; 6]; 6],
+) -> DataTable {
+    let largest = matrix.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let table = DataTable::of(caption, "", ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]);
+    let axes = ["x", "y", "z", "about x", "about y", "about z"].into_iter();
+    axes.enumerate().fold(table, |table, (column, heading)| {
+        table.numbers(heading, STIFFNESS, |row| {
+            let value = matrix[row][column];
+            Some(match value.abs() < ROUNDING * largest {
+                true => Number::computed(0.0),
+                false => context.valued(&format!("{pointer}/{row}/{column}"), value),
+            })
+        })
+    })
 }

@@ -1,13 +1,17 @@
-//! The page of `validate`: does the stiffness predict what was measured?
+//! What `validate` says: does the stiffness predict what was measured?
 
 use super::arrows::{Residuals, residual_section};
+use super::at_work::norm;
+use super::identify::readings;
 use crate::identified::in_order;
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Number, Outcome, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
 use crate::validated::validation_figure;
+use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
+use stiffarm::estimate::validated::Validated;
 use stiffarm::findings::{Severity, list, visible};
+use stiffarm::model::observation::ExtraTerm;
 
 /// Deviations this many times what noise gives on average are the model's.
 const MODEL: f64 = 3.0;
@@ -16,21 +20,31 @@ const MOST_ROWS: usize = 8;
 
 /// What a result says of `validate`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let found: Validation = context.saved.result()?;
-    let verdict = [done(&found), came(context, &found), next(context, &found)];
-    let mut sections = vec![Section::new(
-        "deviations",
-        "Calculated against measured",
-        vec![Block::Figure(validation_figure(&found))],
-    )];
-    sections.extend(cell(context, &found)?);
-    sections.push(points(context, &found));
+    let all: Validated = context.saved.result()?;
+    let found = &all.validation;
+    let verdict = [
+        done(context, found),
+        came(context, found),
+        next(context, found),
+    ];
+    let mut sections = Vec::new();
+    if context.pictures {
+        sections.push(Section::new(
+            "deviations",
+            "Calculated against measured",
+            vec![Block::Figure(validation_figure(found))],
+        ));
+        sections.extend(cell(context, found)?);
+    }
+    let readings = all.readings.as_ref();
+    let screening = readings.map(|readings| &readings.sanity);
+    sections.extend(readings::section(context, screening, readings));
+    sections.push(points(context, found));
     let heading = match found.folds {
         Some(_) => "Cross-validation of the joint stiffness",
         None => "Validation of the joint stiffness",
     };
-    let key = key(context, &found);
-    let mut told = context.told(heading.to_string(), verdict, Some(key), sections);
+    let mut told = context.told(heading, verdict, Some(key(context, found)), sections);
     told.outcome = match (found.passed, found.unpredicted.is_empty()) {
         (Some(false), _) => Outcome::Serious,
         (_, false) if told.outcome == Outcome::Good => Outcome::Caution,
@@ -39,31 +53,61 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     Ok(told)
 }
 
-fn done(found: &Validation) -> Text {
+fn done(context: &Given<'_>, found: &Validation) -> Text {
     let postures = in_order(found.points.iter().map(|p| p.posture.as_str())).len();
     let how = match (found.folds, found.model) {
-        (Some(folds), _) => format!(
-            "each predicted by a fit without it, in {folds} folds of postures, and compared with what was measured there"
-        ),
+        (Some(folds), _) => {
+            format!("each predicted by a fit without it, in {folds} folds of postures")
+        }
         (None, Model::Linear) => {
-            "calculated from the saved stiffness with the linear model, and compared with what was measured there"
-                .to_string()
+            "calculated from the saved stiffness with the linear model".to_string()
         }
         (None, Model::Equilibrium) => {
-            "calculated from the saved stiffness with the exact equilibrium, and compared with what was measured there"
-                .to_string()
+            "calculated from the saved stiffness with the exact equilibrium".to_string()
         }
     };
     Text::new(format!(
-        "{} displacements at {postures} {} were {how}, Eq. (22).",
+        "{} displacements at {postures} {} were {how}, and compared with what was measured there, Eq. (22).{}",
         found.points.len(),
         if postures == 1 { "posture" } else { "postures" },
+        fits(context)
     ))
+}
+
+/// How each fold was identified, as a sentence behind another one; empty for a saved stiffness.
+fn fits(context: &Given<'_>) -> String {
+    let Some(estimator) = context.saved.text("/options/fit/estimator") else {
+        return String::new();
+    };
+    let estimator = visible(estimator).replace('_', "-");
+    let terms = Vec::<ExtraTerm>::deserialize(&context.saved.json["options"]["fit"]["extra"]);
+    let terms = terms.unwrap_or_default();
+    let robot = context.cell.map(|cell| &cell.setup.robot);
+    let names = robot.map(|robot| terms.iter().map(|term| term.name(robot)).collect());
+    let names: Vec<String> = names.unwrap_or_default();
+    let terms = match names.is_empty() {
+        true => String::new(),
+        false => format!(", with {}", list(&names)),
+    };
+    let elastic = match context.saved.text("/options/fit/elastic") {
+        Some("mixed") => "; elastic model: mixed, its sizes found anew in each fold",
+        Some(_) => "; elastic model: the joint axes alone",
+        None => "",
+    };
+    format!(" Estimator of the fits: {estimator}{terms}{elastic}.")
 }
 
 fn came(context: &Given<'_>, found: &Validation) -> Text {
     let mm = |below: &str| context.number(below).mm().decimals(4);
-    let mut text = Text::new("Calculated and measured differ by ")
+    let unpredicted = match found.unpredicted.is_empty() {
+        true => Text::default(),
+        false => {
+            let sentence = format!("{} cannot be predicted.", names(&found.unpredicted));
+            Text::default().strong(sentence).words(" At the others: ")
+        }
+    };
+    let mut text = unpredicted
+        .words("Calculated and measured differ by ")
         .number(mm("/deviation_rms_m"))
         .words(" (RMS), at most ")
         .number(mm("/deviation_max_m"));
@@ -99,21 +143,27 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
                 .words(" times larger."),
         };
     }
+    if found.folds.is_some() {
+        text = text
+            .words(" The RMS of the components, to be held beside the residual RMS of the identification, is ")
+            .number(mm("/component_rms_m"))
+            .words(".");
+    }
     match found.passed {
-        Some(true) => text
+        Some(passed) => text
             .words(" The tolerance of ")
             .number(mm("/tolerance_m"))
             .words(" is ")
-            .strong("kept")
-            .words("."),
-        Some(false) => text
-            .words(" The tolerance of ")
-            .number(mm("/tolerance_m"))
-            .words(" is ")
-            .strong("not kept")
+            .strong(if passed { "kept" } else { "not kept" })
             .words("."),
         None => text,
     }
+}
+
+/// Names from files as they are shown.
+fn names(names: &[String]) -> String {
+    let shown = names.iter().map(|name| visible(name).into_owned());
+    list(&shown.collect::<Vec<_>>())
 }
 
 fn next(context: &Given<'_>, found: &Validation) -> Text {
@@ -124,11 +174,15 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
             .words(", then validate again; until then the numbers here are not to be used.");
     }
     if !found.unpredicted.is_empty() {
-        let names = found.unpredicted.iter().map(|name| visible(name));
-        let names: Vec<String> = names.map(String::from).collect();
+        let others = match found.folds {
+            Some(_) => "without them the others do not",
+            None => "the identification did not",
+        };
         return Text::new("Measure more postures like ")
-            .strong(list(&names))
-            .words(": without them the others do not determine every joint that moves there.");
+            .strong(names(&found.unpredicted))
+            .words(format!(
+                ": {others} determine every joint that moves there."
+            ));
     }
     let outside = findings.iter().any(|f| f.code == "outside-bands");
     if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
@@ -180,15 +234,6 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
         .words(" gives the path to command instead.")
 }
 
-/// Whether a displacement lies inside its band, in words.
-fn inside(point: &PointDeviation) -> &'static str {
-    match &point.band {
-        None => "–",
-        Some(band) if band.inside.iter().all(|inside| *inside) => "inside",
-        Some(_) => "outside",
-    }
-}
-
 /// The worst point of each posture, the worst posture first.
 fn key(context: &Given<'_>, found: &Validation) -> DataTable {
     let names = in_order(found.points.iter().map(|p| p.posture.as_str()));
@@ -210,44 +255,46 @@ fn key(context: &Given<'_>, found: &Validation) -> DataTable {
 
 /// Rows of Eq. (22).
 fn table(context: &Given<'_>, found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
-    let mut table = DataTable::new(
-        caption,
-        [
-            "posture",
-            "load state",
-            "point",
-            "measured [mm]",
-            "calculated [mm]",
-            "± calculated [mm]",
-            "deviation [mm]",
-            "band",
-        ],
-    );
-    let norm = |v: &[f64; 3]| {
-        let number = Number::new("", Some(v.iter().map(|c| c * c).sum::<f64>().sqrt()));
-        Text::from(number.mm().bare().decimals(4))
+    let point = |row: usize| &found.points[rows[row]];
+    let states = found.points.iter().map(|p| &p.state);
+    let has_states = states.clone().zip(states.skip(1)).any(|(a, b)| a != b);
+    let size = |v: &[f64; 3]| Some(Number::computed(norm(*v)));
+    let at = |row: usize, key: &str| {
+        let number = context.number(&format!("/points/{}/{key}", rows[row]));
+        number.value.map(|_| number)
     };
-    for &i in rows {
-        let point = &found.points[i];
-        let at = |key: &str| {
-            let number = context.number(&format!("/points/{i}/{key}"));
-            Text::from(number.mm().bare().decimals(4))
-        };
-        let cells = [
-            visible(&point.state).into_owned().into(),
-            visible(&point.point).into_owned().into(),
-            norm(&point.measured_m),
-            norm(&point.calculated_m),
-            at("band/norm_half_width_m"),
-            at("deviation_m"),
-            match inside(point) {
-                "outside" => Text::default().strong("outside"),
-                word => word.into(),
-            },
-        ];
-        table.row(visible(&point.posture).into_owned(), cells);
+    let names = (0..rows.len()).map(|row| visible(&point(row).posture).into_owned());
+    DataTable::of(caption, "posture", names)
+        .words("load state", |row| match has_states {
+            true => visible(&point(row).state).into_owned().into(),
+            false => Text::default(),
+        })
+        .words("point", |row| {
+            visible(&point(row).point).into_owned().into()
+        })
+        .numbers("measured", Quantity::LENGTH, |row| {
+            size(&point(row).measured_m)
+        })
+        .numbers("calculated", Quantity::LENGTH, |row| {
+            size(&point(row).calculated_m)
+        })
+        .numbers("± calculated", Quantity::LENGTH, |row| {
+            at(row, "band/norm_half_width_m")
+        })
+        .numbers("deviation", Quantity::LENGTH, |row| at(row, "deviation_m"))
+        .words("outside its band along", |row| outside(point(row)))
+}
+
+/// The axes along which a displacement lies outside its band.
+fn outside(point: &PointDeviation) -> Text {
+    let inside = point.band.as_ref().map_or([true; 3], |band| band.inside);
+    let axes = ["x", "y", "z"].into_iter().zip(inside);
+    let axes = axes.filter_map(|(axis, inside)| (!inside).then_some(axis));
+    let axes: Vec<&str> = axes.collect();
+    match axes.is_empty() {
+        true => Text::default(),
+        false => Text::default().strong(axes.join(" ")),
     }
-    table
 }
 
 /// Every point, folded away.

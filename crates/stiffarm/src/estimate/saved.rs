@@ -4,6 +4,7 @@
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::quantile;
+use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -147,9 +148,10 @@ impl Saved {
         Saved::bare(cell, cell.require_prior()?, PRIOR)
     }
 
-    /// True where the stiffness was identified in another version of the cell
-    /// whose hash is `cell`.
-    pub fn is_of_another_cell(&self, cell: Option<&str>) -> bool {
-        self.cell.is_some() && self.cell.as_deref() != cell
+    /// A caution where the stiffness was identified in another version of the cell than the one with this SHA-256.
+    pub fn of_another_cell(&self, cell: Option<&str>) -> Option<Finding> {
+        let is_other = self.cell.is_some() && self.cell.as_deref() != cell;
+        let sentence = "The stiffness was identified with another version of this cell.";
+        is_other.then(|| Finding::new("other-cell", Severity::Caution, "stiffness", sentence))
     }
 }

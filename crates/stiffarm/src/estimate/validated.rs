@@ -3,6 +3,7 @@
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::elastic::{ElasticChoice, elastic};
+use crate::estimate::identified::Reduced;
 use crate::estimate::identify::{Estimator, Fit, NoiseSource};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::saved::Saved;
@@ -56,6 +57,9 @@ pub struct Validated {
     /// The validation.
     #[serde(flatten)]
     pub validation: Validation,
+    /// From raw readings to displacements; left out for a table of displacements.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub readings: Option<Reduced>,
     /// What to know about the readings and the stiffness.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Finding>,
@@ -135,12 +139,14 @@ impl Request {
         self.keep_only(&mut measured)?;
         let mut remarks = saved.predictor.doubts.clone();
         remarks.extend(measured.findings().cloned());
+        let readings = Reduced::of(&measured);
         let tolerance = self.tolerance_mm.map(mm_to_m);
         let validation = validate_with(cell, &saved.predictor, measured, self.model, tolerance)?;
-        let same_cell = !saved.is_of_another_cell(cell_hash);
-        remarks.extend(notes(saved, same_cell, &validation));
+        remarks.extend(saved.of_another_cell(cell_hash));
+        remarks.extend(seen(saved, &validation));
         Ok(Validated {
             validation,
+            readings,
             remarks,
         })
     }
@@ -177,6 +183,7 @@ impl Request {
         };
         let validated = Validated {
             validation,
+            readings: Reduced::of(fit.measured()),
             remarks: fit.measured().findings().cloned().collect(),
         };
         Ok((validated, described))
@@ -233,34 +240,26 @@ fn crossed(
     })
 }
 
-/// What to know about the stiffness before reading on.
-pub fn notes(saved: &Saved, same_cell: bool, result: &Validation) -> Vec<Finding> {
-    let mut out = Vec::new();
-    let mut add = |code: &str, sentence: String| {
-        out.push(Finding::new(code, Severity::Caution, "stiffness", sentence));
-    };
-    if !same_cell {
-        let sentence = "The stiffness was identified with another version of this cell.";
-        add("other-cell", sentence.to_string());
-    }
-    let mut seen: Vec<&str> = result
-        .points
-        .iter()
-        .map(|p| p.posture.as_str())
-        .filter(|p| saved.postures.iter().any(|s| s == p))
+/// That postures took part in the identification, where some did.
+fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
+    let names = result.points.iter().map(|p| p.posture.as_str());
+    let mut seen: Vec<&str> = names
+        .filter(|name| saved.postures.iter().any(|own| own == name))
         .collect();
     seen.dedup();
-    if !seen.is_empty() {
-        let (verb, them) = if seen.len() == 1 {
-            ("Posture", "its deviations")
-        } else {
-            ("Postures", "their deviations")
-        };
-        let sentence = format!(
-            "{verb} {} took part in the identification: {them} say little.",
-            list(&seen)
-        );
-        add("seen-postures", sentence);
-    }
-    out
+    let (verb, them) = match seen.len() {
+        0 => return None,
+        1 => ("Posture", "its deviations"),
+        _ => ("Postures", "their deviations"),
+    };
+    let sentence = format!(
+        "{verb} {} took part in the identification: {them} say little.",
+        list(&seen)
+    );
+    Some(Finding::new(
+        "seen-postures",
+        Severity::Caution,
+        "stiffness",
+        sentence,
+    ))
 }

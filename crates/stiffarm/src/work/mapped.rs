@@ -8,7 +8,7 @@ use crate::units::deg_to_rad;
 use crate::work::map::MapOptions;
 use crate::work::region::{Region, RegionRequest};
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The tool axis down.
 const DOWN_DEG: [f64; 3] = [180.0, 0.0, 0.0];
@@ -25,6 +25,8 @@ pub struct Options {
     pub steps: [usize; 3],
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
+    /// Where the load comes from.
+    pub load_from: LoadSource,
 }
 
 /// What is asked of a map beside cell and stiffness.
@@ -48,7 +50,9 @@ pub struct Request {
 }
 
 /// Where the load of a map comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
 pub enum LoadSource {
     /// The force that was given.
     Given,
@@ -133,6 +137,7 @@ impl Request {
             free_turn: options.free_turn,
             steps: options.steps,
             characteristic_length_m: cell.characteristic_length,
+            load_from: self.load(cell, &options.rotation).1,
         }
     }
 }

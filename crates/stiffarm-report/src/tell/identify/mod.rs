@@ -6,7 +6,7 @@ mod experiment;
 mod findings;
 mod fit;
 mod joints;
-mod readings;
+pub(super) mod readings;
 mod stiffness;
 mod story;
 
@@ -47,7 +47,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         came,
         story::next(&joints, &found),
     ];
-    let readings = readings::section(given, &found);
+    let readings = readings::section(given, found.screening(), found.readings.as_ref());
     // What is wrong with the readings comes first where something is.
     let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
     let (first, later) = if suspicious {

@@ -4,22 +4,26 @@ use super::shown;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
 use serde_json::Value;
-use stiffarm::estimate::identified::{Identified, Reduced};
+use stiffarm::estimate::identified::Reduced;
 use stiffarm::findings::{Severity, list, visible};
 use stiffarm::measure::reduction::UnloadedRegistration;
 use stiffarm::measure::screening::{Screening, Suspicion};
 
 /// What was found about the readings; `None` where nothing is worth a word.
-pub(super) fn section(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(in crate::tell) fn section(
+    given: &Given<'_>,
+    screening: Option<&Screening>,
+    readings: Option<&Reduced>,
+) -> Option<Section> {
     let mut blocks = Vec::new();
-    if let Some(screening) = found.screening().filter(|s| !s.suspicions.is_empty()) {
-        let below = match found.readings {
+    if let Some(screening) = screening.filter(|s| !s.suspicions.is_empty()) {
+        let below = match readings {
             Some(_) => "/readings/sanity",
             None => "/sanity",
         };
         blocks.push(Block::Table(suspicions(given, screening, below)));
     }
-    if let Some(readings) = &found.readings {
+    if let Some(readings) = readings {
         blocks.push(Block::Table(checks(given, readings)));
         let registration = readings.reduction.registration.as_ref();
         blocks.extend(

@@ -1,0 +1,139 @@
+//! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
+//! postures kept out of the identification, or fold by fold without any.
+
+use crate::args::ValidateArgs;
+use crate::error::{of_option, of_usage};
+use crate::files::ends_in;
+use crate::output::Exit;
+use crate::progress::Progress;
+use crate::session::Session;
+use stiffarm::estimate::identify::Fit;
+use stiffarm::estimate::validate::Model;
+use stiffarm::estimate::validated::{Folds, Options, Request, Validated};
+use stiffarm::files::source::{NamedCell, Source};
+use stiffarm::findings::Severity;
+use stiffarm::measure::{Measured, prepare};
+use stiffarm::model::cell::Cell;
+use stiffarm::{Code, Error, Result};
+
+/// Validates.
+pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
+    let request = Request {
+        model: args.model.into(),
+        tolerance_mm: args.tolerance_mm,
+        only: args.only.clone(),
+    };
+    request
+        .check()
+        .map_err(|e| of_usage(e, &["tolerance_mm"]))?;
+    match (&args.stiffness, args.folds) {
+        (Some(stiffness), None) => held_out(session, args, &request, stiffness),
+        (None, Some(folds)) => cross(session, args, &request, &args.measurements, folds),
+        (None, None) => Err(Error::new(
+            Code::Usage,
+            "There is no joint stiffness to validate.",
+        )
+        .hint("give the file that `stiffarm identify --output` wrote before the measurements, or --folds")),
+        // A table of measurements before others is no stiffness.
+        (Some(first), Some(folds)) if !ends_in(first, "json") => {
+            let first = std::slice::from_ref(first);
+            let from = [first, &args.measurements].concat();
+            cross(session, args, &request, &from, folds)
+        }
+        (Some(_), Some(_)) => Err(Error::new(
+            Code::Usage,
+            "With --folds the stiffness is identified anew in each fold, so no file of stiffness can be given.",
+        )
+        .key("--folds")
+        .hint("give the cell and the measurements alone")),
+    }
+}
+
+/// Validates a saved stiffness.
+fn held_out(
+    session: &Session,
+    args: &ValidateArgs,
+    request: &Request,
+    stiffness: &str,
+) -> Result<Exit> {
+    if let Some(option) = args.fit.given() {
+        return Err(Error::new(
+            Code::Usage,
+            format!("{option} can be used only with --folds."),
+        )
+        .key(option)
+        .hint("a saved stiffness brings its own estimator, terms and confidence"));
+    }
+    let named = session.read_cell(&args.cell)?;
+    let saved = session.read_stiffness(stiffness, &named.cell)?;
+    let measured = measured(session, args, request, &args.measurements, &named.cell)?;
+    let hash = session.last_hash("cell");
+    let result = request.held_out(&named.cell, hash.as_deref(), &saved, measured)?;
+    deliver(session, args, &named, request.options(None), &result)
+}
+
+/// Predicts each posture from fits without it.
+fn cross(
+    session: &Session,
+    args: &ValidateArgs,
+    request: &Request,
+    from: &[String],
+    folds: Folds,
+) -> Result<Exit> {
+    if request.model != Model::Linear {
+        return Err(Error::new(
+            Code::Unsupported,
+            "With --folds only the linear model can be used.",
+        )
+        .key("--model"));
+    }
+    let named = session.read_cell(&args.cell)?;
+    let fit = args.fit.options(&named.cell.setup.robot)?;
+    let measured = measured(session, args, request, from, &named.cell)?;
+    let progress = Progress::new(session, "predicting each posture");
+    let asked = args.fit.elastic.map(Into::into);
+    let (result, described) = Fit::watched(&named.cell, measured, &fit, progress.shared())
+        .and_then(|fit| request.by_folds(&fit, asked, folds))
+        .map_err(|e| match e.code() {
+            Code::InvalidValue => e.key("--folds"),
+            _ => of_option(e, &["elastic"]),
+        })?;
+    drop(progress);
+    let options = request.options(Some(described));
+    deliver(session, args, &named, options, &result)
+}
+
+fn deliver(
+    session: &Session,
+    args: &ValidateArgs,
+    named: &NamedCell,
+    options: Options,
+    result: &Validated,
+) -> Result<Exit> {
+    let envelope = session.envelope("validate", None, options, result);
+    session.deliver_told(None, &envelope, named, args.details)?;
+    let mut remarks = result.remarks.iter();
+    let found = &result.validation;
+    Ok(Exit::finding(
+        found.passed == Some(false)
+            || !found.unpredicted.is_empty()
+            || remarks.any(|f| f.severity == Severity::Serious),
+    ))
+}
+
+/// The measurements, or those of `--only`.
+fn measured(
+    session: &Session,
+    args: &ValidateArgs,
+    request: &Request,
+    from: &[String],
+    cell: &Cell,
+) -> Result<Measured> {
+    let measurements = session.read_measurements(from, args.postures.as_deref(), cell)?;
+    let reduce = session.read_registration(args.registration.as_deref())?;
+    let mut measured = prepare(cell, measurements, &reduce)?;
+    request
+        .keep_only(&mut measured)
+        .map_err(|e| of_option(e, &["only"]))?;
+    Ok(measured)
+}

@@ -1,0 +1,251 @@
+//! What is said of a loaded tool: the same from what a command has at hand and from its file.
+
+use super::identified::saved;
+use serde::Serialize;
+use serde_json::json;
+use std::any::Any;
+use stiffarm::Control;
+use stiffarm::estimate::saved::Saved;
+use stiffarm::files::builtin;
+use stiffarm::files::table::read_path;
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::path::PathPoint;
+use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
+use stiffarm::work::predicted::{Predicted, Request};
+use stiffarm::work::region::{Plane, RegionRequest, Steps};
+use stiffarm::work::{compensated, mapped};
+use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Text, Told, tell};
+
+fn cell() -> (Cell, Saved) {
+    let cell = Cell::built_in("comau").unwrap();
+    let saved = Saved::prior(&cell).unwrap();
+    (cell, saved)
+}
+
+/// Deflections at the cell's tasks.
+fn tasks(cell: &Cell, saved: &Saved, matrix: bool) -> Predicted {
+    let request = Request {
+        matrix,
+        ..Request::default()
+    };
+    let control = Control::default();
+    let loaded = request.loaded(cell.clone(), &saved.predictor, None, control);
+    request.predict(&loaded.unwrap(), saved, control).unwrap()
+}
+
+/// The built-in path.
+fn contour(cell: &Cell) -> Vec<PathPoint> {
+    let text = builtin::path_text("contour").unwrap();
+    read_path(text.as_bytes(), "contour", cell, None)
+        .unwrap()
+        .points
+}
+
+/// What is said of a result of `command`, checked to be the same from the result as it was made, without its points in the
+/// file, as from the file.
+fn told<R: Serialize + Any, P>(
+    command: &str,
+    cell: &Cell,
+    result: &mut R,
+    points: fn(&mut R) -> &mut Vec<P>,
+) -> Told {
+    let whole = saved(command, json!(result));
+    let from_file = tell(&Given::new(&whole, Some(cell)).in_words()).unwrap();
+    let all = std::mem::take(points(result));
+    let without = saved(command, json!(result));
+    *points(result) = all;
+    let mut given = Given::new(&without, Some(cell)).in_words();
+    given.made = Some(result);
+    let made = tell(&given).unwrap();
+    assert_eq!(words(&made), words(&from_file));
+    // The page has pictures beside the same words.
+    let page = tell(&Given::new(&whole, Some(cell))).unwrap();
+    assert_eq!(page.verdict, from_file.verdict);
+    assert!(page.sections.len() > from_file.sections.len() || command == "map");
+    made
+}
+
+/// All that is said, as plain text.
+fn words(told: &Told) -> Vec<String> {
+    let mut out: Vec<String> = told.verdict.iter().map(Text::plain).collect();
+    told.key.iter().for_each(|key| table(key, &mut out));
+    for section in &told.sections {
+        out.push(section.title.clone());
+        section
+            .blocks
+            .iter()
+            .for_each(|block| words_of(block, &mut out));
+    }
+    out
+}
+
+fn words_of(block: &Block, out: &mut Vec<String>) {
+    match block {
+        Block::Text(text) => out.push(text.plain()),
+        Block::List(texts) => out.extend(texts.iter().map(Text::plain)),
+        Block::Table(data) => table(data, out),
+        Block::Details(_, inside) => inside.iter().for_each(|block| words_of(block, out)),
+        _ => panic!("no picture is asked for"),
+    }
+}
+
+fn table(data: &DataTable, out: &mut Vec<String>) {
+    out.push(data.caption.clone());
+    out.push(data.headings.join(" | "));
+    let rows = data.rows.iter();
+    out.extend(rows.map(|row| {
+        let cells: Vec<String> = row.iter().map(Text::plain).collect();
+        cells.join(" | ")
+    }));
+}
+
+fn summary(told: &Told) -> Vec<&str> {
+    let sections = told.sections.iter();
+    let shown = sections.filter(|section| section.depth == Depth::Summary);
+    shown.map(|section| section.id.as_str()).collect()
+}
+
+#[test]
+fn deflections_are_said_with_the_matrices_that_were_asked_for() {
+    let (cell, prior) = cell();
+    let mut found = tasks(&cell, &prior, false);
+    let plain = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    let [done, came, next] = plain.verdict.each_ref().map(Text::plain);
+    assert!(done.contains("at the 3 tasks of the cell"), "{done}");
+    assert!(came.contains("nothing says how sure that is"), "{came}");
+    assert!(next.contains("stiffarm identify"), "{next}");
+    assert_eq!(plain.outcome, Outcome::Caution);
+    assert!(summary(&plain).is_empty());
+    // A column without a number is left out.
+    let headings = &plain.key.as_ref().unwrap().headings;
+    assert!(
+        headings.iter().all(|heading| !heading.contains('±')),
+        "{headings:?}"
+    );
+    let mut found = tasks(&cell, &prior, true);
+    let matrices = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    assert_eq!(summary(&matrices), ["matrices"]);
+}
+
+#[test]
+fn what_is_serious_stands_before_the_numbers() {
+    let (cell, mut prior) = cell();
+    let sentence = "The stiffness cannot be used as it is.";
+    let doubt = Finding::new(
+        "stiffness-doubtful",
+        Severity::Serious,
+        "stiffness",
+        sentence,
+    );
+    prior.predictor.doubts.push(doubt);
+    let mut found = tasks(&cell, &prior, false);
+    let told = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    let [_, came, next] = told.verdict.each_ref().map(Text::plain);
+    assert!(
+        came.starts_with(&format!("{sentence} As it is: The tool bends away by")),
+        "{came}"
+    );
+    assert!(next.starts_with("Do not use these numbers"), "{next}");
+    assert_eq!(told.outcome, Outcome::Serious);
+}
+
+#[test]
+fn corrections_and_what_they_leave() {
+    let (cell, prior) = cell();
+    let options = compensated::Options::default();
+    let control = Control::default();
+    let points = contour(&cell);
+    let followed = options
+        .path
+        .follow(&cell, &prior.predictor, &points, control)
+        .unwrap();
+    let mut found = options
+        .compensate(&cell, &prior, &followed, control)
+        .unwrap();
+    let told = told("compensate", &cell, &mut found, |r| {
+        &mut r.compensation.points
+    });
+    let done = told.verdict[0].plain();
+    assert!(done.contains("The path of 61 points"), "{done}");
+    assert!(done.contains("inverse kinematics in closed form"), "{done}");
+    let key = told.key.unwrap();
+    assert_eq!(
+        (key.rows.len(), key.headings[0].as_str()),
+        (12, "worst points")
+    );
+}
+
+#[test]
+fn a_map_names_its_places() {
+    let (cell, prior) = cell();
+    let map = |from: f64| {
+        let plane = Plane { axis: 2, mm: 800.0 };
+        let region = RegionRequest {
+            plane: (from < 5000.0).then_some(plane),
+            from_mm: Some([from, -500.0, 800.0]),
+            to_mm: Some([from + 800.0, 500.0, 800.0]),
+            steps: Some(Steps::Longest(5)),
+        };
+        let request = mapped::Request {
+            region,
+            ..mapped::Request::default()
+        };
+        let (options, _) = request.map_options(&cell).unwrap();
+        stiffness_map(&cell, &prior.predictor, &options, Control::default()).unwrap()
+    };
+    let said = told("map", &cell, &mut map(1400.0), |map| &mut map.nodes);
+    let [done, came, _] = said.verdict.each_ref().map(Text::plain);
+    assert!(done.contains("x 1400 to 2200 mm"), "{done}");
+    assert!(
+        done.contains("z = 800 mm, with its axis along (0, 0, −1)"),
+        "{done}"
+    );
+    assert!(came.starts_with("It gives way least at x = "), "{came}");
+    assert_eq!(summary(&said), ["map"]);
+    let angles = said.sections.iter().find(|s| s.id == "postures").unwrap();
+    let mut all = Vec::new();
+    angles.blocks.iter().for_each(|b| words_of(b, &mut all));
+    assert!(all[1].contains("q6 [deg]"), "{all:?}");
+    // Where nothing is reachable that is what came out.
+    let nowhere = told("map", &cell, &mut map(5000.0), |map| &mut map.nodes);
+    let [_, came, next] = nowhere.verdict.each_ref().map(Text::plain);
+    assert!(
+        came.starts_with("No node of the map is reachable") && !came.contains("As it is"),
+        "{came}"
+    );
+    assert!(next.contains("--from-mm"), "{next}");
+    assert!(nowhere.key.is_none());
+}
+
+#[test]
+fn the_best_place_comes_as_lines_of_the_cell() {
+    let (cell, prior) = cell();
+    let options = {
+        let mut options = PlaceOptions::default();
+        options.lower = [1.5, -0.5, 0.8];
+        options.upper = [2.1, 0.5, 0.8];
+        options.steps = [3, 3, 1];
+        options
+    };
+    let points = contour(&cell);
+    let found = place(
+        &cell,
+        &prior.predictor,
+        &points,
+        &options,
+        Control::default(),
+    );
+    let said = told("map", &cell, &mut found.unwrap(), |r| &mut r.candidates);
+    assert_eq!(summary(&said), ["lines"]);
+    let lines = said.sections.iter().find(|s| s.id == "lines").unwrap();
+    let mut all = Vec::new();
+    lines.blocks.iter().for_each(|b| words_of(b, &mut all));
+    assert!(all[0].starts_with("workpiece_mm = ["), "{all:?}");
+    assert!(all[1].starts_with("workpiece_rpy_deg = ["), "{all:?}");
+    let done = said.verdict[0].plain();
+    assert!(
+        done.contains("places of the workpiece were tried"),
+        "{done}"
+    );
+}
