@@ -41,8 +41,11 @@ pub fn told(told: &Told, details: bool) -> String {
         out += &blocks(&section.blocks);
     }
     out += &sentence(done);
-    if !hidden.is_empty() {
-        let titles: Vec<&str> = hidden.iter().map(|section| &*section.title).collect();
+    let mut titles: Vec<&str> = hidden.iter().map(|section| &*section.title).collect();
+    if !details && of(Severity::Note).next().is_some() {
+        titles.push("Notes");
+    }
+    if !titles.is_empty() {
         out += &line(&format!("--details shows the rest: {}.", titles.join("; ")));
     }
     out
@@ -62,6 +65,7 @@ fn blocks(all: &[Block]) -> String {
     let shown = all.iter().map(|block| match block {
         Block::Text(text) => sentence(text),
         Block::List(texts) => texts.iter().map(sentence).collect(),
+        Block::Lines(lines) => lines.iter().map(|one| one.line() + "\n").collect(),
         Block::Table(data) => format!("{}{}", line(&data.caption), table(data)),
         Block::Findings(findings) => findings.iter().map(finding).collect(),
         Block::Details(_, inside) => blocks(inside),

@@ -1,6 +1,6 @@
 //! `stiffarm schema`: JSON Schemas.
 
-use super::{capsules, check, export, measure, route, study, zones};
+use super::{capsules, check, export, route, study, zones};
 use crate::args::{SchemaArgs, SchemaChoice};
 use crate::output::Exit;
 use crate::session::Session;
@@ -21,7 +21,7 @@ use stiffarm::plan::planned;
 use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
-use stiffarm::work::{compensated, mapped, placed, predicted};
+use stiffarm::work::{compensated, judged, mapped, placed, predicted};
 
 /// Prints one schema.
 pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
@@ -62,7 +62,7 @@ pub fn run(session: &Session, args: &SchemaArgs) -> Result<Exit> {
         SchemaChoice::ResultMapPlace => of::<placed::Options, Placement>("map --place"),
         SchemaChoice::ResultZones => of::<zones::Options, Zones>("zones"),
         SchemaChoice::ResultCapsules => of::<capsules::Options, capsules::Fitted>("capsules"),
-        SchemaChoice::ResultMeasure => of::<measure::Options, measure::Judgement>("measure"),
+        SchemaChoice::ResultMeasure => of::<judged::Options, judged::Judgement>("measure"),
         SchemaChoice::ResultPose => of::<poses::Options, poses::Poses>("pose"),
         SchemaChoice::ResultPoseFrom => of::<poses::Options, poses::Found>("pose --from"),
         SchemaChoice::ResultReport => {

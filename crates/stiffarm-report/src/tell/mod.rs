@@ -12,6 +12,7 @@ mod context;
 mod evaluate;
 mod identify;
 mod map;
+mod measure;
 mod number;
 mod place;
 mod points;
@@ -30,9 +31,9 @@ mod worth;
 mod zones;
 
 pub(crate) use context::{plain, quoted};
-pub use number::{Form, Number, Quantity};
+pub use number::{Form, Number, Quantity, significant};
 pub use table::DataTable;
-pub use text::{Piece, Text};
+pub use text::{Piece, Text, counted};
 
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
@@ -58,11 +59,12 @@ pub struct Given<'a> {
 }
 
 /// Commands whose results are told.
-pub const COMMANDS: [&str; 11] = [
+pub const COMMANDS: [&str; 12] = [
     "compensate",
     "evaluate",
     "identify",
     "map",
+    "measure",
     "predict",
     "register",
     "select",
@@ -99,6 +101,7 @@ pub fn tell(given: &Given<'_>) -> Result<Told> {
         "evaluate" => evaluate::told(given),
         "identify" => identify::told(given),
         "map" => map::told(given),
+        "measure" => measure::told(given),
         "predict" => predict::told(given),
         "register" => register::told(given),
         "select" => select::told(given),
@@ -137,7 +140,15 @@ impl<'a> Given<'a> {
 
     /// The number at a JSON Pointer below `/result`.
     pub fn number(&self, below: &str) -> Number {
-        let pointer = format!("/result{below}");
+        self.number_at(format!("/result{below}"))
+    }
+
+    /// The number at a JSON Pointer below `/options`.
+    pub fn option(&self, below: &str) -> Number {
+        self.number_at(format!("/options{below}"))
+    }
+
+    fn number_at(&self, pointer: String) -> Number {
         let value = self.saved.number(&pointer);
         Number::new(pointer, value)
     }
@@ -183,6 +194,8 @@ pub enum Block {
     Text(Text),
     /// A list of points.
     List(Vec<Text>),
+    /// Lines to copy into a file.
+    Lines(Vec<Text>),
     /// A table.
     Table(DataTable),
     /// A chart with its caption and its data.

@@ -1,6 +1,7 @@
 //! All tests of the crate in one binary; a file per subject.
 
 mod cells;
+mod day;
 #[path = "../../examples/gallery/figures.rs"]
 mod gallery;
 mod generic;

@@ -10,7 +10,7 @@ mod readings;
 mod stiffness;
 mod story;
 
-use super::{Given, Outcome, Told, arrows};
+use super::{Given, Outcome, Told, arrows, counted};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
@@ -99,11 +99,6 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
 /// A confidence in percent, without the last bits of a binary fraction.
 fn level(confidence: f64) -> f64 {
     (1e6 * confidence).round() / 1e4
-}
-
-/// `1 posture`, `6 postures`.
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// Names from files as they are shown.
