@@ -1,6 +1,8 @@
 //! Numbers as tables show them.
 
 use stiffarm::units::m_to_mm;
+use stiffarm_report::tell;
+pub use stiffarm_report::tell::counted;
 
 /// Shown where a value does not exist.
 pub const NONE: &str = "-";
@@ -11,23 +13,11 @@ const ROUNDING: f64 = 1e-6;
 /// `value` with `digits` significant digits, in powers of ten where it is very
 /// large or small.
 pub fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 {
-        return "0".to_string();
+    if value.is_finite() {
+        tell::significant(value, digits)
+    } else {
+        NONE.to_string()
     }
-    if !value.is_finite() {
-        return NONE.to_string();
-    }
-    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
-    let exponent: i32 = scientific
-        .rsplit('e')
-        .next()
-        .and_then(|e| e.parse().ok())
-        .unwrap_or(0);
-    if !(-4..6).contains(&exponent) {
-        return scientific;
-    }
-    let decimals = (digits as i32 - 1 - exponent).max(0) as usize;
-    format!("{value:.decimals$}")
 }
 
 /// An optional value with `digits` significant digits.
@@ -63,13 +53,6 @@ pub fn optional_percent(fraction: Option<f64>) -> String {
     fraction.map_or_else(|| NONE.to_string(), percent)
 }
 
-/// A fraction and its standard error in percent, with the same decimals.
-pub fn percent_with_error(fraction: f64, error: f64) -> String {
-    let (percent, error) = (fraction * 100.0, error * 100.0);
-    let decimals = if error < 0.0995 { 3 } else { 2 };
-    format!("{percent:.decimals$} ± {error:.decimals$}")
-}
-
 /// Metres in millimetres, to a tenth of a micrometre.
 pub fn mm(m: f64) -> String {
     format!("{:.4}", m_to_mm(m))
@@ -81,11 +64,6 @@ pub fn coarse_mm(m: f64) -> String {
     tenths.to_string()
 }
 
-/// `1 posture`, `6 postures`.
-pub fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,11 +71,7 @@ mod tests {
     #[test]
     fn significant_digits() {
         assert_eq!(significant(13.3456, 4), "13.35");
-        assert_eq!(significant(0.0092484, 3), "0.00925");
-        assert_eq!(significant(999.96, 4), "1000");
-        assert_eq!(significant(1.2e7, 3), "1.20e7");
-        assert_eq!(significant(3.2e-9, 2), "3.2e-9");
-        assert_eq!(significant(0.0, 4), "0");
+        assert_eq!(significant(f64::INFINITY, 4), "-");
         assert_eq!(optional(None, 4), "-");
     }
 

@@ -14,8 +14,9 @@ use stiffarm::files::envelope::{Envelope, write_result};
 use stiffarm::files::result::SavedResult;
 use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity};
+use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
-use stiffarm_report::tell::{Given, tell};
+use stiffarm_report::tell::{Given, Told, tell};
 
 /// How a command ended, where it ended without an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,24 +103,22 @@ impl Session {
         self.show(envelope, table)
     }
 
-    /// Delivers what a result of `named` says, as [`Session::deliver`].
+    /// Delivers what a result says, as [`Session::deliver`]; `cell` is the one it was made with, where it has one.
     ///
     /// # Errors
     /// As [`Session::deliver`].
-    pub fn deliver_told(
+    pub fn deliver_told<'c>(
         &self,
         target: Option<Target>,
         envelope: &impl Serialize,
-        named: &NamedCell,
+        cell: impl Into<Option<&'c NamedCell>>,
         details: bool,
     ) -> Result<()> {
         // The object alone needs no words.
         if self.json && !matches!(target, Some(Target::Stdout)) {
             return self.deliver(target, envelope, String::new);
         }
-        let saved = SavedResult::of(envelope, "result")?;
-        let given = Given::new(&saved, Some(&named.cell)).in_words();
-        let words = text::told(&tell(&given)?, details) + &named.line();
+        let words = self.in_words(envelope, cell.into(), details)?;
         self.deliver(target, envelope, || words)
     }
 
@@ -155,6 +154,36 @@ impl Session {
         }
         let is_serious = |finding: &Finding| finding.severity == Severity::Serious;
         Ok(Exit::finding(findings.iter().any(is_serious)))
+    }
+
+    /// Delivers what a result says beside files: as a remark where one of them went to standard output.
+    ///
+    /// # Errors
+    /// As [`Session::deliver`].
+    pub fn deliver_beside(
+        &self,
+        is_stdout: bool,
+        envelope: &impl Serialize,
+        cell: &NamedCell,
+        details: bool,
+    ) -> Result<()> {
+        if !is_stdout {
+            return self.deliver_told(None, envelope, cell, details);
+        }
+        self.write_page(envelope)?;
+        self.remark(&self.in_words(envelope, Some(cell), details)?);
+        Ok(())
+    }
+
+    /// What a result says.
+    fn in_words(
+        &self,
+        envelope: &impl Serialize,
+        cell: Option<&NamedCell>,
+        details: bool,
+    ) -> Result<String> {
+        let told = told(envelope, cell.map(|named| &named.cell))?;
+        Ok(text::told(&told, details) + &cell.map_or_else(String::new, Line::line))
     }
 
     /// Prints text for people to standard output: what others wrote in it is
@@ -213,4 +242,13 @@ impl Session {
             self.print_error(&format!("{text}\n"));
         }
     }
+}
+
+/// What a result that was just made says, without pictures of its cell.
+///
+/// # Errors
+/// A result that JSON cannot hold.
+pub fn told(envelope: &impl Serialize, cell: Option<&Cell>) -> Result<Told> {
+    let saved = SavedResult::of(envelope, "result")?;
+    tell(&Given::new(&saved, cell).in_words())
 }

@@ -19,7 +19,6 @@ pub enum Align {
 pub struct Table {
     headings: Vec<(String, Align)>,
     rows: Vec<Vec<String>>,
-    lead: usize,
 }
 
 impl Table {
@@ -29,7 +28,6 @@ impl Table {
         let mut table = Table {
             headings: headings.collect(),
             rows: Vec::new(),
-            lead: 1,
         };
         table.align(0, Align::Left);
         table
@@ -52,6 +50,19 @@ impl Table {
     /// Says how many columns name a row; they come again where a table is told in blocks. One, unless said.
     pub fn lead(&mut self, columns: usize) {
         self.lead = columns;
+    }
+
+    /// Adds a column on the right of the rows there are.
+    pub fn column<'a>(
+        &mut self,
+        heading: &str,
+        align: Align,
+        fields: impl IntoIterator<Item = &'a str>,
+    ) {
+        self.headings.push((heading.to_string(), align));
+        for (row, field) in self.rows.iter_mut().zip(fields) {
+            row.push(field.replace('\n', "\\n"));
+        }
     }
 
     /// Columns that the fields below a heading take.
@@ -111,17 +122,12 @@ impl Table {
             .collect()
     }
 
-    /// The columns in blocks that fit `limit`, each with the first columns before its own: one block where
+    /// The columns in blocks that fit `limit`, each with the first column before its own: one block where
     /// all of them fit.
     fn blocks(&self, limit: usize) -> Vec<Block> {
         let widths = self.widths(limit);
-        let total = |columns: usize| Block::of(&widths, 0..columns).width();
-        // First columns as wide as the terminal would leave room for nothing else.
-        let lead = (1..=self.lead)
-            .rev()
-            .find(|lead| total(*lead) <= limit / 2)
-            .unwrap_or(1);
-        let mut blocks = vec![Block::of(&widths, 0..lead.min(widths.len()))];
+        let lead = 1.min(widths.len());
+        let mut blocks = vec![Block::of(&widths, 0..lead)];
         for column in lead..widths.len() {
             let last = blocks.len() - 1;
             let fits = blocks[last].width() + BETWEEN + widths[column] <= limit;

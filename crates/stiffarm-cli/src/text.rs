@@ -57,7 +57,10 @@ pub fn told(told: &Told, details: bool) -> String {
     }
     out += &sentence(done);
     let titles = hidden.iter().map(|section| &*section.title);
-    let hidden: Vec<&str> = folded.into_iter().chain(titles).collect();
+    let mut hidden: Vec<&str> = folded.into_iter().chain(titles).collect();
+    if of(Severity::Note).next().is_some() {
+        hidden.push("Notes");
+    }
     if !hidden.is_empty() && !details {
         out += &line(&format!("--details shows the rest: {}.", hidden.join("; ")));
     }
@@ -86,6 +89,7 @@ fn blocks(all: &[Block], details: bool) -> String {
     let shown = all.iter().map(|block| match block {
         Block::Text(text) => sentence(text),
         Block::List(texts) => texts.iter().map(sentence).collect(),
+        Block::Lines(lines) => lines.iter().map(|one| one.line() + "\n").collect(),
         Block::Table(data) => format!("{}{}", line(&data.caption), table(data, details)),
         Block::Findings(findings) => findings.iter().map(finding).collect(),
         Block::Details(_, inside) if details => blocks(inside, details),

@@ -19,6 +19,9 @@ pub struct RegisterArgs {
     /// Points to leave out
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub exclude: Vec<String>,
+    /// Show all findings
+    #[arg(long)]
+    pub details: bool,
     /// Write the result as JSON to this file
     #[arg(long, value_name = "registration.json")]
     pub output: Option<String>,

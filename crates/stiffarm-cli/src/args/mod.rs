@@ -194,6 +194,9 @@ pub struct StudyArgs {
     /// does, in at most 40 runs each [default: axes]
     #[arg(long, value_name = "MODEL")]
     pub elastic: Option<fit::ElasticArg>,
+    /// Also show every table and all findings
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

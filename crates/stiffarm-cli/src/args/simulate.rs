@@ -47,6 +47,9 @@ pub struct SimulateArgs {
     /// The readings come as on a day in the cell: one load state more after each pause, for `stiffarm measure`
     #[arg(long, value_name = "S", requires = "readings", value_parser = pause())]
     pub slowly: Option<Duration>,
+    /// Also show every noise level, or each joint where the arm gives way beyond its axes
+    #[arg(long)]
+    pub details: bool,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

@@ -1,6 +1,6 @@
 //! JSON Schemas of the types, for the files that `stiffarm schema` prints.
 
-use super::{capsules, check, coverage, export, measure, route, study, zones};
+use super::{capsules, check, coverage, export, route, study, zones};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
@@ -19,7 +19,7 @@ use stiffarm::plan::planned;
 use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
-use stiffarm::work::{compensated, mapped, placed, predicted};
+use stiffarm::work::{compensated, judged, mapped, placed, predicted};
 
 /// All schemas by name.
 pub fn generated() -> BTreeMap<&'static str, Schema> {
@@ -98,7 +98,7 @@ pub fn generated() -> BTreeMap<&'static str, Schema> {
         ),
         (
             "result-measure",
-            of::<measure::Options, measure::Judgement>("measure"),
+            of::<judged::Options, judged::Judgement>("measure"),
         ),
         ("result-pose", of::<poses::Options, poses::Poses>("pose")),
         (

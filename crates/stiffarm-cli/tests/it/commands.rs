@@ -111,7 +111,9 @@ fn simulate_with_model_errors_is_worse_than_expected() {
     let line =
         "simulate builtin:comau builtin:comau-group1 --levels 1 --runs 50 --force-scale-percent 5";
     let out = folder.ok(line);
-    assert!(out.contains("simulated with errors of the model"), "{out}");
+    let words: Vec<&str> = out.split_whitespace().collect();
+    let said = "fresh tracker noise and errors of the model";
+    assert!(words.join(" ").contains(said), "{out}");
     let level = &folder.json(line)["result"]["groups"][0]["levels"][0];
     assert!(
         level["compliance_mean_deviation"][0].as_f64() > level["expected_deviation"][0].as_f64()
@@ -164,10 +166,9 @@ fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
 #[test]
 fn a_study_may_hold_arms_that_give_way_beyond_their_axes() {
     let folder = Folder::new();
-    let out = folder.ok("study --runs 1 --starts 0 --elastic mixed --output-dir out");
+    folder.ok("study --runs 1 --starts 0 --elastic mixed --output-dir out");
     let page = folder.read("out/report.html");
     let said = "Arms that give way beyond their joint axes were simulated with typical sizes";
-    assert!(out.contains(said), "{out}");
     assert!(page.contains(said));
     assert!(page.contains("stiffarm study --runs 1 --starts 0 --elastic mixed"));
     let table = folder.read("out/elastic.csv");

@@ -184,6 +184,13 @@ fn block(block: &Block, id: &str) -> String {
             let points = points.iter().map(|p| format!("<li>{}</li>", text(p)));
             format!("<ul>{}</ul>", points.collect::<String>())
         }
+        Block::Lines(lines) => {
+            let lines: Vec<String> = lines
+                .iter()
+                .map(|line| text(line).replace('−', "-"))
+                .collect();
+            format!("<pre>{}</pre>", lines.join("\n"))
+        }
         Block::Table(data) => table(data),
         Block::Figure(figure) => picture(figure),
         Block::Figures(figures) => {

@@ -38,6 +38,7 @@ fn collect(blocks: &[Block], figures: &mut Vec<Figure>, drawings: &mut Vec<Drawi
             Block::Scene(_, None)
             | Block::Text(_)
             | Block::List(_)
+            | Block::Lines(_)
             | Block::Table(_)
             | Block::Findings(_) => {}
         }

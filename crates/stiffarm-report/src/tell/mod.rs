@@ -14,6 +14,7 @@ mod coverage;
 mod evaluate;
 mod identify;
 mod map;
+mod measure;
 mod number;
 mod place;
 mod points;
@@ -33,10 +34,10 @@ mod worth;
 mod zones;
 
 pub(crate) use context::{plain, quoted};
-pub use number::{Form, Number, Quantity};
+pub use number::{Form, Number, Quantity, significant};
 pub use table::DataTable;
-pub use text::{Piece, Text};
-pub(crate) use text::{counted, shown};
+pub(crate) use text::shown;
+pub use text::{Piece, Text, counted};
 pub use worth::index_quantity;
 
 use crate::figure::Figure;
@@ -73,6 +74,7 @@ pub const COMMANDS: &[&str] = &[
     "evaluate",
     "identify",
     "map",
+    "measure",
     "predict",
     "register",
     "route",
@@ -112,6 +114,7 @@ pub fn tell(given: &Given<'_>) -> Result<Told> {
         "evaluate" => evaluate::told(given),
         "identify" => identify::told(given),
         "map" => map::told(given),
+        "measure" => measure::told(given),
         "predict" => predict::told(given),
         "register" => register::told(given),
         "route" => route::told(given),
@@ -152,7 +155,15 @@ impl<'a> Given<'a> {
 
     /// The number at a JSON Pointer below `/result`.
     pub fn number(&self, below: &str) -> Number {
-        let pointer = format!("/result{below}");
+        self.number_at(format!("/result{below}"))
+    }
+
+    /// The number at a JSON Pointer below `/options`.
+    pub fn option(&self, below: &str) -> Number {
+        self.number_at(format!("/options{below}"))
+    }
+
+    fn number_at(&self, pointer: String) -> Number {
         let value = self.saved.number(&pointer);
         Number::new(pointer, value)
     }
@@ -203,6 +214,8 @@ pub enum Block {
     Text(Text),
     /// A list of points.
     List(Vec<Text>),
+    /// Lines to copy into a file.
+    Lines(Vec<Text>),
     /// A table.
     Table(DataTable),
     /// A chart with its caption and its data.

@@ -178,7 +178,7 @@ impl Number {
         }
         let text = match self.form {
             Form::Decimals(digits) => format!("{value:.digits$}"),
-            Form::Significant(digits) => significant(value, digits.max(1)),
+            Form::Significant(digits) => significant(value, digits),
         };
         // A rounded −0.004 is 0.00, and a minus sign is as wide as a plus.
         match text.strip_prefix('-') {
@@ -200,18 +200,18 @@ impl Number {
     }
 }
 
-/// So many significant digits; very large and very small numbers with a power of ten.
-fn significant(value: f64, digits: usize) -> String {
+/// So many significant digits of a finite value; very large and very small ones with a power of ten.
+pub fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_string();
     }
     // The exponent after rounding: 9.999 with three digits is 10.0.
-    let scientific = format!("{value:.*e}", digits - 1);
+    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
     let exponent = scientific.split('e').nth(1);
     let exponent: i32 = exponent.and_then(|e| e.parse().ok()).unwrap_or(0);
     let places = digits as i32 - 1 - exponent;
     match exponent {
-        -4..7 => format!("{value:.*}", places.max(0) as usize),
+        -4..6 => format!("{value:.*}", places.max(0) as usize),
         _ => scientific,
     }
 }
@@ -229,7 +229,9 @@ mod tests {
     fn digits_are_those_asked_for() {
         assert_eq!(shown(0.0012345, 4), "0.001234");
         assert_eq!(shown(9.9996, 4), "10.00");
+        assert_eq!(shown(999.96, 4), "1000");
         assert_eq!(shown(942_757.6, 4), "942758");
+        assert_eq!(shown(1_234_567.0, 4), "1.235e6");
         assert_eq!(shown(-3.5, 2), "−3.5");
         assert_eq!(shown(1.5e-9, 3), "1.50e-9");
         assert_eq!(shown(0.0, 3), "0");

@@ -1,16 +1,22 @@
-//! The page of `register`: where the tracker stands, and which points disagree.
+//! What `register` says: where the tracker stands, and which points disagree.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Number, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::measure::registration::RegistrationRecord;
 
+/// Roll, pitch and yaw: at the end of ten metres as fine as [`Quantity::LENGTH`].
+const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(7));
+/// A turn, from rad.
+const TURN: Quantity = Quantity::new("mrad", 1e3, Form::Significant(2));
+/// Places of the points, from m.
+const PLACE: Quantity = Quantity::new("mm", 1e3, Form::Decimals(0));
+
 /// What a result says of `register`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let found: RegistrationRecord = context.saved.result()?;
-    let mm = |below: &str| context.number(below).mm().decimals(4);
+pub(super) fn told(given: &Given<'_>) -> Result<Told> {
+    let found: RegistrationRecord = given.saved.result()?;
+    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
     let done = Text::new(format!(
         "The tracker was registered to the robot's base by {} points that both know.",
         found.pairs.len()
@@ -20,39 +26,116 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         .words(" (RMS); a coordinate scatters by ")
         .number(mm("/residual_std_m"))
         .words(format!(
-            ", from {} degrees of freedom.",
+            ", from {} degrees of freedom",
             found.degrees_of_freedom
         ));
-    let serious = found
+    let came = match found.known_std_m {
+        Some(_) => came
+            .words(", where ")
+            .number(mm("/known_std_m"))
+            .words(" are given."),
+        None => came.words("."),
+    };
+    let is_serious = found
         .findings
         .iter()
         .any(|f| f.severity == Severity::Serious);
-    let next = match serious {
-        true => Text::default()
+    let next = if is_serious {
+        Text::default()
             .strong("Settle what is marked serious first")
-            .words(": the points at the top of the table, then register again."),
-        false => Text::new("Give it to the readings: ")
+            .words(": the points at the top of the table, then register again.")
+    } else {
+        Text::new("Save it with ")
+            .code("--output registration.json")
+            .words(" and give it to the readings with ")
             .code("--registration")
-            .words(" of identify and validate reads this file; or copy the transform into [tracker] of the cell."),
+            .words("; or copy the transform into [tracker] of the cell.")
     };
-    let size = |i: &usize| {
-        let squares = found.residuals_m[*i].iter().map(|c| c * c);
-        squares.sum::<f64>().sqrt()
-    };
+    let sections = vec![
+        transform(given, is_serious).in_summary(),
+        uncertainty(given, &found).in_summary(),
+        Section::new(
+            "residuals",
+            "Point by point",
+            vec![Block::Figure(figure(&found))],
+        ),
+    ];
+    let heading = "Registration of the tracker";
+    let key = residuals(given, &found);
+    Ok(given.told(heading, [done, came, next], Some(key), sections))
+}
+
+/// A pair's name as it is shown.
+fn name(found: &RegistrationRecord, i: usize) -> String {
+    let own = found.pairs.get(i);
+    own.map_or_else(String::new, |name| visible(name).into_owned())
+}
+
+/// How far a point is off \[m\].
+fn distance(found: &RegistrationRecord, i: usize) -> f64 {
+    let squares = found.residuals_m[i].iter().map(|c| c * c);
+    squares.sum::<f64>().sqrt()
+}
+
+/// What is left at each point, the largest first.
+fn residuals(given: &Given<'_>, found: &RegistrationRecord) -> DataTable {
     let mut order: Vec<usize> = (0..found.residuals_m.len()).collect();
-    order.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    let mut key = DataTable::new(
-        "Base position minus transformed tracker position, the largest first",
-        ["point", "x [mm]", "y [mm]", "z [mm]", "distance [mm]"],
-    );
-    for i in order {
-        let axis = |k: usize| Text::from(mm(&format!("/residuals_m/{i}/{k}")).bare());
-        let distance = Number::new("", Some(size(&i))).mm().bare().decimals(4);
-        let cells = [axis(0), axis(1), axis(2), distance.into()];
-        key.row(name(&found, i), cells);
+    order.sort_by(|a, b| distance(found, *b).total_cmp(&distance(found, *a)));
+    let names = order.iter().map(|i| name(found, *i));
+    let caption = "Base position minus transformed tracker position, the largest first";
+    let mut table = DataTable::of(caption, "point", names);
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        table = table.numbers(axis, Quantity::LENGTH, |row| {
+            Some(given.number(&format!("/residuals_m/{}/{k}", order[row])))
+        });
     }
+    table.numbers("distance", Quantity::LENGTH, |row| {
+        Some(Number::computed(distance(found, order[row])))
+    })
+}
+
+/// The lines of the cell file.
+fn transform(given: &Given<'_>, is_serious: bool) -> Section {
+    let line = |key: &str, below: &str, quantity: Quantity| {
+        let numbers = (0..3).map(|k| given.number(&format!("{below}/{k}")).of(quantity.bare()));
+        Text::new(format!("{key} = [")).numbers(numbers).words("]")
+    };
+    let lines = vec![
+        Text::new("[tracker]"),
+        line("xyz_mm", "/translation_m", Quantity::LENGTH),
+        line("rpy_deg", "/rpy_deg", ANGLE),
+    ];
+    let title = if is_serious {
+        "Base frame from tracker frame; not to be used before the serious finding is settled"
+    } else {
+        "Base frame from tracker frame, for the cell file"
+    };
+    Section::new("transform", title, vec![Block::Lines(lines)])
+}
+
+/// Standard errors of the transform, and the point that a turn leaves where it is.
+fn uncertainty(given: &Given<'_>, found: &RegistrationRecord) -> Section {
+    let rows = ["shift of the centroid [mm]", "turn [mrad]"];
+    let mut table = DataTable::of("Standard errors, base axes", "", rows);
+    for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        table = table.words(axis, |row| {
+            let i = 3 * row + k;
+            let error = Number::computed(found.covariance[i][i].max(0.0).sqrt());
+            let quantity = [Quantity::LENGTH.digits(2), TURN][row];
+            error.of(quantity.bare()).into()
+        });
+    }
+    let centroid = (0..3).map(|k| given.number(&format!("/centroid_m/{k}")).of(PLACE.bare()));
+    let about = Text::new("The turn acts about the centroid of the points, (")
+        .numbers(centroid)
+        .words(") mm.");
+    let blocks = vec![Block::Table(table), Block::Text(about)];
+    Section::new("uncertainty", "Uncertainty", blocks)
+}
+
+fn figure(found: &RegistrationRecord) -> Figure {
     let all = 0..found.residuals_m.len();
-    let figure = Figure {
+    Figure {
         id: "registration".into(),
         title: "What the registration leaves at each point".into(),
         caption: "Distance between a point's base position and its transformed tracker position. One point far above the \
@@ -61,39 +144,15 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         columns: 1,
         panels: vec![Panel {
             title: String::new(),
-            x: Axis::categorical("point", all.clone().map(|i| name(&found, i))),
+            x: Axis::categorical("point", all.clone().map(|i| name(found, i))),
             y: Axis::linear("distance", "mm").from_zero(),
             series: vec![Series::new(
                 "residual",
                 Style::Bars,
                 all.clone().map(|i| i as f64).collect(),
-                all.map(|i| 1e3 * size(&i)).collect(),
+                all.map(|i| 1e3 * distance(found, i)).collect(),
             )],
             equal_aspect: false,
         }],
-    };
-    let mut table = DataTable::new("Base frame from tracker frame", ["", "x", "y", "z"]);
-    let row = |below: &str, of: &dyn Fn(Number) -> Number| {
-        [0, 1, 2].map(|k| Text::from(of(context.number(&format!("{below}/{k}")))))
-    };
-    table.row(
-        "origin [mm]",
-        row("/translation_m", &|n| n.mm().bare().decimals(4)),
-    );
-    table.row(
-        "roll, pitch, yaw [deg]",
-        row("/rpy_deg", &|n| n.decimals(7)),
-    );
-    let sections = vec![
-        Section::new("residuals", "Point by point", vec![Block::Figure(figure)]),
-        Section::new("transform", "The transform", vec![Block::Table(table)]),
-    ];
-    let heading = "Registration of the tracker".to_string();
-    Ok(context.told(heading, [done, came, next], Some(key), sections))
-}
-
-/// A pair's name as it is shown.
-fn name(found: &RegistrationRecord, i: usize) -> String {
-    let own = found.pairs.get(i);
-    own.map_or_else(String::new, |name| visible(name).into_owned())
+    }
 }

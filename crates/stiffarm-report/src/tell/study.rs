@@ -1,9 +1,8 @@
-//! The page of `study`: the paper's Section IV on a cell.
+//! What `study` says: the paper's Section IV on a cell.
 
 use super::tables::data_table;
 use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -16,6 +15,9 @@ const STORY: [&str; 4] = [
     "first-order-means",
     "other-starts",
 ];
+
+/// Deviations, from a fraction.
+const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 
 /// What the rows of the table of indices mean.
 const INDICES: &str = "Group 1 is the initial group. Each other group is selected from it under one index (Section III.B), \
@@ -31,7 +33,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated measurements \
          per noise level with tracker noise.",
         visible(&study.cell),
-        counted(groups.len(), "group", "groups"),
+        counted(groups.len(), "group"),
         study.simulation.runs,
     ));
     let best = best(&study);
@@ -91,7 +93,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let is_validated = groups.iter().any(|group| group.validation.is_some());
     let has_starts = !study.starts.kinds.is_empty();
     sections.extend([
-        section("story", "What it says about the paper", vec![said(&STORY)]),
+        section("story", "What it says about the paper", vec![said(&STORY)]).in_summary(),
         section(
             "set-up",
             "Set-up",
@@ -177,28 +179,21 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
 
 /// The expected deviation of each joint and group.
 fn key(context: &Given<'_>, study: &Study) -> DataTable {
-    let names = study.groups.iter().map(|g| visible(&g.name).into_owned());
-    let mut table = DataTable::new(
-        "Expected deviation of the joint stiffness [%] at the cell's noise, closed form",
-        std::iter::once("joint".to_string()).chain(names),
-    );
-    for (j, joint) in study.joints.iter().enumerate() {
-        let cells = (0..study.groups.len()).map(|g| {
-            let number = context.number(&format!("/groups/{g}/evaluation/expected_deviation/{j}"));
-            number.percent().bare().decimals(2).into()
+    // The last row holds their means.
+    let names = study.joints.iter().map(|j| Text::new(visible(j)));
+    let names = names.chain([Text::default().strong("mean")]);
+    let caption = "Expected deviation of the joint stiffness [%] at the cell's noise, closed form";
+    let mut table = DataTable::of(caption, "joint", names);
+    for (g, group) in study.groups.iter().enumerate() {
+        table = table.numbers(&visible(&group.name), DEVIATION.bare(), |row| {
+            if row < study.joints.len() {
+                let below = format!("/groups/{g}/evaluation/expected_deviation/{row}");
+                return Some(context.number(&below));
+            }
+            let mean = group.evaluation.mean_expected_deviation()?;
+            Some(Number::computed(mean))
         });
-        table.row(visible(joint).into_owned(), cells);
     }
-    let means = study.groups.iter().map(|group| {
-        let mean = group.evaluation.mean_expected_deviation();
-        Text::from(
-            crate::tell::Number::new("", mean)
-                .percent()
-                .bare()
-                .decimals(2),
-        )
-    });
-    table.row(Text::default().strong("mean"), means);
     table
 }
 
@@ -223,20 +218,22 @@ fn set_up(context: &Given<'_>, study: &Study) -> Text {
 
 /// Eq. (19) beside what it bounds.
 fn bound(context: &Given<'_>, study: &Study) -> DataTable {
-    let mut table = DataTable::new(
+    let number = |g: usize, key: &str| Some(context.number(&format!("/groups/{g}/{key}")));
+    let names = study.groups.iter().map(|g| visible(&g.name).into_owned());
+    DataTable::of(
         "Relative error of the vector H of joint compliances: the bound of Eq. (19) and what is to be expected",
-        ["group", "cond(Ψ)", "bound [%]", "expected [%]"],
-    );
-    for (g, group) in study.groups.iter().enumerate() {
-        let number = |key: &str| context.number(&format!("/groups/{g}/{key}"));
-        let cells = [
-            number("evaluation/indices/condition").into(),
-            number("error_bound/bound").percent().bare().into(),
-            number("expected_relative_norm").percent().bare().into(),
-        ];
-        table.row(visible(&group.name).into_owned(), cells);
-    }
-    table
+        "group",
+        names,
+    )
+    .numbers("cond(Ψ)", Quantity::RATIO.digits(4), |g| {
+        number(g, "evaluation/indices/condition")
+    })
+    .numbers("bound", Quantity::PERCENT.digits(4), |g| {
+        number(g, "error_bound/bound")
+    })
+    .numbers("expected", Quantity::PERCENT.digits(4), |g| {
+        number(g, "expected_relative_norm")
+    })
 }
 
 /// The group with the smallest mean expected deviation.
@@ -249,15 +246,7 @@ fn best(study: &Study) -> Option<usize> {
 }
 
 fn percent(fraction: Option<f64>) -> String {
-    let number = crate::tell::Number::new("", fraction);
-    number.percent().decimals(2).text()
-}
-
-fn counted(count: usize, one: &str, many: &str) -> String {
-    match count {
-        1 => format!("one {one}"),
-        count => format!("{count} {many}"),
-    }
+    Number::new("", fraction).of(DEVIATION).text()
 }
 
 /// The cell with all groups, the recommended one first.

@@ -1,15 +1,14 @@
-//! The page of `study --measured`: which postures and which model predict a measured robot.
+//! What `study --measured` says: which postures and which model predict a measured robot.
 
 use super::tables::data_table;
 use crate::study::{measured_figure, measured_table};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::study::{Choice, MeasuredStudy};
 
-/// The part of a page.
+/// What a result says of `study --measured`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let study: MeasuredStudy = context.saved.result()?;
     let done = Text::new(format!(
@@ -23,7 +22,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     ));
     let number = |i: usize, key: &str| {
         let number = context.number(&format!("/choices/{i}/{key}"));
-        number.mm().decimals(3)
+        number.of(Quantity::LENGTH)
     };
     let fewest = study.options.counts.iter().copied().min().unwrap_or(0);
     let known = |i: &usize| study.choices[*i].mean_m.is_finite();
@@ -82,44 +81,13 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             Text::new("Measure more postures: these do not determine every joint in any split.")
         }
     };
-    let mut key = DataTable::new(
-        "RMS error of a displacement component at the postures outside the pool [mm], with its standard error",
-        [
-            "postures, chosen by",
-            "joint axes",
-            "± joint axes",
-            "mixed model",
-            "± mixed model",
-        ],
-    );
-    for own in study
-        .choices
-        .iter()
-        .filter(|c| c.model == ElasticChoice::Axes)
-    {
-        let of = |model: ElasticChoice, name: &str| {
-            let found = study
-                .choices
-                .iter()
-                .position(|c| (c.postures, c.choice, c.model) == (own.postures, own.choice, model));
-            found.map_or_else(|| "–".into(), |i| Text::from(number(i, name).bare()))
-        };
-        let cells = [
-            of(ElasticChoice::Axes, "mean_m"),
-            of(ElasticChoice::Axes, "standard_error_m"),
-            of(ElasticChoice::Mixed, "mean_m"),
-            of(ElasticChoice::Mixed, "standard_error_m"),
-        ];
-        let name = format!("{}, {}", own.postures, in_words(own.choice));
-        key.row(name, cells);
-    }
     let notes = study
         .findings
         .iter()
         .filter(|f| f.severity == Severity::Note);
     let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
     let how = Text::new("The measured displacements have an RMS of ")
-        .number(context.number("/displacement_rms_m").mm().decimals(3))
+        .number(context.number("/displacement_rms_m").of(Quantity::LENGTH))
         .words(
             ". An index knows angles and wrenches but no reading. Joint stiffness, or the mixed model with its sizes, is \
              identified from the chosen postures alone and predicts the others. The index prediction takes the pool's own \
@@ -142,10 +110,56 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         "Choosing postures on measured readings: {}",
         visible(&study.cell)
     );
-    let mut told = context.told(heading, [done, came, next], Some(key), sections);
+    let mut told = context.told(
+        heading,
+        [done, came, next],
+        Some(key(context, &study)),
+        sections,
+    );
     // The notes are all told above.
     told.findings.retain(|f| f.severity > Severity::Note);
     Ok(told)
+}
+
+/// Every way to choose, with both models side by side.
+fn key(context: &Given<'_>, study: &MeasuredStudy) -> DataTable {
+    let all = study.choices.iter();
+    let rows: Vec<_> = all.filter(|c| c.model == ElasticChoice::Axes).collect();
+    let place = |row: usize, model: ElasticChoice| {
+        let own = rows[row];
+        let mut all = study.choices.iter();
+        all.position(|c| (c.postures, c.choice, c.model) == (own.postures, own.choice, model))
+    };
+    let number = |i: usize, key: &str| context.number(&format!("/choices/{i}/{key}"));
+    let mut table = DataTable::of(
+        "RMS error of a displacement component at the postures outside the pool [mm], ± its standard error, and share \
+         of the splits in which the choice predicts better than chance [%]",
+        "postures, chosen by",
+        rows.iter()
+            .map(|own| format!("{}, {}", own.postures, in_words(own.choice))),
+    );
+    let models = [ElasticChoice::Axes, ElasticChoice::Mixed];
+    for model in models {
+        table = table.words(model.in_words(), |row| match place(row, model) {
+            Some(i) => Text::from(number(i, "mean_m").of(Quantity::LENGTH.bare()))
+                .words(" ")
+                .number(
+                    number(i, "standard_error_m")
+                        .of(Quantity::LENGTH.bare())
+                        .plus_minus(),
+                ),
+            None => Text::default(),
+        });
+    }
+    for model in models {
+        let heading = format!("better than chance, {}", model.in_words());
+        table = table.numbers(&heading, Quantity::PERCENT.digits(3).bare(), |row| {
+            let i = place(row, model)?;
+            study.choices[i].better_than_random?;
+            Some(number(i, "better_than_random"))
+        });
+    }
+    table
 }
 
 /// A way to choose in a sentence.

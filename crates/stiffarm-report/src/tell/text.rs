@@ -72,6 +72,23 @@ impl Text {
         self
     }
 
+    /// With numbers, a comma between them.
+    #[must_use]
+    pub fn numbers(mut self, numbers: impl IntoIterator<Item = Number>) -> Self {
+        for (i, number) in numbers.into_iter().enumerate() {
+            if i > 0 {
+                self = self.words(", ");
+            }
+            self = self.number(number);
+        }
+        self
+    }
+
+    /// As a line of a file: with a minus that programs read.
+    pub fn line(&self) -> String {
+        self.plain().replace('−', "-")
+    }
+
     /// As one line of plain text.
     pub fn plain(&self) -> String {
         let pieces = self.0.iter().map(|piece| match piece {
@@ -87,7 +104,7 @@ impl Text {
 }
 
 /// `1 posture`, `6 postures`.
-pub(crate) fn counted(count: usize, what: &str) -> String {
+pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 

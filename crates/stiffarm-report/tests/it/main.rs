@@ -2,6 +2,7 @@
 
 mod at_work;
 mod cells;
+mod day;
 #[path = "../../examples/gallery/figures.rs"]
 mod gallery;
 mod generic;

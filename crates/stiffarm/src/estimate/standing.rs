@@ -11,7 +11,7 @@ use super::systematic::SystematicErrors;
 use crate::error::{Code, Result};
 use crate::findings::{Finding, Severity, percent};
 use crate::numerics::half_width::Level;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The source of common error that is the scale of every force.
 const FORCE_SCALE: &str = "force-scale";
@@ -19,7 +19,7 @@ const FORCE_SCALE: &str = "force-scale";
 const WORTH_NAMING: f64 = 0.85;
 
 /// How one joint stands.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointStanding {
     /// Name of the joint.
@@ -37,7 +37,7 @@ pub struct JointStanding {
 }
 
 /// How an experiment stands.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Standing {
     /// The joints.

@@ -1,22 +1,22 @@
 //! Waits for readings and says what each change of the files brings. The files are the only memory: what is begun again
 //! reads them from the start, so nothing is lost when it is stopped.
 
-use super::judgement::{Judgement, judge};
-use super::{check_goal, is_missed, is_serious, words};
-use crate::args::{Goal, MeasureArgs};
-use crate::commands::wrapped_line;
+use super::{check_goal, look, options};
+use crate::args::MeasureArgs;
 use crate::input::Line;
 use crate::interrupt;
-use crate::output::Exit;
+use crate::output::{Exit, told};
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::table::green;
+use crate::text;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 use stiffarm::files::source::Source;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
+use stiffarm::work::judged::Judgement;
 use stiffarm::{Code, Control, Error, Result};
 
 /// Longest time without a look at whether the user stopped.
@@ -89,7 +89,7 @@ impl Day {
         // A look of its own: what is quoted in messages is what is there now.
         let own = session.afresh();
         let progress = Progress::new(session, "judging the readings");
-        let found = progress.watch(|control: Control<'_>| judge(&own, cell, plan, args, control));
+        let found = progress.watch(|control: Control<'_>| look(&own, (cell, plan), args, control));
         drop(progress);
         let found = match found {
             Ok(found) => found,
@@ -107,9 +107,9 @@ impl Day {
         if self.failure.take().is_some() {
             session.print("the readings can be read again\n")?;
         }
-        session.print(&self.news(cell, plan, &found, args.until))?;
+        session.print(&self.news(session, cell, &found, args)?)?;
         let reached = found.reached() == Some(true);
-        let (serious, missed) = (is_serious(&found), is_missed(&found));
+        let (serious, missed) = (found.is_serious(), found.is_missed());
         self.measured = found.measured;
         self.findings = found.readings;
         // A first posture alone may still be at work.
@@ -122,47 +122,42 @@ impl Day {
     }
 
     /// What is new since the last look; nothing where only parts of a posture have come.
-    fn news(&self, cell: &Cell, plan: &[Posture], found: &Judgement, goal: Option<Goal>) -> String {
+    fn news(
+        &self,
+        session: &Session,
+        cell: &Cell,
+        found: &Judgement,
+        args: &MeasureArgs,
+    ) -> Result<String> {
         let is_new = |name: &&String| !self.measured.contains(name);
         let postures: Vec<String> = found.measured.iter().filter(is_new).cloned().collect();
         let known = |list: &[Finding], f: &Finding| {
             let same = |other: &Finding| other.code == f.code && other.subject == f.subject;
             list.iter().any(same)
         };
-        let new: Vec<Finding> = found
-            .readings
-            .iter()
-            .filter(|f| !known(&self.findings, f))
-            .cloned()
-            .collect();
+        let is_new = found.readings.iter().any(|f| !known(&self.findings, f));
         let settled = self
             .findings
             .iter()
             .filter(|f| f.severity == Severity::Serious && !known(&found.readings, f));
         let settled: Vec<&Finding> = settled.collect();
-        if postures.is_empty() && new.is_empty() && settled.is_empty() {
-            return String::new();
+        if postures.is_empty() && !is_new && settled.is_empty() {
+            return Ok(String::new());
         }
         let mut out = "\n".to_string();
         for finding in &settled {
             out += &format!("{}: {}\n", green("settled"), finding.subject);
         }
-        out += &words::soundness(&postures, &new);
-        for finding in &new {
-            out += &(wrapped_line(finding) + "\n");
+        if !postures.is_empty() && !found.is_serious() {
+            let sound = green("sound");
+            out += &format!("posture {}: readings {sound}\n", list(&postures));
         }
-        let open = found
-            .readings
-            .iter()
-            .filter(|f| f.severity == Severity::Serious && known(&self.findings, f));
-        for finding in open {
-            out += &format!("still to settle: {}\n", finding.subject);
-        }
-        out += &words::verdict(found, goal);
-        if !is_serious(found) {
-            out += &words::joints(found);
-            out += &words::next(cell, plan, found);
-        }
-        out
+        let envelope = session.envelope("measure", Some(args.seed), options(args), found);
+        let mut told = told(&envelope, Some(cell))?;
+        // What is still to settle is said again.
+        told.findings
+            .retain(|f| f.severity == Severity::Serious || !known(&self.findings, f));
+        told.sections.clear();
+        Ok(out + &text::told(&told, true))
     }
 }

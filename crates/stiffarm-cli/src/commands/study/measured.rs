@@ -1,21 +1,13 @@
 //! `stiffarm study --measured`: which postures and which model predict a measured robot.
 
-use super::{REPORT, RESULT};
+use super::{REPORT, RESULT, finish};
 use crate::args::StudyArgs;
-use crate::commands::earlier::Earlier;
-use crate::files::{check_folder, write_folder};
-use crate::input::Line;
-use crate::numbers::{mm, optional_percent};
+use crate::files::check_folder;
 use crate::output::Exit;
-use crate::page::page_of;
 use crate::progress::Progress;
-use crate::screen::{columns, wrapped};
 use crate::session::Session;
-use crate::table::{Align, Table, title};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::files::envelope::write_result;
 use stiffarm::files::source::Source;
 use stiffarm::measure::{is_of_table, prepare};
 use stiffarm::plan::index::Index;
@@ -70,45 +62,14 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         study,
     };
     let study = &written.study;
-    let envelope = session.envelope(
-        "study",
-        Some(args.seed),
-        Options { measured: true },
-        &written,
-    );
+    let options = Options { measured: true };
+    let envelope = session.envelope("study", Some(args.seed), options, &written);
     let texts = [
-        write_result(&envelope)?,
         render_svg(&measured_figure(study)),
         measured_table(study).csv(),
     ];
-    let page = page_of(&envelope, Some(&named.cell))?;
-    let files = names()
-        .map(String::from)
-        .zip(texts.into_iter().chain([page]));
-    let files = files.collect();
-    let earlier = Earlier::of(&args.output_dir);
-    write_folder(session, &args.output_dir, files, args.force)?;
-    let removed = match session.has_failed() {
-        true => String::new(),
-        false => earlier.remove_all_but(&args.output_dir, &written.files),
-    };
-    session.show(&envelope, || {
-        let place = args.output_dir.join(REPORT);
-        format!(
-            "{}{}{removed}{}",
-            named.line(),
-            summary(study, interrupted),
-            match session.has_failed() {
-                true => String::new(),
-                false => format!(
-                    "\nwrote {} files to {}: start with {}\n",
-                    written.files.len(),
-                    args.output_dir.display(),
-                    place.display()
-                ),
-            }
-        )
-    })?;
+    let files = FILES.map(String::from).into_iter().zip(texts).collect();
+    finish(session, args, (&envelope, &written.files), &named, files)?;
     Ok(match interrupted {
         true => Exit::Interrupted,
         false => Exit::Done,
@@ -139,47 +100,4 @@ fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {
         });
     }
     Ok(options)
-}
-
-fn summary(study: &MeasuredStudy, interrupted: bool) -> String {
-    let mut out = format!(
-        "{} measured postures; {} random splits into a pool of {} and {} to be predicted{}\n\n",
-        study.posture_count,
-        study.split_count,
-        study.pool_count,
-        study.posture_count - study.pool_count,
-        match interrupted {
-            true => format!(", of {} asked for: stopped", study.options.splits),
-            false => String::new(),
-        }
-    );
-    for finding in &study.findings {
-        out += &format!("{}\n", wrapped(&finding.sentence, columns()));
-    }
-    out += &title("RMS error of a displacement component at the other postures [mm]");
-    let mut table = Table::new([
-        "postures",
-        "chosen by",
-        "joint axes",
-        "mixed model",
-        "better than random [%]",
-        "(mixed)",
-    ]);
-    table.align(1, Align::Left);
-    let axes = |c: &&stiffarm::study::MeasuredChoice| c.model == ElasticChoice::Axes;
-    for own in study.choices.iter().filter(axes) {
-        let mixed = study.get(own.postures, own.choice, ElasticChoice::Mixed);
-        let shown = |c: &stiffarm::study::MeasuredChoice| {
-            format!("{} ± {}", mm(c.mean_m), mm(c.standard_error_m))
-        };
-        table.row([
-            own.postures.to_string(),
-            own.choice.as_str().to_string(),
-            shown(own),
-            mixed.map_or_else(String::new, shown),
-            optional_percent(own.better_than_random),
-            optional_percent(mixed.and_then(|c| c.better_than_random)),
-        ]);
-    }
-    out + &table.to_string()
 }

@@ -5,19 +5,16 @@ pub mod measured;
 use super::earlier::Earlier;
 use crate::args::StudyArgs;
 use crate::files::{check_folder, write_folder};
-use crate::input::Line;
-use crate::numbers::optional_percent;
 use crate::output::Exit;
 use crate::page::page_of;
 use crate::progress::Progress;
 use crate::session::Session;
-use crate::table::{Table, title};
 use serde::Serialize;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::SimulationOptions;
 use stiffarm::files::builtin;
 use stiffarm::files::envelope::write_result;
-use stiffarm::files::source::Source;
+use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
@@ -112,33 +109,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         },
         &result,
     );
-    files.insert(0, (RESULT.to_string(), write_result(&envelope)?));
-    let page = page_of(&envelope, Some(&named.cell))?;
-    files.push((REPORT.to_string(), page));
-    let earlier = Earlier::of(&args.output_dir);
-    let count = files.len();
-    write_folder(session, &args.output_dir, files, args.force)?;
-    let removed = match session.has_failed() {
-        true => String::new(),
-        false => earlier.remove_all_but(&args.output_dir, &result.files),
-    };
+    finish(session, args, (&envelope, &result.files), &named, files)?;
     let result = &result.study;
-
-    session.show(&envelope, || {
-        format!(
-            "{}{}{}{removed}",
-            named.line(),
-            summary(result),
-            match session.has_failed() {
-                true => String::new(),
-                false => format!(
-                    "\nwrote {count} files to {}: start with {}\n",
-                    args.output_dir.display(),
-                    args.output_dir.join(REPORT).display()
-                ),
-            }
-        )
-    })?;
     let serious = result
         .findings
         .iter()
@@ -147,6 +119,34 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         true => Exit::Interrupted,
         false => Exit::finding(serious),
     })
+}
+
+/// Writes the folder of a study, the result first and its page last, and says what the study says.
+fn finish(
+    session: &Session,
+    args: &StudyArgs,
+    (envelope, names): (&impl Serialize, &[String]),
+    named: &NamedCell,
+    pictures: Vec<(String, String)>,
+) -> Result<()> {
+    let mut files = vec![(RESULT.to_string(), write_result(envelope)?)];
+    files.extend(pictures);
+    files.push((REPORT.to_string(), page_of(envelope, Some(&named.cell))?));
+    let (folder, count) = (&args.output_dir, files.len());
+    let earlier = Earlier::of(folder);
+    write_folder(session, folder, files, args.force)?;
+    if !session.has_failed() {
+        let page = folder.join(REPORT);
+        let (folder_name, page) = (folder.display(), page.display());
+        session.has_written(format!(
+            "{count} files to {folder_name} (start with {page})"
+        ));
+        let removed = earlier.remove_all_but(folder, names);
+        if !removed.is_empty() {
+            session.remark(removed.trim_end());
+        }
+    }
+    session.deliver_told(None, envelope, named, args.details)
 }
 
 /// Group 1: given, the shipped one where it fits the cell, or drawn with small
@@ -206,29 +206,4 @@ fn file_names(cell: &Cell, options: &StudyOptions) -> Vec<String> {
         names.push("validation.svg".to_string());
     }
     names
-}
-
-fn summary(study: &Study) -> String {
-    let mut table = Table::new(
-        std::iter::once("joint".to_string()).chain(study.groups.iter().map(|g| g.name.clone())),
-    );
-    for (j, joint) in study.joints.iter().enumerate() {
-        let cells = study
-            .groups
-            .iter()
-            .map(|g| optional_percent(g.evaluation.expected_deviation[j]));
-        table.row(std::iter::once(joint.clone()).chain(cells));
-    }
-    let means = study
-        .groups
-        .iter()
-        .map(|g| optional_percent(g.evaluation.mean_expected_deviation()));
-    table.row(std::iter::once("mean".to_string()).chain(means));
-    let mut out = title("expected deviation of the joint stiffness, % at variance factor 1");
-    out += &table.to_string();
-    out += &title("findings");
-    for finding in &study.findings {
-        out += &format!("- {}\n", finding.sentence);
-    }
-    out
 }

@@ -337,13 +337,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
 
 /// The angles of the next posture.
 pub(super) fn angles(text: Text, given: &Given<'_>, count: usize) -> Text {
-    let mut text = text.words("(");
-    for j in 0..count {
-        if j > 0 {
-            text = text.words(", ");
-        }
-        let number = given.number(&format!("/next_posture/posture_deg/{j}"));
-        text = text.number(number.decimals(2));
-    }
-    text.words(")°")
+    let angle = |j: usize| given.number(&format!("/next_posture/posture_deg/{j}"));
+    let angles = (0..count).map(|j| angle(j).decimals(2));
+    text.words("(").numbers(angles).words(")°")
 }

@@ -1,15 +1,24 @@
 //! `simulate --elastic`: an arm that gives way beyond its joint axes.
 
-use super::cell_section;
+use super::{DEVIATION, cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
-use stiffarm::estimate::simulate::{ElasticGroup, ElasticLevel, ElasticSimulation};
+use stiffarm::estimate::elastic::ElasticChoice;
+use stiffarm::estimate::simulate::{
+    ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation,
+};
 use stiffarm::findings::visible;
+use stiffarm::model::elastic::ElasticClass;
 use stiffarm::model::posture::PostureGroup;
 
-/// The part of a page for an arm that gives way beyond its joint axes.
+/// Shares, from a fraction.
+const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
+
+/// A number of runs.
+const COUNT: Quantity = Quantity::new("", 1.0, Form::Decimals(0));
+
+/// What a result says of an arm that gives way beyond its joint axes.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut result: ElasticSimulation = context.saved.result()?;
     for group in &mut result.groups {
@@ -24,13 +33,23 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let best = first.min_by(|a, b| error(a.2).total_cmp(&error(b.2)));
     let place = match result.predicted_tasks {
         true => "at the cell's tasks".to_string(),
-        false => format!("at {} random postures", result.predicted_count),
+        false => format!(
+            "at {} random postures inside the cell's limits, under its load",
+            result.predicted_count
+        ),
     };
+    let levels = result.groups.iter().flat_map(|group| &group.levels);
+    let sizes = ElasticClass::ALL.map(|class| {
+        let size = Number::computed(result.sizes.of(class));
+        size.significant(2).unit(class.unit()).text()
+    });
     let done = Text::new(format!(
-        "In each of {} runs an arm was drawn that gives way at joints and base beyond its axes, {}; it was measured, identified, \
-         and its deflections were predicted {place}.",
+        "In each of {} runs{} an arm was drawn that gives way at joints and base beyond its axes, by springs with {} of {}; it \
+         was measured, identified, and its deflections were predicted {place}.",
         result.runs,
-        result.sizes_from.in_words()
+        stopped(result.interrupted, levels.map(|level| level.runs)),
+        result.sizes_from.in_words(),
+        sizes.join(", ")
     ));
     let verdict = [done, came(context, &result, best), next(best.map(|b| b.2))];
     let groups = result.groups.iter().map(|group| {
@@ -39,24 +58,28 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     });
     let mut sections = Vec::new();
     sections.extend(cell_section(context, groups.collect())?);
-    let blocks = vec![
+    let mut blocks = vec![
         Block::Figure(prediction_figure(&result)),
         Block::Table(shares(context, &result)),
     ];
-    sections.push(Section::new(
-        "prediction",
-        "How well deflections are predicted",
-        blocks,
-    ));
-    let blocks = vec![Block::Figure(joint_figure(&result))];
-    sections.push(Section::new(
-        "joints",
-        "How well each joint is identified",
-        blocks,
-    ));
+    if result.asked == ElasticChoice::Auto {
+        blocks.push(Block::Text(
+            "Taken: runs in which the data call for the mixed model.".into(),
+        ));
+    }
+    let title = "How well deflections are predicted";
+    sections.push(Section::new("prediction", title, blocks).in_summary());
+    let mut blocks = vec![Block::Figure(joint_figure(&result))];
+    let tables = rows(&result).map(|(at, name, level)| {
+        let table = Block::Table(joints(context, &result.joints, &at, level));
+        Block::Details(format!("Each joint: {name}"), vec![table])
+    });
+    blocks.extend(tables);
+    let title = "How well each joint is identified";
+    sections.push(Section::new("joints", title, blocks));
     let key = errors(context, &result);
     Ok(context.told(
-        "Simulated identifications of an elastic arm".to_string(),
+        "Simulated identifications of an elastic arm",
         verdict,
         Some(key),
         sections,
@@ -84,7 +107,7 @@ fn came(
         .words(", deflections of ")
         .number(mm("deflection_rms_m"))
         .words(" (RMS) are predicted to ");
-    match level.mixed {
+    let text = match level.mixed {
         Some(_) => text
             .number(mm("mixed/prediction_rms_m"))
             .words(" ")
@@ -93,13 +116,32 @@ fn came(
                     .significant(2)
                     .plus_minus(),
             )
-            .words(" with the mixed model, and to ")
-            .number(mm("axes/prediction_rms_m"))
-            .words(" with the joint axes alone."),
-        None => text
-            .number(mm("axes/prediction_rms_m"))
-            .words(" with the joint axes alone."),
-    }
+            .words(" with the mixed model, and to "),
+        None => text,
+    };
+    text.number(mm("axes/prediction_rms_m"))
+        .words(" with the joint axes alone.")
+        .then(held(level))
+}
+
+/// How often the intervals of the joint stiffness hold the true one.
+fn held(level: &ElasticLevel) -> Text {
+    let share = |model: &ElasticModelOutcome| {
+        let share = Number::computed(model.mean_interval_share()?);
+        Some(share.of(SHARE))
+    };
+    let mixed = level.mixed.as_ref().and_then(share);
+    let (Some(axes), Some(mixed)) = (share(&level.axes), mixed) else {
+        return Text::default();
+    };
+    let confidence = Number::computed(level.axes.confidence).percent();
+    Text::new(" The ")
+        .number(confidence)
+        .words(" intervals of joint stiffness hold the true one in ")
+        .number(axes)
+        .words(" of the cases with the axes alone, in ")
+        .number(mixed)
+        .words(" with the mixed model.")
 }
 
 fn next(level: Option<&ElasticLevel>) -> Text {
@@ -140,65 +182,96 @@ fn rows(result: &ElasticSimulation) -> impl Iterator<Item = (String, String, &El
 }
 
 fn errors(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
-    let mut table = DataTable::new(
-        "RMS error of a predicted deflection [mm], ± its Monte Carlo standard error",
-        [
-            "group",
-            "joint axes alone",
-            "mixed model",
-            "expected of the mixed model",
-        ],
-    );
-    for (at, name, level) in rows(result) {
-        let mm = |key: &str| {
-            context
-                .number(&format!("{at}/{key}"))
-                .mm()
-                .bare()
-                .significant(3)
-        };
-        let both = |model: &str| {
-            Text::from(mm(&format!("{model}/prediction_rms_m")))
-                .words(" ")
-                .number(
-                    mm(&format!("{model}/prediction_standard_error_m"))
-                        .significant(2)
-                        .plus_minus(),
-                )
-        };
-        let mixed = match level.mixed {
-            Some(_) => both("mixed"),
-            None => Text::from("–"),
-        };
-        table.row(
-            name,
-            [both("axes"), mixed, mm("expected_prediction_m").into()],
-        );
-    }
-    table
+    let rows: Vec<(String, String, &ElasticLevel)> = rows(result).collect();
+    let number = |row: usize, key: &str| context.number(&format!("{}/{key}", rows[row].0));
+    let mm = |row: usize, key: &str| {
+        let quantity = Quantity::LENGTH.digits(3);
+        number(row, key).of(quantity.bare())
+    };
+    let both = |row: usize, model: &str| {
+        let error = mm(row, &format!("{model}/prediction_standard_error_m"));
+        Text::from(mm(row, &format!("{model}/prediction_rms_m")))
+            .words(" ")
+            .number(error.significant(2).plus_minus())
+    };
+    DataTable::of(
+        "RMS error of a predicted deflection [mm], ± its Monte Carlo standard error; expected: the index prediction, the \
+         error of the mixed model if its sizes and those of the noise were known",
+        "group",
+        rows.iter().map(|row| row.1.clone()),
+    )
+    .words("joint axes alone", |row| both(row, "axes"))
+    .words("mixed model", |row| match rows[row].2.mixed {
+        Some(_) => both(row, "mixed"),
+        None => Text::default(),
+    })
+    .words("expected", |row| match rows[row].2.expected_prediction_m {
+        Some(_) => mm(row, "expected_prediction_m").into(),
+        None => Text::default(),
+    })
+    .words("auto", |row| match rows[row].2.auto {
+        Some(_) => both(row, "auto"),
+        None => Text::default(),
+    })
 }
 
+/// How often bands and intervals hold the truth, a row for each level.
 fn shares(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
-    let mut table = DataTable::new(
-        "Share of the bands of predicted deflections that hold the truth [%]",
-        [
-            "group",
-            "joint axes alone",
-            "mixed model",
-            "runs without a mixed model",
-        ],
+    let rows: Vec<(String, String, &ElasticLevel)> = rows(result).collect();
+    let number = |row: usize, key: &str| context.number(&format!("{}/{key}", rows[row].0));
+    type Model = for<'l> fn(&'l ElasticLevel) -> Option<&'l ElasticModelOutcome>;
+    let models: [(&str, Model); 3] = [
+        ("axes", |level| Some(&level.axes)),
+        ("mixed", |level| level.mixed.as_ref()),
+        ("auto", |level| level.auto.as_ref()),
+    ];
+    let mut table = DataTable::of(
+        "Share that holds the truth: bands of predicted deflections, intervals of k",
+        "group",
+        rows.iter().map(|row| row.1.clone()),
     );
-    for (at, name, level) in rows(result) {
-        let share = |model: &str| {
-            let number = context.number(&format!("{at}/{model}/band_share"));
-            Text::from(number.percent().bare().decimals(1))
-        };
-        let without = context.number(&format!("{at}/without_mixed")).decimals(0);
-        let mixed = match level.mixed {
-            Some(_) => share("mixed"),
-            None => Text::from("–"),
-        };
-        table.row(name, [share("axes"), mixed, without.into()]);
+    for (name, of) in models {
+        table = table.numbers(&format!("bands: {name}"), SHARE, |row| {
+            of(rows[row].2)?.band_share?;
+            Some(number(row, &format!("{name}/band_share")))
+        });
+    }
+    for (name, of) in models {
+        table = table.numbers(&format!("k: {name}"), SHARE, |row| {
+            of(rows[row].2)?.mean_interval_share().map(Number::computed)
+        });
+    }
+    table
+        .numbers("taken", SHARE, |row| {
+            rows[row].2.auto_took_mixed?;
+            Some(number(row, "auto_took_mixed"))
+        })
+        .numbers("runs without mixed model", COUNT, |row| {
+            let is_any = rows[row].2.without_mixed > 0;
+            is_any.then(|| number(row, "without_mixed"))
+        })
+}
+
+/// Deviation of each joint's stiffness at a level, and how often its interval holds.
+fn joints(context: &Given<'_>, names: &[String], at: &str, level: &ElasticLevel) -> DataTable {
+    let names = names.iter().map(|name| visible(name).into_owned());
+    let caption = "Deviation |k̂ − k|/k of each joint, and share of the intervals of k that hold";
+    let mut table = DataTable::of(caption, "joint", names);
+    let models = [("axes", Some(&level.axes)), ("mixed", level.mixed.as_ref())];
+    for (model, found) in models {
+        let Some(found) = found else { continue };
+        let number = |key: &str, j: usize| context.number(&format!("{at}/{model}/{key}/{j}"));
+        table = table
+            .numbers(&format!("{model}: median"), DEVIATION, |j| {
+                Some(number("median_deviation", j))
+            })
+            .numbers(&format!("{model}: mean"), DEVIATION, |j| {
+                Some(number("mean_deviation", j))
+            })
+            .numbers(&format!("{model}: k holds"), SHARE, |j| {
+                found.interval_share[j]?;
+                Some(number("interval_share", j))
+            });
     }
     table
 }

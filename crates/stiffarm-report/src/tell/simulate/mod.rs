@@ -1,11 +1,10 @@
-//! The page of `simulate`: what identifications with tracker noise give.
+//! What `simulate` says: what identifications with tracker noise give.
 
 mod elastic;
 
 use super::worth::UNSURE;
 use crate::selection::deviation_by_noise_figure;
-use crate::tell::Given;
-use crate::tell::{Block, DataTable, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use serde_json::Value;
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{GroupSimulation, LevelResult, Simulation};
@@ -14,6 +13,9 @@ use stiffarm::model::posture::PostureGroup;
 
 /// Most groups of which the table has the closed form beside the runs.
 const SIDE_BY_SIDE: usize = 3;
+
+/// Deviations, from a fraction.
+const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 
 /// What a result says of `simulate`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
@@ -30,6 +32,11 @@ struct Shown<'a> {
     name: String,
     level: &'a LevelResult,
 }
+
+/// Why the median stands for the mean.
+const BEYOND: &str = "Where a joint's relative standard error is above 10 %, single runs near a compliance of zero dominate the \
+                      mean, and the closed form no longer holds: read the median. The expectation of |k̂ − k|/k is infinite \
+                      at every noise level; means are truncated, of the runs made.";
 
 /// An arm of which the joint axes alone give way.
 fn axes(context: &Given<'_>) -> Result<Told> {
@@ -72,20 +79,19 @@ fn axes(context: &Given<'_>) -> Result<Told> {
             "The runs also draw errors of force, angles or geometry, which the closed form does not count.".into(),
         ));
     }
-    sections.push(Section::new(
-        "noise",
-        "Deviation against noise (the paper's Fig. 8)",
-        blocks,
-    ));
+    let noise = "Deviation against noise (the paper's Fig. 8)";
+    sections.push(Section::new("noise", noise, blocks).in_summary());
+    let mut blocks = Vec::new();
+    let all = result.groups.iter().flat_map(|group| &group.levels);
+    if all.clone().any(is_beyond) {
+        blocks.push(Block::Text(BEYOND.into()));
+    }
     let tables = result.groups.iter().enumerate().map(|(g, group)| {
         let table = Block::Table(levels(context, &joints, g, group));
         Block::Details(format!("All noise levels of {}", group.name), vec![table])
     });
-    sections.push(Section::new(
-        "levels",
-        "Every noise level",
-        tables.collect(),
-    ));
+    blocks.extend(tables);
+    sections.push(Section::new("levels", "Every noise level", blocks));
     let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
     let unsure = is_unsure(best).then_some(UNSURE);
     let told = context.told(
@@ -134,14 +140,21 @@ fn done(context: &Given<'_>, result: &Simulation) -> Text {
         true => " and errors of the model",
         false => "",
     };
-    let stopped = match result.interrupted {
-        true => " (stopped before all were done)",
-        false => "",
-    };
+    let fewest = result.groups.iter().flat_map(|group| &group.levels);
+    let stopped = stopped(result.interrupted, fewest.map(|level| level.runs));
     Text::new(format!(
         "{} identifications with fresh tracker noise{errors} were simulated for {groups} {levels}{stopped}.",
         result.runs
     ))
+}
+
+/// How far a simulation came that the user stopped; nothing where it is complete.
+fn stopped(is_stopped: bool, runs: impl Iterator<Item = usize>) -> String {
+    if !is_stopped {
+        return String::new();
+    }
+    let fewest = runs.min().unwrap_or(0);
+    format!(" (stopped after {fewest} of them at the level with the fewest)")
 }
 
 fn has_model_errors(context: &Given<'_>) -> bool {
@@ -202,7 +215,12 @@ fn came(
 
 /// Whether some joint's relative standard error is above 10 %.
 fn is_unsure(best: Option<&Shown<'_>>) -> bool {
-    best.is_some_and(|best| best.level.beyond_first_order.contains(&true))
+    best.is_some_and(|best| is_beyond(best.level))
+}
+
+/// The same of one level.
+fn is_beyond(level: &LevelResult) -> bool {
+    level.beyond_first_order.contains(&true)
 }
 
 fn next(best: Option<&Shown<'_>>) -> Text {
@@ -226,69 +244,90 @@ fn next(best: Option<&Shown<'_>>) -> Text {
 
 /// Deviation of each joint at the cell's own noise.
 fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
-    let wide = shown.len() <= SIDE_BY_SIDE && !has_model_errors(context);
-    let mut headings = vec!["joint".to_string()];
-    for group in shown {
-        headings.push(group.name.clone());
-        if wide {
-            headings.push("closed form".to_string());
-        }
-    }
+    let is_wide = shown.len() <= SIDE_BY_SIDE && !has_model_errors(context);
     let factor = shown.first().map_or(1.0, |one| one.level.variance_factor);
-    let mut table = DataTable::new(
-        format!(
-            "Mean deviation |k̂ − k|/k [%] at {factor} × the noise variance, ± its Monte Carlo standard error; * median"
-        ),
-        headings,
+    let star = if shown.iter().any(|one| is_beyond(one.level)) {
+        "; * median"
+    } else {
+        ""
+    };
+    let caption = format!(
+        "Mean deviation |k̂ − k|/k [%] at {factor} × the noise variance, ± its Monte Carlo standard error{star}"
     );
-    for (j, joint) in joints.iter().enumerate() {
-        let mut cells = Vec::new();
-        for group in shown {
-            let (key, _) = typical(group.level, j);
-            let number = |key: &str| {
-                let number = context.number(&format!("{}/{key}/{j}", group.at));
-                number.percent().bare().decimals(2)
-            };
-            cells.push(match key {
-                "median_deviation" => Text::from(number(key)).words(" *"),
-                _ => Text::from(number(key))
-                    .words(" ")
-                    .number(number("standard_error").plus_minus()),
-            });
-            if wide {
-                cells.push(number("expected_deviation").into());
+    // The last row holds their means.
+    let names = joints.iter().map(|joint| Text::new(joint.clone()));
+    let names = names.chain([Text::default().strong("mean")]);
+    let mut table = DataTable::of(caption, "joint", names);
+    for group in shown {
+        let number = |key: &str, row: usize| {
+            let number = context.number(&format!("{}/{key}/{row}", group.at));
+            number.of(DEVIATION.bare())
+        };
+        table = table.words(group.name.clone(), |row| {
+            if row == joints.len() {
+                return match is_beyond(group.level) {
+                    true => Text::default(),
+                    false => mean(&group.level.mean_deviation).into(),
+                };
             }
+            let (key, _) = typical(group.level, row);
+            let text = Text::from(number(key, row));
+            match key {
+                "median_deviation" => text.words(" *"),
+                _ => text
+                    .words(" ")
+                    .number(number("standard_error", row).plus_minus()),
+            }
+        });
+        if is_wide {
+            table = table.words("closed form", |row| match row < joints.len() {
+                true => number("expected_deviation", row).into(),
+                false => mean(&group.level.expected_deviation).into(),
+            });
         }
-        table.row(joint.clone(), cells);
     }
     table
 }
 
+fn mean(values: &[f64]) -> Number {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    Number::computed(mean).of(DEVIATION.bare())
+}
+
 /// Every level of a group.
 fn levels(context: &Given<'_>, joints: &[String], g: usize, group: &GroupSimulation) -> DataTable {
-    let mut table = DataTable::new(
-        format!("{}: simulated and expected deviation [%]", group.name),
-        ["variance".to_string(), String::new()]
-            .into_iter()
-            .chain(joints.iter().cloned()),
-    );
-    for (l, level) in group.levels.iter().enumerate() {
-        let each = |key: &str| {
-            let cells = (0..joints.len()).map(|j| {
-                let below = format!("/groups/{g}/levels/{l}/{key}/{j}");
-                Text::from(context.number(&below).percent().bare().decimals(2))
-            });
-            cells.collect::<Vec<Text>>()
-        };
-        let rows = [
-            ("mean", "mean_deviation"),
-            ("median", "median_deviation"),
-            ("closed form", "expected_deviation"),
-        ];
-        for (name, key) in rows {
-            let cells = [Text::from(name)].into_iter().chain(each(key));
-            table.row(format!("× {}", level.variance_factor), cells);
-        }
+    let kinds = [
+        ("mean", "mean_deviation"),
+        ("median", "median_deviation"),
+        ("closed form", "expected_deviation"),
+    ];
+    let count = kinds.len();
+    let names = group
+        .levels
+        .iter()
+        .flat_map(|level| kinds.map(|(kind, _)| format!("× {}, {kind}", level.variance_factor)));
+    let level = |row: usize| &group.levels[row / count];
+    let caption = format!("{}: simulated and expected deviation [%]", group.name);
+    let noise = context.cell.map(|cell| cell.noise.displacement_std());
+    let mut table =
+        DataTable::of(caption, "variance", names).numbers("noise", Quantity::LENGTH, |row| {
+            Some(Number::computed(noise? * level(row).variance_factor.sqrt()))
+        });
+    for (j, joint) in joints.iter().enumerate() {
+        table = table.words(joint.clone(), |row| {
+            let below = format!("/groups/{g}/levels/{}", row / count);
+            let number = |key: &str| {
+                let number = context.number(&format!("{below}/{key}/{j}"));
+                number.of(DEVIATION.bare())
+            };
+            let text = Text::from(number(kinds[row % count].1));
+            match row % count {
+                0 => text
+                    .words(" ")
+                    .number(number("standard_error").plus_minus()),
+                _ => text,
+            }
+        });
     }
     table
 }

@@ -51,7 +51,9 @@ fn holds(saved: &SavedResult, page: &Page) {
 fn of_block(block: &Block, found: &mut Vec<Number>) {
     match block {
         Block::Text(text) => numbers(text, found),
-        Block::List(texts) => texts.iter().for_each(|text| numbers(text, found)),
+        Block::List(texts) | Block::Lines(texts) => {
+            texts.iter().for_each(|text| numbers(text, found))
+        }
         Block::Table(table) => {
             let cells = table.rows.iter().flatten();
             cells.for_each(|text| numbers(text, found));

@@ -1,42 +1,56 @@
-//! What the readings so far are worth: everything that one look at the files gives.
+//! All that `measure` says: what the readings so far are worth, and what to measure next.
 
-use crate::args::{Goal, MeasureArgs};
-use crate::session::Session;
-use serde::Serialize;
+use crate::error::{Code, Result};
+use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::identify::{Fit, IdentifyOptions};
+use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
+use crate::estimate::standing::{Standing, is_better, standing};
+use crate::estimate::systematic::{SystematicErrors, systematic_errors};
+use crate::findings::{Finding, Severity};
+use crate::measure::reduction::ReduceOptions;
+use crate::measure::{NOT_MEASURED_YET, prepare};
+use crate::model::cell::Cell;
+use crate::model::measurement::Measurements;
+use crate::model::posture::Posture;
+use crate::numerics::control::Control;
+use crate::plan::route::rounded;
+use crate::plan::select::GlobalOptions;
+use crate::work::predict::{PredictOptions, predict};
+use crate::work::predicted::tasks;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use stiffarm::Result;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions};
-use stiffarm::estimate::next_posture::{NextPosture, next_posture, planned_errors};
-use stiffarm::estimate::standing::{Standing, is_better, standing};
-use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
-use stiffarm::files::source::Source;
-use stiffarm::findings::{Finding, Severity};
-use stiffarm::measure::prepare;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::Measurements;
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::route::rounded;
-use stiffarm::plan::select::GlobalOptions;
-use stiffarm::work::predict::{PredictOptions, predict};
-use stiffarm::work::predicted::tasks;
-use stiffarm::{Control, Error};
 
 /// Rounds of the search for a better posture.
 const ROUNDS: u64 = 1;
 /// Steps of the angles of a posture that is proposed \[deg\].
 const STEP_DEG: f64 = 0.01;
 
+/// Options of the result.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Options {
+    /// Half width of every joint's stiffness that is good enough (fraction of k); `null` unless it is the goal.
+    pub until_stiffness: Option<f64>,
+    /// Half width of the deflection at each task that is good enough \[m\]; `null` unless it is the goal.
+    pub until_deflection_m: Option<f64>,
+    /// Whether a better posture was looked for.
+    pub search: bool,
+}
+
 /// How the day stands.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judgement {
+    /// Postures of the plan.
+    pub planned: usize,
     /// Postures of which a displacement can be formed, in the order of the readings.
     pub measured: Vec<String>,
     /// Postures that are begun.
     pub begun: Vec<String>,
     /// Planned postures that are left, in order; those begun are among them.
     pub left: Vec<String>,
+    /// The first of those that are left; `null` where none is.
+    pub next: Option<Planned>,
     /// What is suspicious about the readings.
     pub readings: Vec<Finding>,
     /// What they give; `null` while that cannot be said.
@@ -50,8 +64,23 @@ pub struct Judgement {
     pub better: Option<NextPosture>,
 }
 
+/// A planned posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Planned {
+    /// Its name.
+    pub name: String,
+    /// Its controller angles \[rad\].
+    #[serde(rename = "posture_deg", with = "crate::units::degrees")]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
+    )]
+    pub angles: Vec<f64>,
+}
+
 /// How well the deflection at the tasks is predicted.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DeflectionStanding {
     /// Largest half width of all tasks \[m\]; `null` while it is not known.
@@ -63,15 +92,21 @@ pub struct DeflectionStanding {
 }
 
 impl Judgement {
-    /// Before the first posture is complete.
-    fn not_yet(error: &Error, begun: Vec<String>, plan: &[Posture]) -> Self {
+    /// Before anything can be said of the stiffness.
+    fn not_yet(plan: &[Posture], left: &[Posture]) -> Self {
+        let next = left.first().map(|posture| Planned {
+            name: posture.name.clone(),
+            angles: posture.q.clone(),
+        });
         Judgement {
+            planned: plan.len(),
             measured: Vec::new(),
-            begun,
-            left: names(plan),
+            begun: Vec::new(),
+            left: left.iter().map(|posture| posture.name.clone()).collect(),
+            next,
             readings: Vec::new(),
             standing: None,
-            standing_missing: Some(error.message().to_string()),
+            standing_missing: None,
             deflection: None,
             better: None,
         }
@@ -84,35 +119,41 @@ impl Judgement {
             None => self.standing.as_ref()?.reached,
         }
     }
+
+    /// Whether the plan is measured and the goal is not reached.
+    pub fn is_missed(&self) -> bool {
+        self.left.is_empty() && self.reached() == Some(false)
+    }
+
+    /// Whether something about the readings must be settled.
+    pub fn is_serious(&self) -> bool {
+        let mut findings = self.readings.iter();
+        findings.any(|f| f.severity == Severity::Serious)
+    }
 }
 
-/// Looks at the files once.
+/// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete yet
+/// where there is none. `seed` is that of the search for a better posture.
 ///
 /// # Errors
-/// Files that cannot be read or hold something wrong.
+/// Readings that cannot be read or hold something wrong, a goal at tasks that the cell does not have, stopped.
 pub fn judge(
-    session: &Session,
-    cell: &Cell,
-    plan: &[Posture],
-    args: &MeasureArgs,
+    (cell, plan): (&Cell, &[Posture]),
+    measurements: Result<Measurements>,
+    reduce: &ReduceOptions,
+    (options, seed): (&Options, u64),
     control: Control<'_>,
 ) -> Result<Judgement> {
-    let read = session.read_growing_measurements(&args.readings, Some(&args.plan), cell);
-    let measurements = match read {
-        Ok(measurements) => measurements,
-        // Nothing but a heading yet.
-        Err(error) if error.code() == stiffarm::Code::TooFewData => {
-            return Ok(Judgement::not_yet(&error, Vec::new(), plan));
-        }
-        Err(error) => return Err(error),
-    };
-    let reduce = session.read_registration(args.registration.as_deref())?;
-    let begun = begun(&measurements);
-    let measured = match prepare(cell, measurements, &reduce) {
+    let begun = measurements.as_ref().map_or_else(|_| Vec::new(), begun);
+    let measured = match measurements.and_then(|own| prepare(cell, own, reduce)) {
         Ok(measured) => measured,
-        // The first posture is not complete yet.
-        Err(error) if error.code() == stiffarm::Code::TooFewData => {
-            return Ok(Judgement::not_yet(&error, begun, plan));
+        // Nothing but a heading yet, or the first posture is not complete.
+        Err(error) if error.code() == Code::TooFewData => {
+            return Ok(Judgement {
+                begun,
+                standing_missing: Some(error.message().to_string()),
+                ..Judgement::not_yet(plan, plan)
+            });
         }
         Err(error) => return Err(error),
     };
@@ -123,33 +164,25 @@ pub fn judge(
         }
     }
     let known: BTreeSet<String> = done.iter().cloned().collect();
-    let left: Vec<Posture> = plan
-        .iter()
-        .filter(|posture| !known.contains(&posture.name))
-        .cloned()
-        .collect();
-    let readings: Vec<Finding> = measured
-        .findings()
-        .filter(|f| f.code != stiffarm::measure::NOT_MEASURED_YET)
-        .cloned()
-        .collect();
+    let left = plan.iter().filter(|posture| !known.contains(&posture.name));
+    let left: Vec<Posture> = left.cloned().collect();
+    let readings = measured.findings().filter(|f| f.code != NOT_MEASURED_YET);
     let mut out = Judgement {
         begun: begun
             .into_iter()
             .filter(|name| !known.contains(name))
             .collect(),
         measured: done,
-        left: names(&left),
-        readings,
-        standing: None,
-        standing_missing: None,
-        deflection: None,
-        better: None,
+        readings: readings.cloned().collect(),
+        ..Judgement::not_yet(plan, &left)
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let goal = args.until.and_then(Goal::stiffness);
-    let found = systematic_errors(&fit)
-        .and_then(|budget| Ok((standing(&fit, &budget, &left, goal)?, budget)));
+    let found = systematic_errors(&fit).and_then(|budget| {
+        Ok((
+            standing(&fit, &budget, &left, options.until_stiffness)?,
+            budget,
+        ))
+    });
     let budget = match found {
         Ok((found, budget)) => {
             out.standing = Some(found);
@@ -160,12 +193,11 @@ pub fn judge(
             return Ok(out);
         }
     };
-    if let Some(goal) = args.until.and_then(Goal::deflection) {
+    if let Some(goal) = options.until_deflection_m {
         out.deflection = Some(deflection(&fit, &budget, goal)?);
     }
-    let sound = out.readings.iter().all(|f| f.severity != Severity::Serious);
-    if !args.no_search && sound && out.reached() != Some(true) {
-        out.better = better(&fit, cell, &left, args.seed, control)?;
+    if options.search && !out.is_serious() && out.reached() != Some(true) {
+        out.better = better(&fit, cell, &left, seed, control)?;
     }
     Ok(out)
 }
@@ -240,11 +272,4 @@ fn begun(measurements: &Measurements) -> Vec<String> {
             postures.iter().map(|p| p.posture.name.clone()).collect()
         }
     }
-}
-
-fn names(postures: &[Posture]) -> Vec<String> {
-    postures
-        .iter()
-        .map(|posture| posture.name.clone())
-        .collect()
 }

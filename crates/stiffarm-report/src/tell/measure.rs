@@ -1,0 +1,249 @@
+//! What `measure` says: how far the day is, how well the joints are known by now, and which posture comes next.
+
+use crate::tell::{Block, DataTable, Form, Given, Outcome, Quantity, Section, Text, Told, counted};
+use stiffarm::Result;
+use stiffarm::estimate::standing::Standing;
+use stiffarm::findings::{list, visible};
+use stiffarm::work::judged::Judgement;
+
+/// Angles of postures, from degrees.
+const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));
+/// Deflections at the tasks, from m.
+const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
+
+/// What a result says of `measure`.
+pub(super) fn told(given: &Given<'_>) -> Result<Told> {
+    let found: Judgement = given.saved.result()?;
+    let verdict = [done(&found), came(given, &found), next(given, &found)];
+    let key = found
+        .standing
+        .as_ref()
+        .map(|own| joints(given, &found, own));
+    let mut sections = Vec::new();
+    if !found.measured.is_empty() {
+        let block = Block::Text(shown(&found.measured).into());
+        sections.push(Section::new("measured", "Postures measured", vec![block]));
+    }
+    if !found.left.is_empty() {
+        let block = Block::Text(shown(&found.left).into());
+        sections.push(Section::new("left", "Postures left", vec![block]));
+    }
+    let mut told = given.told("A day of measuring", verdict, key, sections);
+    if found.is_missed() || found.standing.is_none() {
+        told.outcome = told.outcome.max(Outcome::Caution);
+    }
+    Ok(told)
+}
+
+/// Names from files in words.
+fn shown(names: &[String]) -> String {
+    let names: Vec<String> = names.iter().map(|n| visible(n).into_owned()).collect();
+    list(&names)
+}
+
+/// How far the day is.
+fn done(found: &Judgement) -> Text {
+    let done = found.planned - found.left.len();
+    let beside = found.measured.len().saturating_sub(done);
+    let beside = match beside {
+        0 => String::new(),
+        count => format!(" and {count} beside the plan"),
+    };
+    let begun = match found.begun.as_slice() {
+        [] => String::new(),
+        names => format!("; begun: {}", shown(names)),
+    };
+    Text::new(format!(
+        "{done} of {} planned postures measured{beside}{begun}.",
+        found.planned
+    ))
+}
+
+/// How well the joints are known, and whether that is enough.
+fn came(given: &Given<'_>, found: &Judgement) -> Text {
+    let text = if found.is_serious() {
+        Text::default()
+            .strong("Something is wrong with the readings")
+            .words(": settle it before the next posture. As they are: ")
+    } else {
+        Text::default()
+    };
+    let Some(standing) = &found.standing else {
+        let why = found.standing_missing.as_deref();
+        let why = visible(why.unwrap_or("No posture is measured yet.")).into_owned();
+        return text
+            .words("Nothing can be said of the stiffness yet. ")
+            .words(why);
+    };
+    let joints = standing.joints.iter();
+    let unknown = joints.filter(|joint| joint.total.is_none());
+    let unknown: Vec<String> = unknown.map(|joint| joint.name.clone()).collect();
+    let text = match standing.largest {
+        None if unknown.len() == standing.joints.len() => {
+            text.words("No joint is known to better than half of its stiffness yet")
+        }
+        None => text.words(format!(
+            "The stiffness is not known yet of {}",
+            shown(&unknown)
+        )),
+        Some(_) => text
+            .words("Every joint is known to ± ")
+            .number(given.number("/standing/largest").of(Quantity::PERCENT))
+            .words(" at ")
+            .number(given.number("/standing/confidence").of(Quantity::PERCENT))
+            .words(" confidence, all errors together"),
+    };
+    text.then(goal(given, found, standing))
+        .words(".")
+        .then(at_tasks(given, found))
+}
+
+/// How far the goal is, where it is one of the stiffness.
+fn goal(given: &Given<'_>, found: &Judgement, standing: &Standing) -> Text {
+    let number = given.option("/until_stiffness");
+    if number.value.is_none() {
+        return Text::default();
+    }
+    let number = number.of(Quantity::PERCENT);
+    let left = found.left.len();
+    if standing.reached == Some(true) {
+        return Text::new("; ")
+            .strong("the goal is reached")
+            .words(" (± ")
+            .number(number)
+            .words(")");
+    }
+    let text = Text::new("; the goal of ± ").number(number);
+    match standing.postures_to_goal {
+        Some(count) => text.words(format!(
+            " should take about {} more",
+            counted(count, "posture")
+        )),
+        None if left == 0 => text.words(" is not reached with the whole plan"),
+        // A forecast of joints that are not determined would be a guess.
+        None if standing.largest.is_none() => text.words(" is not reached"),
+        None => text.words(format!(
+            " may not be reached with the {} left",
+            counted(left, "posture")
+        )),
+    }
+}
+
+/// How well the deflection at the tasks is predicted, where that is the goal.
+fn at_tasks(given: &Given<'_>, found: &Judgement) -> Text {
+    let Some(deflection) = &found.deflection else {
+        return Text::default();
+    };
+    let goal = given.option("/until_deflection_m").of(DEFLECTION.digits(3));
+    if deflection.largest_m.is_none() {
+        return Text::new(" No deflection at the tasks is predicted yet; the goal is ± ")
+            .number(goal)
+            .words(".");
+    }
+    let text = Text::new(" The deflection at the tasks is predicted to ± ")
+        .number(given.number("/deflection/largest_m").of(DEFLECTION))
+        .words(format!(
+            " or better ({} is worst); ",
+            visible(&deflection.task)
+        ));
+    let text = if deflection.reached {
+        text.strong("the goal is reached").words(" (± ")
+    } else {
+        text.words("the goal is not reached (± ")
+    };
+    text.number(goal).words(").")
+}
+
+/// What to drive to.
+fn next(given: &Given<'_>, found: &Judgement) -> Text {
+    if found.is_serious() {
+        return Text::default()
+            .strong("Settle what is marked serious")
+            .words(": measure that posture again or correct the table.");
+    }
+    let reached = found.reached() == Some(true);
+    let text = match &found.next {
+        _ if reached => return Text::new("Nothing more: the goal is reached."),
+        None if found.better.is_none() => Text::new("Nothing more: the plan is measured."),
+        None => Text::new("The plan is measured."),
+        Some(planned) => {
+            let again = if found.begun.contains(&planned.name) {
+                ", which is begun,"
+            } else {
+                ""
+            };
+            let name = visible(&planned.name);
+            Text::new(format!("Posture {name}{again} at q = "))
+                .then(angles(given, "/next", planned.angles.len()))
+                .words(".")
+        }
+    };
+    text.then(better(given, found))
+}
+
+/// A posture that helps more.
+fn better(given: &Given<'_>, found: &Judgement) -> Text {
+    let Some(better) = &found.better else {
+        return Text::default();
+    };
+    let text = match found.next {
+        None => Text::new(" One more would help most: q = "),
+        Some(_) => Text::new(" One beside the plan would help more: q = "),
+    };
+    let text = text.then(angles(given, "/better", better.angles.len()));
+    let joints = found.standing.iter().flat_map(|own| &own.joints);
+    let after = better.after.iter().zip(joints).enumerate();
+    let known = after.filter_map(|(j, (error, joint))| Some((j, (*error)?, joint)));
+    match known.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((j, _, joint)) => text
+            .words("; it leaves a standard error of at most ")
+            .number(
+                given
+                    .number(&format!("/better/after/{j}"))
+                    .of(Quantity::PERCENT),
+            )
+            .words(format!(
+                " ({}) by the scatter of the readings alone.",
+                visible(&joint.name)
+            )),
+        None => text.words("."),
+    }
+}
+
+/// Angles of a posture below `/result`.
+fn angles(given: &Given<'_>, below: &str, count: usize) -> Text {
+    let numbers = (0..count).map(|j| given.number(&format!("{below}/posture_deg/{j}")).of(ANGLE));
+    Text::new("(").numbers(numbers).words(")°")
+}
+
+/// A row for each joint.
+fn joints(given: &Given<'_>, found: &Judgement, standing: &Standing) -> DataTable {
+    let all = &standing.joints;
+    let number = |j: usize, key: &str| given.number(&format!("/standing/joints/{j}/{key}"));
+    let half = |part: Option<f64>, j: usize, key: &str| part.map(|_| number(j, key));
+    let names = all.iter().map(|joint| visible(&joint.name).into_owned());
+    let table = DataTable::of(
+        "Joint stiffness so far with its ±; ≈: what is expected with the postures that are left",
+        "joint",
+        names,
+    )
+    .numbers("k", Quantity::STIFFNESS, |j| {
+        half(all[j].stiffness_nm_per_rad, j, "stiffness_nm_per_rad")
+    })
+    .numbers("± total", Quantity::PERCENT, |j| {
+        half(all[j].total, j, "total")
+    })
+    .numbers("± systematic", Quantity::PERCENT, |j| {
+        half(all[j].systematic, j, "systematic")
+    });
+    if found.left.is_empty() {
+        return table;
+    }
+    table
+        .numbers("with the next ≈", Quantity::PERCENT, |j| {
+            half(all[j].with_next, j, "with_next")
+        })
+        .numbers("with all ≈", Quantity::PERCENT, |j| {
+            half(all[j].with_all, j, "with_all")
+        })
+}

@@ -1,0 +1,152 @@
+//! What a day of measuring says, and the registration before it.
+
+use super::identified::{group, saved};
+use serde_json::json;
+use stiffarm::files::builtin;
+use stiffarm::files::result::SavedResult;
+use stiffarm::files::table::read_pairs;
+use stiffarm::measure::registration::{RegistrationRecord, register};
+use stiffarm::model::measurement::{Measurements, ReadingTable, ReadingTarget};
+use stiffarm::simulated_readings;
+use stiffarm::work::judged::{Options, judge};
+use stiffarm::{Cell, Code, Control, Error, Result};
+use stiffarm_report::tell::{Block, Given, Outcome, Told, tell};
+
+/// What is said of readings beside a plan of six postures.
+fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
+    let cell = Cell::built_in("comau").unwrap();
+    let plan = group(&cell);
+    let options = Options {
+        until_stiffness: goal,
+        until_deflection_m: None,
+        search: false,
+    };
+    let table = simulated_readings(&cell, &plan, 1).unwrap();
+    let found = judge(
+        (&cell, &plan),
+        readings(table),
+        &Default::default(),
+        (&options, 1),
+        Control::default(),
+    );
+    let envelope = json!({
+        "format": 1, "stiffarm": "0.1.0", "command": "measure", "inputs": {}, "seed": 1,
+        "options": options, "result": found.unwrap()
+    });
+    let saved = SavedResult::of(&envelope, "result").unwrap();
+    tell(&Given::new(&saved, Some(&cell))).unwrap()
+}
+
+/// The first postures of a table.
+fn first(count: usize) -> impl FnOnce(ReadingTable) -> Result<Measurements> {
+    move |mut table| {
+        table.postures.truncate(count);
+        Ok(table.into())
+    }
+}
+
+fn words(told: &Told) -> [String; 3] {
+    told.verdict.each_ref().map(|text| text.plain())
+}
+
+#[test]
+fn a_day_says_how_far_it_is_and_which_posture_comes_next() {
+    let told = day(Some(0.001), first(4));
+    let [done, came, next] = words(&told);
+    assert_eq!(done, "4 of 6 planned postures measured.");
+    assert!(came.starts_with("Every joint is known to ± "), "{came}");
+    assert!(came.contains("the goal of ± 0.10\u{a0}%"), "{came}");
+    assert!(next.starts_with("Posture 5 at q = ("), "{next}");
+    let headings = told.key.unwrap().headings;
+    assert!(
+        headings.contains(&"with all ≈ [%]".to_string()),
+        "{headings:?}"
+    );
+}
+
+#[test]
+fn a_day_ends_with_the_goal_or_the_plan() {
+    let [_, came, next] = words(&day(Some(0.5), first(6)));
+    assert!(came.contains("the goal is reached (± 50\u{a0}%)"), "{came}");
+    assert_eq!(next, "Nothing more: the goal is reached.");
+    let told = day(Some(0.001), first(6));
+    let [_, came, next] = words(&told);
+    assert!(
+        came.contains("is not reached with the whole plan"),
+        "{came}"
+    );
+    assert_eq!(next, "Nothing more: the plan is measured.");
+    assert_ne!(told.outcome, Outcome::Good);
+    // Nothing is expected of postures that are not left.
+    assert!(!told.key.unwrap().headings.iter().any(|h| h.contains('≈')));
+}
+
+#[test]
+fn before_the_first_posture_nothing_is_said_of_the_stiffness() {
+    let told = day(None, |_| Err(Error::new(Code::TooFewData, "No row yet.")));
+    let [done, came, next] = words(&told);
+    assert_eq!(done, "0 of 6 planned postures measured.");
+    assert_eq!(
+        came,
+        "Nothing can be said of the stiffness yet. No row yet."
+    );
+    assert!(next.starts_with("Posture 1 at q = ("), "{next}");
+    assert!(told.key.is_none() && told.outcome == Outcome::Caution);
+}
+
+#[test]
+fn what_is_wrong_is_settled_before_the_next_posture() {
+    let told = day(None, |mut table| {
+        let states = table.postures[1].states.iter_mut();
+        for reading in states.flat_map(|state| &mut state.readings) {
+            reading.target = match reading.target.clone() {
+                ReadingTarget::Point(0) => ReadingTarget::Point(2),
+                ReadingTarget::Point(2) => ReadingTarget::Point(0),
+                other => other,
+            };
+        }
+        Ok(table.into())
+    });
+    assert_eq!(told.outcome, Outcome::Serious);
+    let [_, came, next] = words(&told);
+    assert!(
+        came.starts_with("Something is wrong with the readings"),
+        "{came}"
+    );
+    assert!(next.starts_with("Settle what is marked serious"), "{next}");
+}
+
+#[test]
+fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
+    let text = builtin::pairs_text("example-pairs").unwrap();
+    let mut pairs = read_pairs(text.as_bytes(), "pairs.csv").unwrap();
+    let told = |pairs: &[_]| {
+        let record = RegistrationRecord::from(&register(pairs).unwrap());
+        let saved = saved("register", json!(record));
+        tell(&Given::new(&saved, None)).unwrap()
+    };
+    let good = told(&pairs);
+    assert_eq!(good.outcome, Outcome::Good);
+    let Block::Lines(lines) = &good.sections[0].blocks[0] else {
+        panic!("no lines");
+    };
+    let lines: Vec<String> = lines.iter().map(|line| line.line()).collect();
+    assert_eq!(
+        lines,
+        [
+            "[tracker]",
+            "xyz_mm = [4100.0115, -2649.9725, 1319.9384]",
+            "rpy_deg = [-0.7002512, 0.3988742, 118.0005733]"
+        ]
+    );
+    pairs[2].base.y += 1.5e-3;
+    let wrong = told(&pairs);
+    assert_eq!(wrong.outcome, Outcome::Serious);
+    assert_eq!(wrong.key.as_ref().unwrap().rows[0][0].plain(), "C");
+    assert!(wrong.sections[0].title.contains("not to be used"));
+    let [_, _, next] = words(&wrong);
+    assert!(
+        next.starts_with("Settle what is marked serious first"),
+        "{next}"
+    );
+}
