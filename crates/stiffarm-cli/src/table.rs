@@ -47,11 +47,6 @@ impl Table {
             .push(fields.map(|field| field.replace('\n', "\\n")).collect());
     }
 
-    /// Says how many columns name a row; they come again where a table is told in blocks. One, unless said.
-    pub fn lead(&mut self, columns: usize) {
-        self.lead = columns;
-    }
-
     /// Adds a column on the right of the rows there are.
     pub fn column<'a>(
         &mut self,
