@@ -47,19 +47,6 @@ impl Table {
             .push(fields.map(|field| field.replace('\n', "\\n")).collect());
     }
 
-    /// Adds a column on the right of the rows there are.
-    pub fn column<'a>(
-        &mut self,
-        heading: &str,
-        align: Align,
-        fields: impl IntoIterator<Item = &'a str>,
-    ) {
-        self.headings.push((heading.to_string(), align));
-        for (row, field) in self.rows.iter_mut().zip(fields) {
-            row.push(field.replace('\n', "\\n"));
-        }
-    }
-
     /// Columns that the fields below a heading take.
     fn field_width(&self, column: usize) -> usize {
         let fields = self.rows.iter().filter_map(|row| row.get(column));
@@ -241,11 +228,6 @@ pub fn title(text: &str) -> String {
 /// `text` as something that is wrong.
 pub fn red(text: &str) -> String {
     paint(AnsiColor::Red.on_default().bold(), text)
-}
-
-/// `text` as something that makes results unusable: a plain word first, which needs no colour.
-pub fn serious(text: &str) -> String {
-    red(&format!("SERIOUS: {text}"))
 }
 
 /// The word that a finding of this weight begins with.
