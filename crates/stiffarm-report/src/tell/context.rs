@@ -160,7 +160,7 @@ fn stopped(saved: &SavedResult) -> Option<Finding> {
         false => format!(" Not computed: {}.", list(&left_out).replace('_', " ")),
     };
     let sentence = format!(
-        "The command was stopped before it was done; the page shows what it had by then.{left_out}"
+        "The command was stopped before it was done; this is what it had by then.{left_out}"
     );
     let is_known = |f: &Finding| STOPPED.contains(&f.code.as_str());
     let known = saved.findings().iter().any(is_known);
