@@ -1,6 +1,6 @@
 //! What `check` says: what to know about a cell before anybody measures in it.
 
-use super::postures::room;
+use super::postures::coarse;
 use crate::cell::usual_posture;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
@@ -9,7 +9,7 @@ use stiffarm::model::cell::{Cell, Noise};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::CellCheck;
-use stiffarm::units::{m_to_mm, rad_to_shortest_deg};
+use stiffarm::units::rad_to_shortest_deg;
 
 /// What a result says of `check`.
 pub(super) fn told(given: &Given<'_>) -> Result<Told> {
@@ -148,7 +148,7 @@ fn setup(cell: &Cell) -> DataTable {
     rows.push(("limits", limits(cell)));
     rows.push(("noise", noise(&cell.noise)));
     let length = match cell.characteristic_length {
-        Some(length) => mm(length).text(),
+        Some(length) => coarse(length).text(),
         None => "computed where it is needed".to_string(),
     };
     rows.push(("characteristic length", length));
@@ -167,18 +167,9 @@ fn setup(cell: &Cell) -> DataTable {
     })
 }
 
-/// A length as one reads it in a cell, without digits nobody set.
-fn mm(m: f64) -> Number {
-    let number = room(Number::computed(m));
-    match (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 {
-        true => number.decimals(0),
-        false => number,
-    }
-}
-
 /// `x, y, z` in millimetres.
 fn point(position: &[f64]) -> String {
-    let digits: Vec<String> = position.iter().map(|m| mm(*m).digits()).collect();
+    let digits: Vec<String> = position.iter().map(|m| coarse(*m).digits()).collect();
     digits.join(", ")
 }
 
@@ -237,7 +228,7 @@ fn wrench(wrench: &Wrench, axes: Axes) -> String {
 
 fn limits(cell: &Cell) -> String {
     let (limits, line) = (&cell.limits, cell.setup.load.line());
-    let length = |m: f64| mm(m).text();
+    let length = |m: f64| coarse(m).text();
     let mut parts = Vec::new();
     if let Some([low, high]) = &limits.tool_box {
         let [low, high] = [low, high].map(|corner| point(corner.as_slice()));
@@ -253,7 +244,11 @@ fn limits(cell: &Cell) -> String {
     let wrist = limits.wrist_height;
     parts.extend(wrist.map(|height| format!("wrist above {}", length(height))));
     if let Some([short, long]) = limits.rope_length {
-        parts.push(format!("{line} {} to {}", mm(short).digits(), length(long)));
+        parts.push(format!(
+            "{line} {} to {}",
+            coarse(short).digits(),
+            length(long)
+        ));
     }
     if let Some(moved) = cell.scene.displacement() {
         let number = |m: f64| Number::computed(1e3 * m).significant(3).digits();

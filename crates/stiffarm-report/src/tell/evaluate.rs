@@ -1,7 +1,7 @@
 //! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{DataTable, Depth, Given, Quantity, Text, Told, counted, shown};
+use crate::tell::{DataTable, Depth, Form, Given, Quantity, Text, Told, counted, shown};
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -158,7 +158,9 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
     DataTable::of(caption, "group", names)
-        .numbers("postures", ratio, |g| number(g, "posture_count"))
+        .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
+            number(g, "posture_count")
+        })
         .numbers("expected error", percent, |g| {
             number(g, "indices/expected_error")
         })

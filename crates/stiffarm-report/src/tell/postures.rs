@@ -7,6 +7,7 @@ use stiffarm::model::limit::MarginUnit;
 use stiffarm::plan::feasibility::{NearestLimit, PostureLimits};
 use stiffarm::plan::index::GroupEvaluation;
 use stiffarm::plan::route::{Route, RouteMove};
+use stiffarm::units::m_to_mm;
 
 /// Most rows of a table that one reads first.
 pub(super) const FEW: usize = 12;
@@ -294,4 +295,13 @@ pub(super) fn near_singular(names: &[String], evaluation: &GroupEvaluation) -> O
 /// A number in millimetres as one reads a distance in a cell.
 pub(super) fn room(number: Number) -> Number {
     number.of(ROOM)
+}
+
+/// A length \[m\] to a tenth of a millimetre, without digits nobody set.
+pub(super) fn coarse(m: f64) -> Number {
+    let number = room(Number::computed(m));
+    match (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 {
+        true => number.decimals(0),
+        false => number,
+    }
 }

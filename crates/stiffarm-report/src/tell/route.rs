@@ -39,7 +39,13 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
             .strong("No free way was found")
             .words(format!(" for {count} of {moves}.")),
     };
+    let findings = given.saved.findings();
     let next = match blocked {
+        0 if findings.iter().any(|f| f.code == "posture-forbidden") => {
+            Text::new("Do not drive there as they are: ")
+                .code("stiffarm select --from")
+                .words(" moves the postures inside the limits of the cell.")
+        }
         0 => Text::new("Write the postures in this order with ")
             .code("--output plan.csv")
             .words(", and the robot's program with ")

@@ -1,4 +1,4 @@
-//! What groups of postures are worth, as sections that several pages share.
+//! What groups of postures are worth, as sections that several results share.
 
 use super::postures::name_of;
 use crate::selection::{

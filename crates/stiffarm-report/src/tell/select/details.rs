@@ -1,6 +1,6 @@
 //! Certificate, prices, chosen load and sensitivity of a plan.
 
-use super::super::postures::room;
+use super::super::postures::coarse;
 use super::super::worth::index_quantity;
 use crate::selection::{index_name, sensitivity_figure};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, shown};
@@ -85,14 +85,17 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
         option.is_none_or(|option| !option.is_null())
     };
     // A tenth of a millimetre is finer than anybody rigs a rope.
-    let point = |key: &str| {
-        let mm = (0..3).map(|i| room(given.number(&format!("/load/{key}/{i}"))).digits());
-        mm.collect::<Vec<String>>().join(", ").replace('−', "-")
+    let point = |m: [f64; 3]| {
+        let digits = m.map(|m| coarse(m).digits());
+        digits.join(", ").replace('−', "-")
     };
     let mut lines = Vec::new();
     if asked("loading_point_box_m") {
         lines.push("[tool]".to_string());
-        lines.push(format!("loading_point_mm = [{}]", point("loading_point_m")));
+        lines.push(format!(
+            "loading_point_mm = [{}]",
+            point(load.loading_point_m)
+        ));
     }
     let newtons = load.magnitude_n.filter(|_| asked("largest_load_n"));
     let anchor = load.anchor_m.filter(|_| asked("anchor_box_m"));
@@ -100,7 +103,7 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
         lines.push("[load]".to_string());
     }
     lines.extend(newtons.map(|newtons| format!("magnitude_n = {newtons}")));
-    lines.extend(anchor.map(|_| format!("anchor_mm = [{}]", point("anchor_m"))));
+    lines.extend(anchor.map(|anchor| format!("anchor_mm = [{}]", point(anchor))));
     let lines = lines.iter().map(|line| Text::default().code(line));
     let blocks = vec![
         Block::Text("The plan holds for this load: put these lines into the cell file before anything else.".into()),

@@ -13,7 +13,7 @@ use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::Plan;
 use stiffarm::{Result, Termination};
 
-/// The part of a page for a plan.
+/// What is said of a plan.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut plan: Plan = context.saved.result()?;
     plan.evaluation.name = match plan.given_names.is_empty() {

@@ -40,7 +40,7 @@ fn holds(saved: &SavedResult, page: &Page) {
         blocks.for_each(|block| of_block(block, &mut found));
     }
     let pointed: Vec<&Number> = found.iter().filter(|n| !n.pointer.is_empty()).collect();
-    assert!(pointed.len() > 5);
+    assert!(!pointed.is_empty());
     for number in pointed {
         let value = saved.json.pointer(&number.pointer);
         let value = value.unwrap_or_else(|| panic!("{} is not in the file", number.pointer));
