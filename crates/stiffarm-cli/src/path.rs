@@ -5,16 +5,12 @@ use crate::error::of_usage;
 use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, ends_in, write_all};
 use crate::session::Session;
-use nalgebra::Vector3;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::path::LoadedPosture;
 use stiffarm::model::process::ForceAxes;
 use stiffarm::work::along::PathOptions;
 use stiffarm::{Code, Error, Result};
-use stiffarm_report::PathCurvePoint;
 
 impl PathArgs {
     /// The options of the library, which the result holds.
@@ -105,31 +101,4 @@ impl Outputs {
         write_all(session, &files)?;
         Ok(files.iter().any(|(target, _)| target.is_stdout()))
     }
-}
-
-/// Values along the path for the figure.
-pub fn curve(
-    values: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
-    postures: &[LoadedPosture],
-    cell: &Cell,
-) -> Vec<PathCurvePoint> {
-    let tip = cell.work.tip(&cell.setup.tool).translation.vector;
-    let at = |posture: &LoadedPosture| Frames::new(&cell.setup.robot, &posture.q).point(&tip);
-    let mut along = 0.0;
-    let mut last = None;
-    postures
-        .iter()
-        .zip(values)
-        .map(|(posture, (deflection_m, half_width_m, left_m))| {
-            let position = at(posture);
-            along += last.map_or(0.0, |last: Vector3<f64>| (position - last).norm());
-            last = Some(position);
-            PathCurvePoint {
-                along_m: along,
-                deflection_m,
-                half_width_m,
-                left_m,
-            }
-        })
-        .collect()
 }

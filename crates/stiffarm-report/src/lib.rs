@@ -42,7 +42,7 @@ pub use figure::svg::{
 pub use figure::{Axis, Colour, Figure, Panel, Scale, Series, Style};
 pub use map::{map_figure, map_table};
 
-pub use path::{PathCurvePoint, path_figure};
+pub use path::{PathCurvePoint, compensation_figure, path_figure, prediction_figure};
 pub use path_components::{PathShift, path_components_figure};
 pub use placement::{placement_figure, placement_table};
 pub use plan_page::plan_page;

@@ -1,6 +1,8 @@
 //! Deflection along a path, before and after compensation, as a figure.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use stiffarm::work::compensate::Compensation;
+use stiffarm::work::predict::Prediction;
 
 /// Most points that are drawn of a curve.
 const DRAWN: usize = 400;
@@ -17,6 +19,55 @@ pub struct PathCurvePoint {
     /// What is left after compensation with its band: the error is below it at the
     /// confidence of the bands \[m\].
     pub left_m: Option<f64>,
+}
+
+/// Deflection along the points of a prediction.
+pub fn prediction_figure(prediction: &Prediction) -> Figure {
+    let points = &prediction.points;
+    let lengths = along(points.iter().map(|p| p.tip_m));
+    let curve = points
+        .iter()
+        .zip(lengths)
+        .map(|(point, along_m)| PathCurvePoint {
+            along_m,
+            deflection_m: point.deflection_m,
+            half_width_m: point.band.map(|band| band.size_m[3]),
+            left_m: None,
+        });
+    path_figure(&curve.collect::<Vec<_>>(), prediction.confidence)
+}
+
+/// Deflection along a path before and after compensation.
+pub fn compensation_figure(compensation: &Compensation) -> Figure {
+    let points = &compensation.points;
+    let lengths = along(points.iter().map(|p| p.tip_m));
+    let curve = points.iter().zip(lengths).map(|(point, along_m)| {
+        let half = point.band.map(|band| band.size_m[3]);
+        PathCurvePoint {
+            along_m,
+            deflection_m: point.uncompensated_m,
+            half_width_m: half,
+            left_m: Some(point.residual_m + half.unwrap_or_default()),
+        }
+    });
+    path_figure(&curve.collect::<Vec<_>>(), compensation.confidence)
+}
+
+/// Lengths of a path up to each of its points \[m\].
+pub(crate) fn along(tips: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
+    let mut length = 0.0;
+    let mut last: Option<[f64; 3]> = None;
+    let lengths = tips.map(|tip| {
+        length += last.map_or(0.0, |last| norm([0, 1, 2].map(|i| tip[i] - last[i])));
+        last = Some(tip);
+        length
+    });
+    lengths.collect()
+}
+
+/// The size of a vector.
+pub(crate) fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
 /// Deflection along a path with its band (`confidence` as a fraction) and, where

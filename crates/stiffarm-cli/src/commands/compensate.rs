@@ -3,7 +3,7 @@
 
 use crate::args::{CompensateArgs, WriteChoice};
 use crate::output::Exit;
-use crate::path::{Outputs, curve, of_path_usage, read_stiffness};
+use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use stiffarm::Result;
@@ -17,7 +17,7 @@ use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::compensate::Compensation;
 use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
-use stiffarm_report::{path_figure, render_svg};
+use stiffarm_report::{compensation_figure, render_svg};
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
@@ -39,30 +39,18 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .map_err(of_path_usage)?;
     let path = session.read_path(&args.path, cell, options.path.axes)?;
     let progress = Progress::new(session, "compensating the path");
-    let (followed, result) = progress
+    let result = progress
         .watch(|control| {
             let points = &path.table.points;
             let followed = options
                 .path
                 .follow(cell, &saved.predictor, points, control)?;
-            let result = options.compensate(cell, &saved, &followed, control)?;
-            Ok((followed, result))
+            options.compensate(cell, &saved, &followed, control)
         })
         .map_err(|e| path.in_file(e))?;
     drop(progress);
     let found = &result.compensation;
-    let figure = || {
-        let values = found.points.iter().map(|p| {
-            let half = p.band.map(|b| b.size_m[3]);
-            (
-                p.uncompensated_m,
-                half,
-                Some(p.residual_m + half.unwrap_or_default()),
-            )
-        });
-        let curve = curve(values, &followed.postures, cell);
-        render_svg(&path_figure(&curve, found.confidence))
-    };
+    let figure = || render_svg(&compensation_figure(found));
     let table = || commanded(cell, &saved.predictor, &path.table, found, args.write);
     let wanted = args.output.is_some() || args.figure.is_some();
     let withheld = wanted && !args.beyond_data && is_objected(&result);

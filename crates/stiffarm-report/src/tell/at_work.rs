@@ -1,7 +1,7 @@
 //! What the pages of a loaded tool share: the path in 3D, the bands, how the tip gives way.
 
 use crate::cell::{Full, cell_drawing};
-use crate::path::thinned;
+use crate::path::{norm, thinned};
 use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
 use crate::tell::Given;
 use crate::tell::{Block, DataTable, Form, Quantity, Section};
@@ -250,23 +250,6 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
 fn digits(value: f64) -> String {
     let number = crate::tell::Number::new("", Some(value)).significant(3);
     number.text()
-}
-
-/// The size of a vector.
-pub(super) fn norm(v: [f64; 3]) -> f64 {
-    v.iter().map(|c| c * c).sum::<f64>().sqrt()
-}
-
-/// Lengths of a path up to each of its points \[m\].
-pub(super) fn along(tips: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
-    let mut length = 0.0;
-    let mut last: Option<[f64; 3]> = None;
-    let lengths = tips.map(|tip| {
-        length += last.map_or(0.0, |last| norm([0, 1, 2].map(|i| tip[i] - last[i])));
-        last = Some(tip);
-        length
-    });
-    lengths.collect()
 }
 
 /// Where the tip gives way: name, pointer to its principal axes, and these.

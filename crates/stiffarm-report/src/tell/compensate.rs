@@ -1,8 +1,8 @@
 //! What `compensate` says: the path to command, and what it leaves.
 
-use super::at_work::{AtWork, WorkPoint, along, band_table, dominant, principal_table, wrench};
+use super::at_work::{AtWork, WorkPoint, band_table, dominant, principal_table, wrench};
 use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, largest_first};
-use crate::path::{PathCurvePoint, path_figure};
+use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
@@ -172,29 +172,18 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
 
 fn path_section(result: &Compensation) -> Section {
     let lengths = along(result.points.iter().map(|p| p.tip_m));
-    let points = || result.points.iter().zip(&lengths);
-    let curve = points().map(|(point, along)| {
-        let half = point.band.map(|band| band.size_m[3]);
-        PathCurvePoint {
-            along_m: *along,
-            deflection_m: point.uncompensated_m,
-            half_width_m: half,
-            left_m: Some(point.residual_m + half.unwrap_or_default()),
-        }
-    });
-    let curve: Vec<PathCurvePoint> = curve.collect();
-    let shifts = points().map(|(point, along)| PathShift {
-        along_m: *along,
+    let shifts = result.points.iter().zip(lengths);
+    let shifts = shifts.map(|(point, along_m)| PathShift {
+        along_m,
         shift_m: point.correction_m,
         half_width_m: point.band.map(|band| band.total_m),
     });
-    let shifts: Vec<PathShift> = shifts.collect();
     let caption = "What the command adds to the path, base axes, with the ± of the deflection that it makes up for: \
                    where the band reaches across zero the correction may as well harm.";
     let blocks = vec![
-        Block::Figure(path_figure(&curve, result.confidence)),
+        Block::Figure(compensation_figure(result)),
         Block::Figure(path_components_figure(
-            &shifts,
+            &shifts.collect::<Vec<_>>(),
             "correction",
             result.confidence,
             caption.to_string(),

@@ -1,11 +1,12 @@
 //! What `map` says: where the tool tip gives way least.
 
 use super::at_work::{
-    AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, norm, principal_table, wrench,
+    AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, principal_table, wrench,
 };
 use super::place;
 use super::points::{position, region, vector};
 use crate::map_figure;
+use crate::path::norm;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use serde::Deserialize;
 use stiffarm::Result;

@@ -1,10 +1,8 @@
 //! What `predict` says: how far the loaded tool bends away, and how sure that is.
 
-use super::at_work::{
-    AtWork, FORCE, WorkPoint, along, band_table, dominant, norm, principal_table, wrench,
-};
+use super::at_work::{AtWork, FORCE, WorkPoint, band_table, dominant, principal_table, wrench};
 use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, largest_first};
-use crate::path::{PathCurvePoint, path_figure};
+use crate::path::{along, norm, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
@@ -281,28 +279,18 @@ fn point_by_point(prediction: &Prediction) -> Section {
 fn along_path(prediction: &Prediction) -> Section {
     let points = &prediction.points;
     let lengths = along(points.iter().map(|p| p.tip_m));
-    let curve = points
-        .iter()
-        .zip(&lengths)
-        .map(|(point, along)| PathCurvePoint {
-            along_m: *along,
-            deflection_m: point.deflection_m,
-            half_width_m: point.band.map(|band| band.size_m[3]),
-            left_m: None,
-        });
-    let curve: Vec<PathCurvePoint> = curve.collect();
-    let shifts = points.iter().zip(&lengths).map(|(point, along)| PathShift {
-        along_m: *along,
+    let shifts = points.iter().zip(lengths);
+    let shifts = shifts.map(|(point, along_m)| PathShift {
+        along_m,
         shift_m: point.shift_m,
         half_width_m: point.band.map(|band| band.total_m),
     });
-    let shifts: Vec<PathShift> = shifts.collect();
     let caption = "The same deflection by its components in base axes: a part comes out wrong where its surface lies \
                    across them.";
     let blocks = vec![
-        Block::Figure(path_figure(&curve, prediction.confidence)),
+        Block::Figure(prediction_figure(prediction)),
         Block::Figure(path_components_figure(
-            &shifts,
+            &shifts.collect::<Vec<_>>(),
             "deflection",
             prediction.confidence,
             caption.to_string(),

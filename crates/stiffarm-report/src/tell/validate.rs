@@ -1,9 +1,9 @@
 //! What `validate` says: does the stiffness predict what was measured?
 
 use super::arrows::{Residuals, residual_section};
-use super::at_work::norm;
 use super::identify::readings;
 use crate::identified::in_order;
+use crate::path::norm;
 use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
 use crate::validated::validation_figure;
 use serde::Deserialize;

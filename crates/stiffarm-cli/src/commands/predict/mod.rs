@@ -6,7 +6,7 @@ use crate::args::PredictArgs;
 use crate::error::{of_option, of_usage};
 use crate::files::Rows;
 use crate::output::Exit;
-use crate::path::{Outputs, curve, of_path_usage, read_stiffness};
+use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use csv::write_csv;
@@ -14,7 +14,7 @@ use std::io::Write;
 use stiffarm::files::source::Source;
 use stiffarm::work::predicted::Request;
 use stiffarm::{Error, Result};
-use stiffarm_report::{path_figure, render_svg};
+use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
 pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
@@ -67,20 +67,12 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         .map_err(in_file)?;
     drop(progress);
     named.cell = loaded.cell;
-    let postures = loaded.postures;
     let prediction = &result.prediction;
-    let figure = || {
-        let points = prediction.points.iter();
-        let values = points.map(|p| (p.deflection_m, p.band.map(|b| b.size_m[3]), None));
-        let curve = curve(values, &postures, &named.cell);
-        render_svg(&path_figure(&curve, prediction.confidence))
-    };
     let on_stdout = outputs.write(
         session,
         || Ok(Rows(|out: &mut dyn Write| write_csv(prediction, out))),
-        figure,
+        || render_svg(&prediction_figure(prediction)),
     )?;
-    drop(postures);
     session.deliver_at_work(
         session.envelope("predict", None, request.options(), result),
         |result| &mut result.prediction.points,
