@@ -122,7 +122,8 @@ def _function(spec: _Spec) -> Callable[..., Any]:
         except TypeError as error:
             unknown = next((key for key in kwargs if key not in signature.parameters), None)
             if unknown is None:
-                raise TypeError(f"{spec['name']}() got {error}") from None
+                got = "" if str(error).startswith("missing") else "got "
+                raise TypeError(f"{spec['name']}() {got}{error}") from None
             meant = nearest(unknown, signature.parameters)
             message = f"{spec['name']}() got an unexpected keyword argument {unknown!r}"
             raise TypeError(f"{message}. {meant}" if meant else message) from None
@@ -151,7 +152,8 @@ class _Call:
             key = python_name(argument)
             if self.given.get(key) is not None:
                 words += self.words(argument, key, self.given[key])
-        if self.spec["name"] == "validate" and self.given.get("folds") and self.given.get("stiffness") is not None:
+        both = [self.given.get(key) is not None for key in ("folds", "stiffness")]
+        if self.spec["name"] == "validate" and all(both):
             # A command line has measurements alone here.
             hint = "leave out the stiffness: each fold has its own, identified from the others"
             raise StiffarmError("With folds no stiffness is given.", "usage", {"key": "stiffness"}, hint)
