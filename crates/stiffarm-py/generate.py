@@ -16,6 +16,7 @@ import re
 import subprocess
 import sys
 import textwrap
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +64,12 @@ def printed(*words: str) -> Any:
 def members(file: str) -> dict[str, set[str]]:
     """Names that each class of a module defines itself."""
     classes = [node for node in ast.parse((PACKAGE / file).read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)]
-    return {one.name: {node.name for node in one.body if isinstance(node, ast.FunctionDef)} for one in classes}
+    found: dict[str, set[str]] = {}
+    for one in classes:
+        found[one.name] = {node.name for node in one.body if isinstance(node, ast.FunctionDef)}
+        annotated = [node.target for node in one.body if isinstance(node, ast.AnnAssign)]
+        found[one.name] |= {target.id for target in annotated if isinstance(target, ast.Name)}
+    return found
 
 
 class Types:
@@ -190,6 +196,7 @@ def keys() -> str:
     """The text of ``_keys.pyi``."""
     schemas = {name: printed("schema", f"result-{name}") for names in RESULTS.values() for name in names}
     own, base = members("results.py"), members("_result.py")
+    base["Record"] |= set(dir(Mapping))
     types = Types(schemas)
     out = ["from typing import Any", "", "from numpy.typing import NDArray", "", "from ._result import Record"]
     out += types.text(base["Record"])

@@ -25,37 +25,50 @@ def cell() -> stiffarm.Cell:
 
 
 @pytest.fixture(scope="module")
-def calls(cell: stiffarm.Cell) -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
-    """A call of every function that works, quickly."""
+def calls(cell: stiffarm.Cell, tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
+    """Keywords of every function with which it works, quickly."""
     full = stiffarm.Cell.built_in("comau")
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
     angles = group.angles
-    return {
-        "certificate": (stiffarm.certificate, {"cell": cell, "postures": group, "samples": 4}),
-        "compensate": (stiffarm.compensate, {"cell": full, "stiffness": "prior", "path": "builtin:contour"}),
-        "coverage": (stiffarm.coverage, {"cell": cell, "postures": group, "runs": 2}),
-        "curve": (stiffarm.curve, {"cell": cell, "largest": 3, "rounds": 1, "certificate": False}),
-        "diagnose": (stiffarm.diagnose, {"cell": cell, "measurements": measured}),
-        "drop": (stiffarm.drop, {"cell": cell, "given": group}),
-        "check": (stiffarm.check, {"cell": cell}),
-        "evaluate": (stiffarm.evaluate, {"cell": cell, "groups": group}),
-        "identify": (stiffarm.identify, {"cell": cell, "measurements": measured, "brief": True}),
-        "indices": (stiffarm.indices, {"cell": cell, "postures": angles}),
-        "map": (stiffarm.map, {"cell": full, "stiffness": "prior", "plane": ("z", 800.0), "steps": 2}),
-        "observation_matrix": (stiffarm.observation_matrix, {"cell": cell, "postures": angles}),
-        "place": (
-            stiffarm.place,
-            {"cell": full, "stiffness": "prior", "path": "builtin:contour", "steps": 1, "refine": 0},
-        ),
-        "predict": (stiffarm.predict, {"cell": full, "stiffness": "prior", "path": "builtin:contour"}),
-        "register": (stiffarm.register, {"pairs": "builtin:example-pairs"}),
-        "select": (stiffarm.select, {"cell": cell, "postures": 3, "rounds": 1, "certificate": False}),
-        "simulate": (stiffarm.simulate, {"cell": cell, "groups": group, "runs": 2}),
-        "simulate_measurements": (stiffarm.simulate_measurements, {"cell": cell, "postures": group}),
-        "space_filling": (stiffarm.space_filling, {"cell": cell, "postures": 3}),
-        "validate": (stiffarm.validate, {"cell": cell, "stiffness": [1e6] * 6, "measurements": measured}),
+    prior = {"cell": full, "stiffness": "prior"}
+    quick = {"cell": cell, "rounds": 1, "no_certificate": True}
+    mesh = str(tmp_path_factory.mktemp("mesh") / "mesh.obj")
+    Path(mesh).write_text("v 0 0 0\nv 90 0 0\nv 0 100 0\nv 0 0 300\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
+    calls: dict[str, dict[str, Any]] = {
+        "capsules": {"meshes": mesh, "unit": "mm"},
+        "certificate": {"cell": cell, "postures": group, "samples": 4},
+        "check": {"cell": cell},
+        "compensate": {**prior, "path": "builtin:contour"},
+        "coverage": {"cell": cell, "postures": group, "runs": 2},
+        "evaluate": {"cell": cell, "postures": group},
+        "export": {"cell": cell, "plan": group, "language": "csv", "output_dir": ".", "force": True},
+        "identify": {"cell": cell, "measurements": measured, "brief": True},
+        "indices": {"cell": cell, "postures": angles},
+        "init": {"output_dir": ".", "force": True},
+        "map": {**prior, "plane": "z=800", "steps": 2},
+        "measure": {"cell": cell, "plan": group, "readings": measured, "once": True, "no_search": True},
+        "observation_matrix": {"cell": cell, "postures": angles},
+        "pose": {"cell": cell, "postures": group},
+        "predict": {**prior, "path": "builtin:contour"},
+        "register": {"pairs": "builtin:example-pairs"},
+        "report": {"results": stiffarm.evaluate(cell, group), "force": True},
+        "robots": {"name": "fanuc-m20ia"},
+        "route": {"cell": cell, "plan": group},
+        "schema": {"what": "cell"},
+        "select": {**quick, "postures": 3},
+        "select, candidates": {"cell": cell, "postures": 3, "candidates": group},
+        "select, curve": {**quick, "postures": 3, "curve": True},
+        "select, drop": {"cell": cell, "given": group, "drop": 1},
+        "select, space_filling": {"cell": cell, "postures": 3, "space_filling": True},
+        "simulate": {"cell": cell, "postures": group, "runs": 2},
+        "simulate_measurements": {"cell": cell, "postures": group},
+        # Every call is refused, for one reason or another: a study takes its time.
+        "study": {"cell": cell, "report": "no page"},
+        "validate": {"cell": cell, "stiffness": [1e6] * 6, "measurements": measured},
+        "zones": {"cell": cell, "steps": 3},
     }
+    return calls
 
 
 class Hostile:
@@ -107,10 +120,15 @@ JUNK: dict[str, Any] = {
 }
 
 #: Functions that take values of a cell file, which test_cells tests, or nothing.
-OTHERS = {"cases", "index_names", "measured", "robots", "rope", "set_threads", "tool", "weight", "wrench"}
+OTHERS = {"cases", "index_names", "measured", "rope", "set_threads", "tool", "weight", "wrench"}
 
-#: What may take long with a value that is not wrong.
-SLOW = {("curve", "rounds"), ("select", "rounds"), ("select", "time_limit_s"), ("curve", "time_limit_s")}
+#: Values that are not wrong, and with which a function works for long, or for ever.
+SLOW = {
+    "measure": [("once", "None")],
+    "study": [("report", "None")],
+    "select": [("rounds", "None"), ("postures", "None")],
+    "select, curve": [("rounds", "None"), ("postures", "None")],
+}
 
 
 def readable(error: StiffarmError) -> None:
@@ -125,34 +143,40 @@ def readable(error: StiffarmError) -> None:
     assert (str(again), again.code, again.place, again.hint) == (str(error), error.code, error.place, error.hint)
 
 
-@pytest.mark.parametrize("name", sorted(n for n in stiffarm.__all__ if inspect.isfunction(getattr(stiffarm, n))))
-def test_junk(calls: dict[str, Any], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+#: Functions, and those ways to call them that take other options.
+NAMES = sorted(n for n in stiffarm.__all__ if inspect.isfunction(getattr(stiffarm, n)) and n not in OTHERS)
+MODES = ["select, candidates", "select, curve", "select, drop", "select, space_filling"]
+
+
+@pytest.mark.parametrize("name", [*NAMES, *MODES])
+def test_junk(calls: dict[str, dict[str, Any]], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each argument of each function in turn takes each value of the list."""
-    if name not in calls:
-        assert name in OTHERS, f"{name} is tested nowhere"
-        return
     monkeypatch.chdir(tmp_path)
-    function, working = calls[name]
-    function(**working)
-    parameters = [p for p in inspect.signature(function).parameters.values() if p.kind != p.VAR_KEYWORD]
+    assert name in calls, f"{name} is tested nowhere"
+    function, working = getattr(stiffarm, name.partition(",")[0]), calls[name]
+    if name != "study":
+        function(**working)
+    # Where a mode is tested, what it takes itself is; the others are tested with the function.
+    known = inspect.signature(function).parameters
+    parameters = [key for key in known if name not in MODES or key in (*working, "seed", "index", "angle_step_deg")]
     faults = []
-    for parameter in parameters:
-        refused = 0
+    for key in parameters:
+        count = 0
         for kind, value in JUNK.items():
-            if (name, parameter.name) in SLOW and kind in ("None", "infinite"):
+            if (key, kind) in SLOW.get(name, []):
                 continue
             try:
-                function(**{**working, parameter.name: value})
+                function(**{**working, key: value})
             except StiffarmError as error:
-                refused += 1
+                count += 1
                 try:
                     readable(error)
                 except AssertionError as wrong:
-                    faults.append(f"{parameter.name} = {kind}: {wrong}".splitlines()[0])
+                    faults.append(f"{key} = {kind}: {wrong}".splitlines()[0])
             except BaseException as error:  # noqa: BLE001
-                faults.append(f"{parameter.name} = {kind}: {type(error).__name__}: {error}"[:300])
-        if refused < 5:
-            faults.append(f"{parameter.name}: only {refused} of {len(JUNK)} values are refused")
+                faults.append(f"{key} = {kind}: {type(error).__name__}: {error}"[:300])
+        if count < 5:
+            faults.append(f"{key}: only {count} of {len(JUNK)} values are refused")
     assert not faults, "\n".join(faults)
 
 
@@ -170,20 +194,19 @@ def refused(call: Callable[[], Any], code: str, *, key: str | None = None, said:
 def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
-    select, validate, identify = stiffarm.select, stiffarm.validate, stiffarm.identify
-    refused(lambda: select(cell, postures=6, from_=group), "conflict", key="postures")
-    refused(lambda: select(cell, from_=group, given=group), "conflict", key="given")
-    refused(lambda: select(cell, add=2), "conflict", key="add")
-    refused(lambda: select(cell, candidates=group, rounds=1), "conflict", key="rounds")
-    refused(lambda: select(cell, given=group, largest_load_n=600), "conflict", key="largest_load_n")
-    refused(lambda: validate(cell, [1e6] * 6, measured, folds=3), "usage", key="folds")
-    refused(lambda: validate(cell, None, measured), "usage", key="folds")
-    refused(lambda: validate(cell, None, measured, folds=1), "invalid-value", key="folds")
-    refused(lambda: validate(cell, None, measured, folds="some"), "invalid-value", key="folds")
+    select, validate = stiffarm.select, stiffarm.validate
+    refused(lambda: select(cell, postures=6, from_=group), "usage", key="postures", said="from_")
+    refused(lambda: select(cell, from_=group, given=group), "usage", key="from_")
+    refused(lambda: select(cell, add=2), "usage", key="given")
+    refused(lambda: select(cell, candidates=group, rounds=1), "usage", key="candidates")
+    refused(lambda: select(cell, given=group, largest_load_n=600), "usage", key="given")
+    refused(lambda: validate(cell, [1e6] * 6, measured, folds=3), "usage", key="stiffness")
+    refused(lambda: validate(cell, None, measured), "usage", said="folds")
+    refused(lambda: validate(cell, None, measured, folds=1), "usage", key="folds")
+    refused(lambda: validate(cell, None, measured, folds="some"), "usage", key="folds")
     refused(lambda: validate(cell, [1e6] * 6, measured, estimator="huber"), "usage", key="estimator")
-    refused(lambda: identify(cell, measured, clamped=True, bootstrap=200), "conflict", key="flange_fixed")
-    refused(lambda: identify(cell, [measured, measured], clamped=True), "usage", key="measurements")
-    refused(lambda: stiffarm.diagnose(cell, measured, brief=True), "conflict", key="brief")
+    refused(lambda: stiffarm.identify(cell, [measured, measured], clamped=True), "usage", key="clamped")
+    refused(lambda: stiffarm.map(cell, "prior", plane=("z", 800)), "wrong-type", key="plane")
     refused(lambda: stiffarm.weight(), "usage", key="mass_kg")
 
 
@@ -191,12 +214,12 @@ def test_unknown_names(cell: stiffarm.Cell) -> None:
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
     assert "expected_error" in str(refused(lambda: stiffarm.select(cell, index="expected"), "unknown-name").hint)
-    assert "huber" in str(refused(lambda: stiffarm.identify(cell, measured, estimator="best"), "unknown-name").hint)
+    choices: list[dict[str, Any]] = [{"estimator": "best"}, {"elastic": "all"}, {"weights": "mine"}, {"noise": "low"}]
+    for option in choices:
+        refused(lambda option=option: stiffarm.identify(cell, measured, **option), "usage", key=next(iter(option)))
     refused(lambda: stiffarm.identify(cell, measured, exclude=["nobody"]), "unknown-name", key="exclude")
     refused(lambda: stiffarm.identify(cell, measured, terms=["wobble"]), "unknown-name", key="terms")
-    refused(lambda: stiffarm.identify(cell, measured, elastic="all"), "unknown-name", key="elastic")
-    refused(lambda: stiffarm.identify(cell, measured, weights="mine"), "unknown-name", key="weights")
-    refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, model="exact"), "unknown-name", key="model")
+    refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, model="exact"), "usage", key="model", said="equilibrium")
     refused(lambda: stiffarm.indices(cell, group.angles, ["d", "e"]), "unknown-name")
     refused(lambda: stiffarm.Cell.built_in("comauu"), "unknown-name", said="comau-reference")
     refused(lambda: stiffarm.Robot.catalogue("x"), "unknown-name", key="robot.catalogue")
@@ -259,7 +282,7 @@ def test_frames(cell: stiffarm.Cell) -> None:
     frame = group.to_frame("pandas")
     frame.loc[2, "q3_deg"] = np.nan
     error = refused(lambda: stiffarm.evaluate(cell, frame), "table-row", key="q3_deg")
-    assert error.place == {"file": "<postures>", "line": 4, "column": error.place["column"], "key": "q3_deg"}
+    assert (error.place["line"], error.place["key"]) == (4, "q3_deg")
     measured = stiffarm.simulate_measurements(cell, group).to_frame("pandas")
     measured["posture"] = "one"
     measured["point"] = "1"
@@ -267,7 +290,7 @@ def test_frames(cell: stiffarm.Cell) -> None:
 
 
 def test_arrays(cell: stiffarm.Cell) -> None:
-    refused(lambda: stiffarm.evaluate(cell, np.zeros((2, 5))), "dimension")
+    refused(lambda: stiffarm.evaluate(cell, np.zeros((2, 5))), "table-heading", said="q6_deg")
     refused(lambda: stiffarm.evaluate(cell, np.zeros((0, 6))), "too-few-data")
     refused(lambda: stiffarm.evaluate(cell, []), "dimension")
     refused(lambda: stiffarm.indices(cell, np.zeros((2, 0, 6))), "too-few-data")

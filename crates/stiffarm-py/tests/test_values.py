@@ -122,8 +122,8 @@ def test_results(
     assert set(found) == set(document["result"]) and len(found) == len(document["result"])
     assert found.command == "identify" and found.seed == 1 and found.version == stiffarm.__version__
     assert set(found.inputs) == {"cell", "measurements"}
-    assert document["arguments"] == [found.call] and found.call.startswith("stiffarm.identify(")
-    assert found.options.seed == 1 and found.options.brief is False
+    assert found.command_line == "stiffarm identify builtin:comau-reference '{measurements}'"
+    assert found.options.to_dict() == document["options"]
     joint = found.joints[0]
     assert isinstance(joint, stiffarm.Record) and joint.stiffness == found["joints"][0]["stiffness"] == found.stiffness[0]
     assert joint.interval.shape == (2,) and isinstance(joint.interval, np.ndarray)
@@ -155,68 +155,49 @@ def test_results(
     assert (tmp_path / "found.json").stat().st_mode & 0o044 == 0o044 & ~umask()
 
 
-def properties(record: stiffarm.Record, path: str) -> int:
-    """Reads every property of a result, and of its parts, and holds it against what it says it returns."""
-    count = 0
-    for key in dir(type(record)):
-        member = getattr(type(record), key)
-        if key.startswith("_") or not isinstance(member, property) or "_typed" not in str(member.fget.__module__):
-            continue
-        try:
-            value = getattr(record, key)
-        except AttributeError:
-            # A key that the command leaves out where there is nothing to say.
-            assert key not in record, f"{path}.{key}"
-            continue
-        count += 1
-        said = member.fget.__annotations__["return"]
-        if value is None:
-            assert said.endswith("| None") or said == "Any", f"{path}.{key} is None, not {said}"
-            continue
-        plain = said.removesuffix(" | None")
-        kinds: dict[str, Any] = {"float": (float, int), "int": int, "str": str, "bool": bool, "NDArray[Any]": np.ndarray}
-        if plain in kinds:
-            assert isinstance(value, kinds[plain]), f"{path}.{key} is {value!r}, not {said}"
-        elif plain == "list[str]":
-            assert all(isinstance(one, str) for one in value), f"{path}.{key}"
-        elif plain != "Any":
-            parts = value if isinstance(value, list) else [value]
-            for one in parts:
-                assert type(one).__name__ == plain.removeprefix("list[").removesuffix("]"), f"{path}.{key}: {type(one)}"
-                count += properties(one, f"{path}.{key}")
-    return count
-
-
-def test_keys_are_properties(cell: stiffarm.Cell, group: stiffarm.Postures, found: stiffarm.results.Identified) -> None:
-    """Every key of every result has a property with its documentation and its type."""
+def test_every_result_tells_itself(
+    cell: stiffarm.Cell, group: stiffarm.Postures, found: stiffarm.results.Identified, tmp_path: Path
+) -> None:
+    """Each is of its class, has its table, is told in words, makes a page, and lives on in a file and in a pickle."""
     full = stiffarm.Cell.built_in("comau")
     measured = stiffarm.simulate_measurements(cell, group)
-    mixed = stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)
-    results = [
-        stiffarm.compensate(full, "prior", "builtin:contour"),
-        stiffarm.select(cell, curve=True, postures=4, rounds=1),
-        stiffarm.drop(cell, group),
-        stiffarm.evaluate(full, group),
-        stiffarm.map(full, "prior", plane="z=1200", steps=4),
-        stiffarm.map(full, "prior", place="builtin:contour", steps=2),
-        stiffarm.predict(full, found, "builtin:contour", matrix=True),
-        stiffarm.register("builtin:example-pairs"),
-        stiffarm.select(cell, postures=3, rounds=1, sensitivity=True),
-        stiffarm.select(full, postures=3, rounds=1, prices=True, largest_load_n=700),
-        stiffarm.select(cell, postures=4, candidates=group),
-        stiffarm.simulate(cell, group, runs=3),
-        stiffarm.simulate(cell, group, runs=2, elastic="auto"),
-        stiffarm.select(full, space_filling=True, postures=3),
-        stiffarm.validate(cell, found, measured),
-        stiffarm.validate(cell, None, measured, folds=3),
-        found,
-        mixed,
+    quick: dict[str, Any] = {"rounds": 1, "no_certificate": True}
+    own = stiffarm.results
+    results: list[tuple[type[stiffarm.Result], stiffarm.Result]] = [
+        (own.Checked, stiffarm.check(full)),
+        (own.Chosen, stiffarm.select(cell, postures=4, candidates=group)),
+        (own.Compensated, stiffarm.compensate(full, "prior", "builtin:contour")),
+        (own.Coverage, stiffarm.coverage(cell, group, runs=50)),
+        (own.Curve, stiffarm.select(cell, curve=True, postures=4, **quick)),
+        (own.Dropped, stiffarm.select(cell, given=group, drop=1)),
+        (own.Evaluated, stiffarm.evaluate(full, group)),
+        (own.Identified, found),
+        (own.Identified, stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)),
+        (own.Placement, stiffarm.map(full, "prior", place="builtin:contour", steps=2)),
+        (own.Plan, stiffarm.select(cell, postures=3, sensitivity=True, **quick)),
+        (own.Plan, stiffarm.select(full, postures=3, prices=True, largest_load_n=700, **quick)),
+        (own.Predicted, stiffarm.predict(full, found, "builtin:contour", matrix=True)),
+        (own.Registered, stiffarm.register("builtin:example-pairs")),
+        (own.Simulation, stiffarm.simulate(cell, group, runs=3)),
+        (own.Simulation, stiffarm.simulate(cell, group, runs=2, elastic="auto")),
+        (own.SpaceFilling, stiffarm.select(full, space_filling=True, postures=3)),
+        (own.StiffnessMap, stiffarm.map(full, "prior", plane="z=1200", steps=4)),
+        (own.Validated, stiffarm.validate(cell, found, measured)),
+        (own.Validated, stiffarm.validate(cell, None, measured, folds=3)),
     ]
-    for one in results:
-        assert properties(one, type(one).__name__) >= 2
-        known = set(dir(type(one)))
-        left = {key for key in one if key not in known}
-        assert not left, f"{type(one).__name__}: {left}"
+    for kind, one in results:
+        assert type(one) is kind and repr(one).startswith(f"<{kind.__name__}: ")
+        if kind is not own.Registered:
+            assert one.table().row_count > 0 or kind is own.Checked
+        if kind is not own.Checked:
+            assert str(one) == one.told().rstrip("\n") and len(one.told(details=True)) >= len(one.told()) > 80
+        page = one.report(tmp_path / "page.html", overwrite=True).read_text(encoding="utf-8")
+        assert page.lower().startswith("<!doctype html>")
+        again = kind.load(one.save(tmp_path / "result.json", overwrite=True))
+        assert again == one == pickle.loads(pickle.dumps(one)) and again.to_dict() == one.to_dict()
+        if one.command != "check":
+            with pytest.raises(stiffarm.StiffarmError, match=f"not of check|{one.command}"):
+                own.Checked.load(tmp_path / "result.json")
 
 
 def umask() -> int:
@@ -436,7 +417,7 @@ def tell(what, done, of):
     told.append(what)
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
-    plan = stiffarm.select(cell, postures=6, rounds=10_000_000, progress=tell)
+    plan = stiffarm.select(cell, postures=6, rounds=1_000_000, progress=tell)
 assert plan.interrupted and len(plan.postures) == 6 and plan.value > 0, plan
 assert [w.category for w in caught] == [stiffarm.StiffarmWarning], caught
 assert caught[0].filename == "<string>", caught[0].filename
@@ -463,7 +444,7 @@ NOTHING_YET = """
 import stiffarm
 cell = stiffarm.Cell.built_in("comau-reference")
 try:
-    stiffarm.coverage(cell, "builtin:comau-group1", runs=5_000_000, progress=lambda *_: print("working", flush=True))
+    stiffarm.coverage(cell, "builtin:comau-group1", runs=1_000_000, progress=lambda *_: print("working", flush=True))
     print("ended", flush=True)
 except KeyboardInterrupt:
     print("stopped", flush=True)
@@ -489,6 +470,7 @@ def test_degrees_that_are_taken_for_radians_are_refused() -> None:
         lambda: stiffarm.indices(cell, [degrees]),
         lambda: stiffarm.observation_matrix(cell, degrees),
         lambda: stiffarm.simulate(cell, degrees, runs=10),
+        lambda: stiffarm.certificate(cell, degrees),
     ]
     for call in calls:
         with pytest.raises(stiffarm.StiffarmError) as error:
@@ -519,20 +501,27 @@ def test_degrees_that_a_robot_takes_for_radians_are_refused() -> None:
     assert np.allclose(robot.nearest(at, degrees, degrees=True), turned.angles[0])
 
 
-def test_a_result_says_the_call_that_makes_it_again(tmp_path: Path) -> None:
+def test_a_changed_built_in_cell_is_the_one_that_is_used(tmp_path: Path) -> None:
     cell = stiffarm.Cell.built_in("comau")
-    plan = stiffarm.select(cell, postures=3, rounds=1, no_certificate=True, progress=lambda *_: None)
-    assert plan.call == "stiffarm.select(cell, postures=3, rounds=1, no_certificate=True)"
-    assert eval(plan.call, {"stiffarm": stiffarm, "cell": cell}) == plan
-    again = stiffarm.results.Plan.load(plan.save(tmp_path / "plan.json"))
-    assert again == plan and again.call == plan.call and again.options == plan.options
-    assert stiffarm.select(cell, **again.options) == plan
-    own = cell.with_changes({"load": {"magnitude_n": 500}})
-    found = stiffarm.evaluate(own, {"a": np.radians([[0, 0, -90, 0, 45, 0]] * 3) + np.eye(3, 6)})
-    assert found.call == "stiffarm.evaluate(cell, groups)"
-    near = stiffarm.predict(own, [1e6] * 6, "builtin:contour", force_n=np.array([1.0, 2.0, 3.5]), axes="base")
-    expected = "cell, stiffness, path='builtin:contour', axes='base', force_n=[1.0, 2.0, 3.5]"
-    assert near.call == f"stiffarm.predict({expected})"
+    heavier, lighter = (cell.with_changes({"load": {"magnitude_n": force}}) for force in (900, 300))
+    assert heavier.file == "<cell>" and stiffarm.check(heavier).inputs == heavier.inputs != cell.inputs
+    assert stiffarm.check(heavier).command_line == "stiffarm check '{cell}'"
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    errors = [stiffarm.indices(one, group, ["expected_error"])["expected_error"] for one in (cell, heavier)]
+    found = [stiffarm.evaluate(one, group) for one in (cell, heavier, lighter)]
+    assert [one.table()["expected_error"][0] for one in found[:2]] == errors and errors[0] > errors[1]
+    # Two cells of one name at once.
+    told = stiffarm.report(found[1:], cell=[heavier, lighter], output=str(tmp_path / "page.html"))
+    assert told.inputs["cell"] in (heavier.inputs["cell"], lighter.inputs["cell"])
+
+
+def test_groups_have_their_names(cell: stiffarm.Cell, group: stiffarm.Postures) -> None:
+    """Whatever it is: a folder, an option, markup."""
+    for name in ("a/b", "-x", "plan.2", "Group 1", "100 %", HOSTILE, "größer"):
+        assert stiffarm.evaluate(cell, {name: group, "other": group[:5]}).table()["group"] == [name, "other"]
+    named = stiffarm.Postures(group.angles, name="mine")
+    assert stiffarm.evaluate(cell, [named, group.angles]).table()["group"] == ["mine", "group 2"]
+    assert stiffarm.evaluate(cell, named.angles).table()["group"] == ["postures"]
 
 
 def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant() -> None:
@@ -545,7 +534,7 @@ def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant()
     with pytest.raises(TypeError, match=r"^identify\(\) missing a required argument: 'measurements'$"):
         stiffarm.identify(cell)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match=r"^select\(\) got too many positional arguments$"):
-        stiffarm.select(cell, postures=6, 7)  # type: ignore[misc]
+        stiffarm.select(cell, 6)  # type: ignore[misc]
 
 
 def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
@@ -559,36 +548,6 @@ def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
     assert np.array_equal(stiffarm.observation_matrix(cell, frame), stiffarm.observation_matrix(cell, own.angles))
     with pytest.raises(stiffarm.StiffarmError, match="not those of postures"):
         stiffarm.Postures.of(frame.rename(columns={"q2_deg": "q2"}))
-
-
-def test_a_stiffness_may_be_a_dictionary() -> None:
-    """A list as its file has it, or a whole result as ``json`` reads it; an edited one is refused."""
-    cell = stiffarm.Cell.built_in("comau")
-    stiffness = [1e6, 2e6, 1e6, 3e5, 2e5, 1.5e5]
-    listed = stiffarm.predict(cell, stiffness, "builtin:contour")
-    for values in (stiffness, np.array(stiffness)):
-        same = stiffarm.predict(cell, {"stiffness_nm_per_rad": values}, "builtin:contour")
-        assert same.to_dict() == listed.to_dict()
-    plan = stiffarm.select(cell, space_filling=True, postures=8)
-    found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan), brief=True)
-    document = json.loads(found.to_json())
-    again = stiffarm.predict(cell, document, "builtin:contour")
-    assert again.to_dict() == stiffarm.predict(cell, found, "builtin:contour").to_dict()
-    document["result"]["confidence"] = 0.5
-    with pytest.raises(stiffarm.StiffarmError, match="changed after it was written"):
-        stiffarm.predict(cell, document, "builtin:contour")
-    document["result"]["sealed"]["values"][0] *= 2
-    with pytest.raises(stiffarm.StiffarmError, match="What is calculated with was changed"):
-        stiffarm.predict(cell, document, "builtin:contour")
-
-
-def test_a_stiffness_of_another_cell_is_said() -> None:
-    cell = stiffarm.Cell.built_in("comau")
-    plan = stiffarm.select(cell, space_filling=True, postures=8)
-    found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, plan), brief=True)
-    other = cell.with_changes({"load": {"magnitude_n": 500}})
-    with pytest.warns(stiffarm.StiffarmWarning, match="another version of this cell"):
-        stiffarm.predict(other, found, "builtin:contour")
 
 
 def test_serious_findings_of_readings_are_counted() -> None:

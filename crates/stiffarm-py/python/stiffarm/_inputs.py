@@ -89,7 +89,10 @@ def contents(key: str, value: Any, degrees: bool, cell: Any) -> bytes:
     if key == "stiffness":
         return _stiffness(value)
     if isinstance(value, (Postures, Result)) or not has_columns(value):
-        return Postures.of(value, degrees=degrees).to_csv().encode()
+        postures = Postures.of(value, degrees=degrees)
+        if len(postures) == 0:
+            raise StiffarmError("There are no postures.", "too-few-data", {"key": key})
+        return postures.to_csv().encode()
     return Table.of(value).to_csv().encode()
 
 

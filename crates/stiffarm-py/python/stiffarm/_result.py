@@ -198,7 +198,10 @@ class Result(Record):
         Raises:
             StiffarmError: A result of a command that prints no more than its values.
         """
-        return _stiffarm.told(self._text, self._cell and self._cell._native, details)
+        return _stiffarm.told(self._text, self._native(), details)
+
+    def _native(self) -> _stiffarm.Cell | None:
+        return None if self._cell is None else self._cell._native
 
     def report(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the result as one offline page, with the cell in 3D where the result was made in this process.
@@ -206,7 +209,7 @@ class Result(Record):
         Raises:
             StiffarmError: A result that has no page, a file that exists or cannot be written.
         """
-        page = _stiffarm.page(self._text, self._cell and self._cell._native)
+        page = _stiffarm.page(self._text, self._native())
         return write_text(path, page, overwrite=overwrite)
 
     def table(self) -> Table:

@@ -15,6 +15,7 @@ import os
 import re
 import warnings
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _checks, _inputs, _stiffarm
@@ -57,7 +58,12 @@ def __dir__() -> list[str]:
 
 def python_name(argument: _Spec) -> str:
     """The name of an argument; one that is a word of Python has a ``_`` behind it."""
-    name = str(argument["name"])
+    return _keyword(argument["name"])
+
+
+def _keyword(option: str) -> str:
+    """The keyword of an option."""
+    name = option.replace("-", "_")
     return f"{name}_" if keyword.iskeyword(name) else name
 
 
@@ -116,7 +122,8 @@ def _function(spec: _Spec) -> Callable[..., Any]:
         except TypeError as error:
             unknown = next((key for key in kwargs if key not in signature.parameters), None)
             if unknown is None:
-                raise TypeError(f"{spec['name']}() got {error}") from None
+                got = "" if str(error).startswith("missing") else "got "
+                raise TypeError(f"{spec['name']}() {got}{error}") from None
             meant = nearest(unknown, signature.parameters)
             message = f"{spec['name']}() got an unexpected keyword argument {unknown!r}"
             raise TypeError(f"{message}. {meant}" if meant else message) from None
@@ -145,6 +152,11 @@ class _Call:
             key = python_name(argument)
             if self.given.get(key) is not None:
                 words += self.words(argument, key, self.given[key])
+        both = [self.given.get(key) is not None for key in ("folds", "stiffness")]
+        if self.spec["name"] == "validate" and all(both):
+            # A command line has measurements alone here.
+            hint = "leave out the stiffness: each fold has its own, identified from the others"
+            raise StiffarmError("With folds no stiffness is given.", "usage", {"key": "stiffness"}, hint)
         accept = self.given.get("accept")
         if accept is not None and not callable(accept):
             message = f"This must be a function, got {_checks.shown(accept)}."
@@ -164,7 +176,8 @@ class _Call:
         if "error" in document:
             raise _raised(document["error"])
         if code in (2, 3):
-            raise StiffarmError(err.strip(), "file-write")
+            # The result was there, but what else was to be written was not.
+            raise _written(err)
         if "result" not in document:
             return dict(document)
         found = result_of(out, document, interrupted or code == 130, self.cell)
@@ -189,8 +202,7 @@ class _Call:
         if kind == "numbers":
             return [",".join(map(repr, _checks.array(value, key).reshape(-1).tolist()))]
         if several:
-            values = [value] if isinstance(value, (str, os.PathLike)) or not hasattr(value, "__iter__") else list(value)
-            return [_plain(kind, one, key) for one in values]
+            return [_plain(kind, one, key) for one in (_listed(value, key) or [value])]
         return [_plain(kind, value, key)]
 
     def file(self, key: str, value: Any, name: str) -> str:
@@ -223,8 +235,9 @@ class _Call:
         for name, one in _inputs.groups(value):
             if name and isinstance(one, (str, os.PathLike)):
                 one = _inputs.named(one, self.cell)
-            # The command takes the name of the group from that of the file.
-            out.append(self.file(key, one, f"{name}.csv"))
+            # The command takes the name of the group from that of the file, or what stands behind builtin: as it is.
+            is_plain = Path(f"{name}.csv").name == f"{name}.csv" and not name.startswith("-")
+            out.append(self.file(key, one, f"{name}.csv" if is_plain else f"builtin:{name}"))
         return out
 
 
@@ -236,10 +249,26 @@ def _plain(kind: str, value: Any, key: str) -> str:
         return repr(_checks.number(value, key))
     if isinstance(value, (str, os.PathLike)):
         return _checks.path(value, key)
-    if hasattr(value, "__iter__"):
-        return ",".join(_plain(kind, one, key) for one in value)
-    number = _checks.number(value, key)
-    return str(int(number)) if number == int(number) else repr(number)
+    numbers = [_checks.number(one, key) for one in _listed(value, key) or [value]]
+    return ",".join(str(int(one)) if one == int(one) else repr(one) for one in numbers)
+
+
+def _listed(value: Any, key: str) -> list[Any] | None:
+    """The values of a list, not an empty one; none of what is one value."""
+    if isinstance(value, (str, os.PathLike)) or not hasattr(value, "__iter__") or getattr(value, "ndim", 1) == 0:
+        return None
+    found = [] if isinstance(value, (bytes, Mapping)) else list(value)
+    if not found:
+        raise StiffarmError(f"This must be a value or several, got {_checks.shown(value)}.", "wrong-type", {"key": key})
+    return found
+
+
+def _written(err: str) -> StiffarmError:
+    """The error of a file that could not be written, from what the command says of it to people."""
+    code, _, text = err.strip().partition("\n")
+    said, _, hint = " ".join(text.split()).removeprefix("× ").partition(" help: ")
+    file, _, message = said.partition(": ")
+    return StiffarmError(message, code, {"file": file}, hint or None)
 
 
 _OPTION = re.compile(r"--([a-z][a-z0-9-]*)")
@@ -251,13 +280,13 @@ def _raised(error: Mapping[str, Any]) -> BaseException:
         return KeyboardInterrupt(error["message"])
 
     def said(text: str) -> str:
-        return _OPTION.sub(lambda found: found[1].replace("-", "_"), text)
+        return _OPTION.sub(lambda found: _keyword(found[1]), text)
 
     place = {key: error[key] for key in ("file", "line", "column", "key") if error[key] is not None}
     if "key" in place:
         place["key"] = said(place["key"])
     elif error["code"] == "usage" and (found := _OPTION.search(error["message"])):
-        place["key"] = found[1].replace("-", "_")
+        place["key"] = _keyword(found[1])
     hint, message = error["hint"], said(error["message"])
     if error["code"] == "usage":
         # The parser of the command line writes neither sentences nor, below them, what helps here.
