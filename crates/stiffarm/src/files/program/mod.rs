@@ -9,7 +9,7 @@
 //!
 //! What is written is the smallest part of each language that does this: no tool, base, load or
 //! acceleration is set, and nothing is computed on the controller. Each language is a file with one
-//! value ([`dialect::Dialect`]), which also says where its grammar is described; `writer` and `reader`
+//! value (`Dialect`), which also says where its grammar is described; `writer` and `reader`
 //! serve all.
 //!
 //! ```
