@@ -44,7 +44,7 @@ pub enum Command {
     ///
     /// The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
     Outputs(OutputsOptions),
-    /// Write crates/stiffarm/data/robots.rs, the catalogue's data, from robot descriptions.
+    /// Write crates/stiffarm/data/robots.toml, the catalogue's data, from robot descriptions.
     Robots {
         /// Folder of the descriptions, for example ../shared/reference/robots.
         folder: PathBuf,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::entry::millimetres;
+use super::entry::{arrays, millimetres};
 use super::words::Words;
 
 /// What `capsules.json` says of a robot.
@@ -54,15 +54,15 @@ pub fn fields(
     distances: &Distances,
     words: &Words,
 ) -> Result<String, String> {
-    let mut out = "        capsules: &[\n".to_string();
+    let mut out = "capsules = [\n".to_string();
     for (link, shape) in &capsules.links {
         for Capsule { a, b, radius } in &shape.capsules {
             let ends = [a, b].map(|end| end.map(millimetres));
             let row = (link, ends[0], ends[1], millimetres(*radius));
-            out += &format!("            {row:?},\n");
+            out += &format!("    {},\n", arrays(format!("{row:?}")));
         }
     }
-    out += "        ],\n";
+    out += "]\n";
     let lists = &distances.pair_lists;
     let mut ignored = Vec::new();
     for pair in (lists.capsules_always_overlap.iter())
@@ -75,7 +75,8 @@ pub fn fields(
     }
     ignored.sort_unstable();
     if !ignored.is_empty() {
-        out += &format!("        ignored_pairs: &{ignored:?},\n");
+        let ignored = arrays(format!("{ignored:?}"));
+        out += &format!("ignored_pairs = {ignored}\n");
     }
     let parts: Vec<String> = capsules
         .not_covered
@@ -84,7 +85,7 @@ pub fn fields(
         .collect();
     let remark = words.capsules(name, &parts);
     if !remark.is_empty() {
-        out += &format!("        capsules_remark: {remark:?},\n");
+        out += &format!("capsules_remark = {remark:?}\n");
     }
     Ok(out)
 }
@@ -103,10 +104,8 @@ mod tests {
         let distances = serde_json::from_str(distances).unwrap();
         assert_eq!(
             fields("x", &capsules, &distances, &Words::read()).unwrap(),
-            "        capsules: &[\n            \
-             (1, [1.0, 0.0, -250.01], [0.0, 0.0, 1000.0], 100.0),\n        ],\n        \
-             ignored_pairs: &[(0, 2), (2, 4)],\n        \
-             capsules_remark: \"No capsule holds door.\",\n"
+            "capsules = [\n    [1, [1.0, 0.0, -250.01], [0.0, 0.0, 1000.0], 100.0],\n]\n\
+             ignored_pairs = [[0, 2], [2, 4]]\ncapsules_remark = \"No capsule holds door.\"\n"
         );
     }
 }

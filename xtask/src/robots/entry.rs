@@ -4,9 +4,6 @@ use serde::Deserialize;
 
 use super::words::Words;
 
-/// Published stiffness belongs to the library: its name there, for the robots that have some.
-const STIFFNESS: &[(&str, &str)] = &[("kuka_kr500_r2800_2", "KR500_STIFFNESS")];
-
 /// A transform closer to whole quarter turns than this is one [-].
 const NOISE: f64 = 1e-12;
 
@@ -67,57 +64,58 @@ pub fn fields(name: &str, robot: &Robot, urdf: &str, words: &Words) -> Result<St
         return Err("dh, offsets and C are not of one size".to_string());
     }
     let mut out = String::new();
-    let mut line = |text: String| out += &format!("        {text}\n");
-    line(format!("key: {:?},", name.replace('_', "-")));
-    line(format!("brand: {:?},", robot.brand));
+    let mut line = |text: String| out += &format!("{text}\n");
+    line(format!("key = {:?}", name.replace('_', "-")));
+    line(format!("brand = {:?}", robot.brand));
     line(format!(
-        "name: {:?},",
+        "name = {:?}",
         format!("{} {}", robot.brand, robot.model)
     ));
-    // `Some((value, "source"))`, or `None` where it is not known.
     let payload = robot.payload_kg.zip(robot.payload_source.as_ref());
-    line(format!("payload: {payload:?},"));
+    if let Some((kg, source)) = payload {
+        line(format!("payload = [{kg:?}, {source:?}]"));
+    }
     // The maker's reach, else the one that the lengths give.
     let computed = "to the wrist centre, computed as a1 + a2 + hypot(a3, d4)";
     let stated = robot.reach_m.zip(robot.reach_source.as_deref());
     let reach = stated.or(robot.reach_wrist_centre_computed_m.map(|m| (m, computed)));
-    line(format!("reach: {reach:?},"));
-    line(format!("source: {:?},", robot.source.repository));
-    line(format!("file: {:?},", robot.source.file));
-    line(format!("commit: {:?},", robot.source.commit));
-    line(format!("licence: {:?},", robot.source.licence));
+    if let Some((m, source)) = reach {
+        line(format!("reach = [{m:?}, {source:?}]"));
+    }
+    line(format!("source = {:?}", robot.source.repository));
+    line(format!("file = {:?}", robot.source.file));
+    line(format!("commit = {:?}", robot.source.commit));
+    line(format!("licence = {:?}", robot.source.licence));
     let remark = &robot.pendant_note;
-    line(format!("pendant: {:?},", words.pendant(remark)));
+    line(format!("pendant = {:?}", words.pendant(remark)));
     let doubts = words.doubts(name, &robot.doubts, remark);
     if !doubts.is_empty() {
-        line("doubts: &[".to_string());
+        line("doubts = [".to_string());
         for (about, sentence) in doubts {
             line(format!(
-                "    Doubt {{ about: DoubtAbout::{about}, sentence: {sentence:?} }},"
+                "    {{ about = {about:?}, sentence = {sentence:?} }},"
             ));
         }
-        line("],".to_string());
+        line("]".to_string());
     }
-    if let Some((_, set)) = STIFFNESS.iter().find(|(robot, _)| *robot == name) {
-        line(format!("stiffness: {set},"));
-    }
-    line("rows: &[".to_string());
+    line("rows = [".to_string());
     for ([alpha, a, _, d], offset) in dh.iter().zip(&theta.offset_rad) {
         let (alpha, offset) = (degrees(*alpha), degrees(*offset));
         let row = [alpha, millimetres(*a), millimetres(*d), offset];
         line(format!("    {row:?},"));
     }
-    line("],".to_string());
-    line(format!("coupling: &{:?},", entries(&theta.coupling)));
-    line("limits_deg: &[".to_string());
+    line("]".to_string());
+    let coupling = entries(&theta.coupling);
+    line(format!("coupling = {}", arrays(format!("{coupling:?}"))));
+    line("limits_deg = [".to_string());
     for limits in limits(&robot.joint_limits_deg, &robot.pendant_to_urdf)? {
         line(format!("    {limits:?},"));
     }
-    line("],".to_string());
+    line("]".to_string());
     // A description that has no speeds writes zeros.
     let speeds = &robot.joint_velocity_deg_s;
     if speeds.iter().all(|v| *v > 0.0) {
-        line(format!("speeds_deg_s: &{speeds:?},"));
+        line(format!("speeds_deg_s = {speeds:?}"));
     }
     for (field, pose) in [
         ("base", pose(&robot.base_transform)),
@@ -125,10 +123,15 @@ pub fn fields(name: &str, robot: &Robot, urdf: &str, words: &Words) -> Result<St
         ("controller_base", controller_base(urdf)?),
     ] {
         if pose != [0.0; 6] {
-            line(format!("{field}: {pose:?},"));
+            line(format!("{field} = {pose:?}"));
         }
     }
     Ok(out)
+}
+
+/// Tuples as arrays.
+pub fn arrays(text: String) -> String {
+    text.replace('(', "[").replace(')', "]")
 }
 
 /// Radians as the shortest degrees that mean the same to 1e-12 deg.

@@ -20,19 +20,19 @@ use entry::Robot;
 use words::Words;
 
 /// The data file, relative to the workspace root.
-const TARGET: &str = "crates/stiffarm/data/robots.rs";
+const TARGET: &str = "crates/stiffarm/data/robots.toml";
 
 const HEADING: &str = "\
-// Robots of the catalogue: Rust literals, so that the compiler checks every field and nothing is read at run time.
-// Written by `cargo xtask robots FOLDER` from public robot descriptions; change the generator or its data, not this file.
-//
-// rows: alpha [deg], a [mm], d [mm], offset [deg] of modified (Craig) Denavit-Hartenberg rows, one per joint.
-// coupling: C of theta = offset + C q as (row, column, factor), counted from 0; q are the pendant's angles.
-// limits_deg: of the pendant's angles. speeds_deg_s: largest joint speeds. Empty where not known.
-// capsules: link, both ends, radius [mm]; of link 0 in the base frame, of link i in the frame that row i ends in.
-// ignored_pairs: links that are no neighbours whose capsules overlap always, or overlap where the links never collide.
-// base, flange, controller_base: x, y, z [mm] and turns about fixed x, then y, then z [deg].
-&[
+# Robots of the catalogue, from public robot descriptions.
+# Written by `cargo xtask robots FOLDER`; change the generator or its data, not this file.
+#
+# payload [kg] and reach [m], each with its source.
+# rows: alpha [deg], a [mm], d [mm], offset [deg] of modified (Craig) Denavit-Hartenberg rows, one per joint.
+# coupling: C of theta = offset + C q as row, column, factor, counted from 0; q are the pendant's angles.
+# limits_deg: of the pendant's angles. speeds_deg_s: largest joint speeds. Left out where not known.
+# capsules: link, both ends, radius [mm]; of link 0 in the base frame, of link i in the frame that row i ends in.
+# ignored_pairs: links that are no neighbours whose capsules overlap always, or overlap where the links never collide.
+# base, flange, controller_base: x, y, z [mm] and turns about fixed x, then y, then z [deg].
 ";
 
 /// Writes the data file, or with `check` compares it with what would be written.
@@ -79,10 +79,9 @@ fn generated(folder: &Path) -> Result<String, Failure> {
         let fields = entry::fields(name, robot, &urdf, &words)
             .and_then(|own| Ok(own + &capsules::fields(name, capsules, distances, &words)?))
             .map_err(|e| wrong(folder, format!("{name}: {e}")))?;
-        out +=
-            &format!("    CatalogueEntry {{\n{fields}        ..CatalogueEntry::UNKNOWN\n    }},\n");
+        out += &format!("\n[[robot]]\n{fields}");
     }
-    Ok(out + "]\n")
+    Ok(out)
 }
 
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Failure> {

@@ -25,7 +25,7 @@ struct Remark {
     doubts: Vec<Doubt>,
 }
 
-/// A variant of the library's `DoubtAbout`, and the sentence.
+/// A name of the library's `DoubtAbout`, and the sentence.
 type Doubt = (String, String);
 
 impl Words {
@@ -40,14 +40,14 @@ impl Words {
             match self.remarks.iter().find(|r| remark.contains(&r.remark)) {
                 Some(known) => doubts.extend(known.doubts.iter().cloned()),
                 // Nothing is lost: a remark nobody has put into words stands as it is.
-                None => doubts.push(("Geometry".to_string(), remark.clone())),
+                None => doubts.push(("geometry".to_string(), remark.clone())),
             }
         }
         let angles = self
             .angles
             .iter()
             .filter(|[text, _]| pendant.contains(text));
-        doubts.extend(angles.map(|[_, said]| ("Angles".to_string(), said.clone())));
+        doubts.extend(angles.map(|[_, said]| ("angles".to_string(), said.clone())));
         let elsewhere = self.elsewhere.iter().filter(|[robot, ..]| robot == name);
         doubts.extend(elsewhere.map(|[_, about, said]| (about.clone(), said.clone())));
         doubts
@@ -83,7 +83,7 @@ mod tests {
     fn a_remark_nobody_put_into_words_is_kept() {
         let (words, new) = (Words::read(), "Something new.".to_string());
         let doubts = words.doubts("x", std::slice::from_ref(&new), "as they are");
-        assert_eq!(doubts, [("Geometry".to_string(), new)]);
+        assert_eq!(doubts, [("geometry".to_string(), new)]);
         assert_eq!(words.pendant("as they are"), "as they are");
     }
 }

@@ -2,7 +2,7 @@
 //! what else is to know about its files.
 
 use super::profiles::{NAMES, profile};
-use super::raw::{At, RawColumn, RawColumns, Text};
+use super::raw::{At, Placed, RawColumn, RawColumns, Text};
 use super::source::Source;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::files::table::own_heading;
@@ -85,14 +85,14 @@ impl Reader<'_> {
             RawColumn::One(text) if SETTINGS.contains(&own) => self.setting(own, text, value, &key),
             RawColumn::One(theirs) => {
                 let ours = self.ours(name, &key)?;
-                let theirs = self.source.checked_name(theirs, value.span(), &key)?;
+                let theirs = self.source.checked_name(theirs, value)?;
                 self.take(&theirs, &key)
                     .map_err(|message| self.fault(Code::Duplicate, &key, value, &message))?;
                 if self.columns.names.insert(ours, theirs).is_some() {
                     let message = "This column appears twice, in different case.";
                     return Err(self
                         .source
-                        .error(Code::Duplicate, &key, name.span(), message));
+                        .error_at(Code::Duplicate, &key, name.span(), message));
                 }
                 Ok(())
             }
@@ -102,10 +102,10 @@ impl Reader<'_> {
     fn ignore(&mut self, list: &[Text], key: &str) -> Result<()> {
         for (i, theirs) in list.iter().enumerate() {
             let key = format!("{key}[{}]", i + 1);
-            let heading = self.source.name(theirs, &key)?;
+            let heading = self.source.name(theirs)?;
             self.take(&heading, &key).map_err(|message| {
                 self.source
-                    .error(Code::Duplicate, &key, theirs.span(), &message)
+                    .error_at(Code::Duplicate, &key, theirs.span(), &message)
             })?;
             self.columns.ignore.push(heading);
         }
@@ -124,7 +124,7 @@ impl Reader<'_> {
                 let message = "This column appears twice.";
                 return Err(self
                     .source
-                    .error(Code::Duplicate, &key, name.span(), message));
+                    .error_at(Code::Duplicate, &key, name.span(), message));
             }
             order.push(ours);
         }
@@ -180,7 +180,7 @@ impl Reader<'_> {
                 self.columns.name_pattern = Some(pattern);
             }
             _ => {
-                let theirs = self.source.checked_name(text, value.span(), key)?;
+                let theirs = self.source.checked_name(text, value)?;
                 if ["name", "date"].contains(&own) {
                     self.take(&theirs, key)
                         .map_err(|message| self.fault(Code::Duplicate, key, value, &message))?;
@@ -210,10 +210,11 @@ impl Reader<'_> {
     /// The heading of ours that a key names.
     fn ours(&self, name: &Text, key: &str) -> Result<String> {
         let joints = self.robot.joint_count();
-        own_heading(name.get(), joints, IGNORE).map_err(|e| self.source.place(e, key, name.span()))
+        own_heading(name.get(), joints, IGNORE)
+            .map_err(|e| self.source.place_at(e, key, name.span()))
     }
 
     fn fault(&self, code: Code, key: &str, value: &At<RawColumn>, message: &str) -> Error {
-        self.source.error(code, key, value.span(), message)
+        self.source.error_at(code, key, value.span(), message)
     }
 }

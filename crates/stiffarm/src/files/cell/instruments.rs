@@ -1,60 +1,50 @@
 //! `[sensor]`, `[tracker]`, `[uncertainty]`: the instruments, and what no
 //! residual shows.
 
-use super::raw::{At, Number, Numbers, RawSensor, RawTracker, RawUncertainty, Text};
+use super::raw::{At, Deg, Fixed, Mm, Number, RawSensor, RawTracker, RawUncertainty};
 use super::source::Source;
-use crate::error::{Code, Result, did_you_mean};
+use crate::error::{Code, Result};
 use crate::model::instruments::{Mount, Sensor, Tracker, TrackerAccuracy, Uncertainty};
 use crate::model::load::Load;
-use crate::units::{
-    arcmin_to_rad, mm_to_m, mrad_to_rad, percent_to_fraction, um_to_m, urad_to_rad,
-};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Translation3};
 
 const MOUNTS: [(&str, Mount); 2] = [("flange", Mount::Flange), ("base", Mount::Base)];
 
 const REPORTS: [(&str, bool); 2] = [("on_robot", false), ("by_robot", true)];
 
-/// The force sensor, where there is one.
-pub(super) fn sensor(source: &Source<'_>, table: Option<&At<RawSensor>>) -> Result<Option<Sensor>> {
-    let Some(table) = table else {
-        return Ok(None);
-    };
-    let (raw, at) = (table.get(), Some(table.span()));
+/// The force sensor.
+pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Sensor> {
+    let raw = table.get();
     let hint =
         "mount = \"flange\" (it turns with the tool) or mount = \"base\" (fixed in the cell)";
-    let mount = source.required(&raw.mount, "sensor.mount", at.clone(), hint)?;
-    let mount = choice(source, mount, "sensor.mount", &MOUNTS, hint)?;
+    let mount = source.required(table, &raw.mount, "mount", hint)?;
+    let mount = source.choice(mount, &MOUNTS, hint)?;
     // The sign is never guessed: a wrong one turns every stiffness negative.
     let hint = "reports = \"on_robot\" (what acts on the robot) or reports = \"by_robot\" (what it exerts)";
-    let reports = source.required(&raw.reports, "sensor.reports", at.clone(), hint)?;
-    let reports_by_robot = choice(source, reports, "sensor.reports", &REPORTS, hint)?;
+    let reports = source.required(table, &raw.reports, "reports", hint)?;
+    let reports_by_robot = source.choice(reports, &REPORTS, hint)?;
     let hint = "give the sensor's origin: xyz_mm = [x, y, z] in flange axes or the base frame";
-    let xyz = source.required(&raw.xyz_mm, "sensor.xyz_mm", at.clone(), hint)?;
+    let xyz = source.required(table, &raw.xyz_mm, "xyz_mm", hint)?;
     let hint =
         "give the turn of the sensor's axes: rpy_deg = [roll, pitch, yaw], zeros if there is none";
-    let rpy = source.required(&raw.rpy_deg, "sensor.rpy_deg", at, hint)?;
-    Ok(Some(Sensor {
+    let rpy = source.required(table, &raw.rpy_deg, "rpy_deg", hint)?;
+    Ok(Sensor {
         mount,
-        pose: pose(source, xyz, rpy, "sensor")?,
+        pose: pose(source, xyz, rpy)?,
         reports_by_robot,
-    }))
+    })
 }
 
 /// What the cell knows of the tracker.
-pub(super) fn tracker(source: &Source<'_>, table: Option<&At<RawTracker>>) -> Result<Tracker> {
-    let Some(table) = table else {
-        return Ok(Tracker::default());
-    };
+pub(super) fn tracker(source: &Source<'_>, table: &At<RawTracker>) -> Result<Tracker> {
     let raw = table.get();
     let base_from_tracker = match (&raw.xyz_mm, &raw.rpy_deg) {
         (None, None) => None,
         (xyz, rpy) => {
             let hint = "give both xyz_mm and rpy_deg, or none (the readings then say where the tracker stands)";
-            let at = Some(table.span());
-            let xyz = source.required(xyz, "tracker.xyz_mm", at.clone(), hint)?;
-            let rpy = source.required(rpy, "tracker.rpy_deg", at, hint)?;
-            Some(pose(source, xyz, rpy, "tracker")?)
+            let xyz = source.required(table, xyz, "xyz_mm", hint)?;
+            let rpy = source.required(table, rpy, "rpy_deg", hint)?;
+            Some(pose(source, xyz, rpy)?)
         }
     };
     Ok(Tracker {
@@ -64,26 +54,20 @@ pub(super) fn tracker(source: &Source<'_>, table: Option<&At<RawTracker>>) -> Re
 }
 
 fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<TrackerAccuracy>> {
-    let (raw, at) = (table.get(), Some(table.span()));
-    let given = [&raw.range_um, &raw.range_um_per_m, &raw.angle_urad];
-    if given.iter().all(|number| number.is_none()) && raw.station_mm.is_none() {
+    let raw = table.get();
+    let is_exact = raw.range_um.is_some() || raw.angle_urad.is_some();
+    if !is_exact && raw.range_um_per_m.is_none() && raw.station_mm.is_none() {
         return Ok(None);
     }
     let hint = "the accuracy needs both range_um and angle_urad (standard deviations; a data sheet's limits are about twice these)";
-    let key = "tracker.range_um";
-    let range = source.required(&raw.range_um, key, at.clone(), hint)?;
-    let range = um_to_m(source.positive(range, key)?);
-    let key = "tracker.angle_urad";
-    let angle = source.required(&raw.angle_urad, key, at, hint)?;
-    let angle = urad_to_rad(source.positive(angle, key)?);
-    let key = "tracker.range_um_per_m";
-    let range_per_metre = not_negative(source, &raw.range_um_per_m, key, um_to_m)?;
-    let station = match &raw.station_mm {
-        Some(station) => source.vector(station, "tracker.station_mm")?.map(mm_to_m),
-        None => Vector3::zeros(),
-    };
+    let range = source.required(table, &raw.range_um, "range_um", hint)?;
+    let range = source.positive(range)?;
+    let angle = source.required(table, &raw.angle_urad, "angle_urad", hint)?;
+    let angle = source.positive(angle)?;
+    let range_per_metre = source.optional(&raw.range_um_per_m, Source::not_negative)?;
+    let station = source.optional(&raw.station_mm, Source::vector)?;
     Ok(Some(TrackerAccuracy {
-        station,
+        station: station.unwrap_or_default(),
         range,
         range_per_metre: range_per_metre.unwrap_or(0.0),
         angle,
@@ -93,82 +77,32 @@ fn accuracy(source: &Source<'_>, table: &At<RawTracker>) -> Result<Option<Tracke
 /// Errors of the whole experiment, as far as the cell says.
 pub(super) fn uncertainty(
     source: &Source<'_>,
-    table: Option<&At<RawUncertainty>>,
+    table: &At<RawUncertainty>,
     load: &Load,
 ) -> Result<Uncertainty> {
-    let Some(raw) = table.map(At::get) else {
-        return Ok(Uncertainty::default());
-    };
+    let raw = table.get();
     if let (Some(anchor), false) = (&raw.anchor_mm, load.has_rope()) {
         let message = "An uncertainty of the anchor needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.";
-        let error = source.error(
-            Code::Conflict,
-            "uncertainty.anchor_mm",
-            anchor.span(),
-            message,
-        );
+        let error = source.error(Code::Conflict, anchor, message);
         return Err(error.hint("remove anchor_mm, or set load.kind = \"rope\" or \"cylinder\""));
     }
-    let number = |value: &Option<Number>, key: &str, to_si: fn(f64) -> f64| {
-        not_negative(source, value, &format!("uncertainty.{key}"), to_si)
-    };
-    let compliance = |value: &Option<Number>, key: &str| -> Result<Option<f64>> {
-        let key = format!("uncertainty.{key}");
-        let stiffness = value.as_ref().map(|value| source.positive(value, &key));
-        Ok(stiffness.transpose()?.map(|stiffness| 1.0 / stiffness))
+    let compliance = |value: &Option<Number>| -> Result<Option<f64>> {
+        let stiffness = source.optional(value, Source::positive)?;
+        Ok(stiffness.map(|stiffness| 1.0 / stiffness))
     };
     Ok(Uncertainty {
-        force_scale: number(
-            &raw.force_scale_percent,
-            "force_scale_percent",
-            percent_to_fraction,
-        )?,
-        anchor: number(&raw.anchor_mm, "anchor_mm", mm_to_m)?,
-        loading_point: number(&raw.loading_point_mm, "loading_point_mm", mm_to_m)?,
-        registration: number(&raw.registration_mrad, "registration_mrad", mrad_to_rad)?,
-        base_tilt_compliance: compliance(
-            &raw.base_tilt_stiffness_nm_per_rad,
-            "base_tilt_stiffness_nm_per_rad",
-        )?,
-        sensor_compliance: compliance(
-            &raw.sensor_stiffness_nm_per_rad,
-            "sensor_stiffness_nm_per_rad",
-        )?,
-        lost_motion: number(&raw.lost_motion_arcmin, "lost_motion_arcmin", arcmin_to_rad)?,
+        force_scale: source.optional(&raw.force_scale_percent, Source::not_negative)?,
+        anchor: source.optional(&raw.anchor_mm, Source::not_negative)?,
+        loading_point: source.optional(&raw.loading_point_mm, Source::not_negative)?,
+        registration: source.optional(&raw.registration_mrad, Source::not_negative)?,
+        base_tilt_compliance: compliance(&raw.base_tilt_stiffness_nm_per_rad)?,
+        sensor_compliance: compliance(&raw.sensor_stiffness_nm_per_rad)?,
+        lost_motion: source.optional(&raw.lost_motion_arcmin, Source::not_negative)?,
     })
 }
 
-fn not_negative(
-    source: &Source<'_>,
-    value: &Option<Number>,
-    key: &str,
-    to_si: fn(f64) -> f64,
-) -> Result<Option<f64>> {
-    let number = value.as_ref().map(|value| source.not_negative(value, key));
-    Ok(number.transpose()?.map(to_si))
-}
-
 /// A frame from its origin and its roll, pitch, yaw.
-fn pose(source: &Source<'_>, xyz: &Numbers, rpy: &Numbers, table: &str) -> Result<Isometry3<f64>> {
-    let origin = source.vector(xyz, &format!("{table}.xyz_mm"))?.map(mm_to_m);
-    let rotation = source.rotation(rpy, &format!("{table}.rpy_deg"))?;
-    Ok(Isometry3::from_parts(Translation3::from(origin), rotation))
-}
-
-/// One of a few words.
-pub(super) fn choice<T: Copy>(
-    source: &Source<'_>,
-    given: &Text,
-    key: &str,
-    choices: &[(&str, T)],
-    hint: &str,
-) -> Result<T> {
-    let word = given.get().as_str();
-    if let Some((_, value)) = choices.iter().find(|(name, _)| *name == word) {
-        return Ok(*value);
-    }
-    let message = format!("\"{word}\" is not one of the choices.");
-    let nearest = did_you_mean(word, choices.iter().map(|(name, _)| *name));
-    let error = source.error(Code::InvalidValue, key, given.span(), message);
-    Err(error.hint(nearest.unwrap_or_else(|| hint.to_string())))
+fn pose(source: &Source<'_>, xyz: &Fixed<3, Mm>, rpy: &Fixed<3, Deg>) -> Result<Isometry3<f64>> {
+    let origin = Translation3::from(source.vector(xyz)?);
+    Ok(Isometry3::from_parts(origin, source.rotation(rpy)?))
 }

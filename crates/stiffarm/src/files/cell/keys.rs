@@ -58,7 +58,7 @@ const SECTIONS: [Section; 27] = [
 
 /// Parses the text into the raw cell: valid TOML, a known format, known keys
 /// only, each value of the right kind.
-pub(super) fn read(source: &Source<'_>) -> Result<RawCell> {
+pub(super) fn read(source: &mut Source<'_>) -> Result<RawCell> {
     let root = DeTable::parse(source.body()).map_err(|error| syntax_error(source, &error))?;
     // First the format: a newer one may have keys that this version cannot know.
     check_format(source, root.get_ref())?;
@@ -69,8 +69,13 @@ pub(super) fn read(source: &Source<'_>) -> Result<RawCell> {
     if let Some(first) = found.into_iter().next() {
         return Err(first);
     }
-    RawCell::deserialize(toml::de::Deserializer::from(root.clone()))
-        .map_err(|error| type_error(source, root.get_ref(), &error))
+    let mut values = Vec::new();
+    note_table(root.get_ref(), "", &mut values);
+    let read = RawCell::deserialize(toml::de::Deserializer::from(root.clone()))
+        .map_err(|error| type_error(source, &values, &error))?;
+    let paths = values.into_iter().map(|(path, value)| (value.span(), path));
+    source.set_paths(paths);
+    Ok(read)
 }
 
 fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
@@ -78,15 +83,17 @@ fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
     let body = source.body();
     if error.message() == "duplicate key" {
         let key = body.get(span.clone()).unwrap_or_default();
-        return source.error(Code::Duplicate, key, span, "This key appears twice.");
+        return source.error_at(Code::Duplicate, key, span, "This key appears twice.");
     }
     if body.trim_start().starts_with('{') {
         let message = "This is JSON, and no cell file: cells are TOML.";
         let hint = "give the cell file that the result was made with, or builtin:comau";
-        return source.error(Code::TomlSyntax, "", span, message).hint(hint);
+        return source
+            .error_at(Code::TomlSyntax, "", span, message)
+            .hint(hint);
     }
     let message = format!("This is not valid TOML: {}.", error.message());
-    let place = source.error(Code::TomlSyntax, "", span.clone(), message);
+    let place = source.error_at(Code::TomlSyntax, "", span.clone(), message);
     let digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);
     let bytes = body.as_bytes();
     // `x = 1,5` is reported at the comma or just behind it.
@@ -111,7 +118,7 @@ fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
 fn check_format(source: &Source<'_>, root: &DeTable<'_>) -> Result<()> {
     let Some((_, value)) = root.iter().find(|(key, _)| key.get_ref() == "format") else {
         let message = "The file does not say which format it follows.";
-        let error = source.error(Code::MissingKey, "format", 0..0, message);
+        let error = source.error_at(Code::MissingKey, "format", 0..0, message);
         return Err(error.hint("write format = 1 as the first line"));
     };
     let number = match value.get_ref() {
@@ -132,12 +139,12 @@ fn check_format(source: &Source<'_>, root: &DeTable<'_>) -> Result<()> {
         let message = format!(
             "The file has format {number}; this version of stiffarm reads format {FORMAT}."
         );
-        let error = source.error(Code::Unsupported, "format", value.span(), message);
+        let error = source.error_at(Code::Unsupported, "format", value.span(), message);
         return Err(error.hint("install a newer stiffarm, or write the file in format 1"));
     }
     if number < FORMAT {
         let message = format!("The format must be {FORMAT}, got {number}.");
-        let error = source.error(Code::InvalidValue, "format", value.span(), message);
+        let error = source.error_at(Code::InvalidValue, "format", value.span(), message);
         return Err(error.hint("write format = 1"));
     }
     Ok(())
@@ -216,15 +223,16 @@ fn unknown_key(
         .unwrap_or_else(|| format!("known keys here: {}", known.join(", ")));
     let message = format!("The format has no key \"{name}\" here.");
     source
-        .error(Code::UnknownKey, shown, span, message)
+        .error_at(Code::UnknownKey, shown, span, message)
         .hint(hint)
 }
 
 /// Serde's complaint about a value in the field's words.
-fn type_error(source: &Source<'_>, root: &DeTable<'_>, error: &toml::de::Error) -> Error {
+fn type_error(source: &Source<'_>, values: &[PathOf<'_, '_>], error: &toml::de::Error) -> Error {
     let span = error.span().unwrap_or_default();
-    let Some((path, value)) = find_table(root, "", &span) else {
-        return source.error(Code::WrongType, "", span, format!("{}.", error.message()));
+    let mut innermost = values.iter().rev();
+    let Some((path, value)) = innermost.find(|(_, value)| value.span() == span) else {
+        return source.error_at(Code::WrongType, "", span, format!("{}.", error.message()));
     };
     let expected = match error.message().rsplit_once("expected ").map(|(_, e)| e) {
         // Another integer would have been accepted.
@@ -239,7 +247,7 @@ fn type_error(source: &Source<'_>, root: &DeTable<'_>, error: &toml::de::Error) 
     };
     let Some(expected) = expected else {
         let message = "The number is too large to be read.";
-        return source.error(Code::NotFinite, &path, span, message);
+        return source.error_at(Code::NotFinite, path, span, message);
     };
     let quoted_number = match value.get_ref() {
         DeValue::String(text) => text.trim().parse::<f64>().is_ok(),
@@ -252,7 +260,7 @@ fn type_error(source: &Source<'_>, root: &DeTable<'_>, error: &toml::de::Error) 
         }
         _ => None,
     };
-    wrong_kind(source, &path, value, expected, hint)
+    wrong_kind(source, path, value, expected, hint)
 }
 
 fn wrong_kind(
@@ -275,38 +283,38 @@ fn wrong_kind(
         _ => found,
     };
     let message = format!("This is {found}; it must be {expected}.");
-    let error = source.error(Code::WrongType, key, value.span(), message);
+    let error = source.error_at(Code::WrongType, key, value.span(), message);
     match hint {
         Some(hint) => error.hint(hint),
         None => error,
     }
 }
 
-/// The value that stands at exactly these bytes, with its key path.
-fn find_table<'t, 'i>(
-    table: &'t DeTable<'i>,
-    path: &str,
-    span: &Range<usize>,
-) -> Option<(String, &'t Spanned<DeValue<'i>>)> {
-    table
-        .iter()
-        .find_map(|(key, value)| find_value(value, join(path, key.get_ref()), span))
+/// A value with its key path.
+type PathOf<'t, 'i> = (String, &'t Spanned<DeValue<'i>>);
+
+/// Notes the values of a table, each before those inside it.
+fn note_table<'t, 'i>(table: &'t DeTable<'i>, path: &str, values: &mut Vec<PathOf<'t, 'i>>) {
+    for (key, value) in table {
+        note_value(value, join(path, key.get_ref()), values);
+    }
 }
 
-fn find_value<'t, 'i>(
+fn note_value<'t, 'i>(
     value: &'t Spanned<DeValue<'i>>,
     path: String,
-    span: &Range<usize>,
-) -> Option<(String, &'t Spanned<DeValue<'i>>)> {
-    let inside = match value.get_ref() {
-        DeValue::Table(table) => find_table(table, &path, span),
-        DeValue::Array(entries) => entries
-            .iter()
-            .enumerate()
-            .find_map(|(i, entry)| find_value(entry, format!("{path}[{}]", i + 1), span)),
-        _ => None,
-    };
-    inside.or_else(|| (value.span() == *span).then_some((path, value)))
+    values: &mut Vec<PathOf<'t, 'i>>,
+) {
+    values.push((path.clone(), value));
+    match value.get_ref() {
+        DeValue::Table(table) => note_table(table, &path, values),
+        DeValue::Array(entries) => {
+            for (i, entry) in entries.iter().enumerate() {
+                note_value(entry, format!("{path}[{}]", i + 1), values);
+            }
+        }
+        _ => {}
+    }
 }
 
 /// Key path of `name` below `path`, with quotes where TOML needs them.

@@ -51,8 +51,8 @@ use source::Source;
 /// Not TOML, a format this version does not know, unknown or missing keys,
 /// values of the wrong kind, size or range: each with its place and a hint.
 pub fn parse_cell(text: &str, file_name: &str) -> Result<Cell> {
-    let source = Source::new(text, file_name);
-    let raw = keys::read(&source)?;
+    let mut source = Source::new(text, file_name);
+    let raw = keys::read(&mut source)?;
     convert::cell(&source, &raw)
 }
 
@@ -66,8 +66,8 @@ pub fn parse_cell_with(
     file_name: &str,
     read: &dyn Fn(&str) -> Result<Vec<u8>>,
 ) -> Result<Cell> {
-    let source = Source::new(text, file_name).with_files(read);
-    let raw = keys::read(&source)?;
+    let mut source = Source::new(text, file_name).with_files(read);
+    let raw = keys::read(&mut source)?;
     convert::cell(&source, &raw)
 }
 

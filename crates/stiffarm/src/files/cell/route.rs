@@ -1,13 +1,12 @@
 //! `[route]`: how the robot drives from posture to posture.
 
-use super::instruments::choice;
-use super::raw::{At, RawRoute};
+use super::raw::{At, Number, RawRoute};
 use super::robot::angles;
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::robot::{CatalogueEntry, Robot};
 use crate::model::route::RouteRules;
-use crate::units::{deg_to_rad, percent_to_fraction};
+use crate::units::deg_to_rad;
 
 /// Largest joint speed that is not a slip \[deg/s\].
 const FASTEST_DEG_S: f64 = 2000.0;
@@ -28,34 +27,29 @@ pub(super) fn route(
         return Ok(rules);
     };
     if let Some(list) = &raw.joint_speeds_deg_s {
-        let key = "route.joint_speeds_deg_s";
-        let speeds = source.positives(list, key, robot.joint_count(), "one per joint")?;
-        if let Some(fast) = speeds.iter().find(|v| **v > FASTEST_DEG_S) {
+        let speeds = source.positives(list, robot.joint_count(), "one per joint")?;
+        let mut given = list.get().iter().map(Number::get);
+        if let Some(fast) = given.find(|v| *v > FASTEST_DEG_S) {
             let message = format!("No joint turns at {fast}°/s.");
-            let error = source.error(Code::InvalidValue, key, list.span(), message);
+            let error = source.error(Code::InvalidValue, list, message);
             return Err(error.hint("give the largest speed of each joint in degrees per second, as the data sheet has it"));
         }
-        rules.joint_speeds = Some(speeds.into_iter().map(deg_to_rad).collect());
+        rules.joint_speeds = Some(speeds);
     }
     if let Some(value) = &raw.speed_percent {
-        let key = "route.speed_percent";
-        let percent = source.positive(value, key)?;
+        rules.speed_share = source.positive(value)?;
+        let percent = value.get();
         if percent > 100.0 {
             let message = format!("{percent} % is faster than the joints turn.");
-            let error = source.error(Code::InvalidValue, key, value.span(), message);
+            let error = source.error(Code::InvalidValue, value, message);
             return Err(error.hint("give a share of the largest joint speeds, 100 at most"));
         }
-        rules.speed_share = percent_to_fraction(percent);
     }
-    if let Some(list) = &raw.start_deg {
-        let key = "route.start_deg";
-        rules.start = Some(angles(source, list, key, robot)?);
-    }
+    rules.start = source.optional(&raw.start_deg, |source, list| angles(source, list, robot))?;
     if let Some(text) = &raw.load {
         let hint =
             "load = \"off\" where it is taken off before each move, or \"on\" where it stays on";
-        let names = [("off", false), ("on", true)];
-        rules.load_stays_on = choice(source, text, "route.load", &names, hint)?;
+        rules.load_stays_on = source.choice(text, &[("off", false), ("on", true)], hint)?;
     }
     Ok(rules)
 }

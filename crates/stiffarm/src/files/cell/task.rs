@@ -1,7 +1,7 @@
 //! `[[task]]`: machining postures with their loads.
 
 use super::load::axes;
-use super::raw::{At, RawTask};
+use super::raw::{At, Placed, RawTask};
 use super::robot::angles;
 use super::source::Source;
 use crate::error::{Code, Result};
@@ -9,7 +9,6 @@ use crate::model::cell::Task;
 use crate::model::load::{Axes, Wrench};
 use crate::model::robot::Robot;
 use crate::model::tool::Tool;
-use crate::units::mm_to_m;
 use nalgebra::Vector3;
 
 /// The tasks of `robot`, whose tips are the tool's TCP unless they say otherwise.
@@ -36,52 +35,45 @@ fn task(
     robot: &Robot,
     tool: &Tool,
 ) -> Result<Task> {
-    let table = format!("task[{number}]");
-    let (raw, at) = (entry.get(), Some(entry.span()));
+    let raw = entry.get();
     let mut others = before.iter().map(|task| task.name.as_str());
-    let key = format!("{table}.name");
     let name = match &raw.name {
-        Some(name) => source.unique_name(name, &key, others)?,
+        Some(name) => source.unique_name(name, others)?,
         None => {
             let name = format!("task {number}");
             if others.any(|other| other == name) {
                 let message = format!("This task has no name, and \"{name}\" is taken.");
-                let error = source.error(Code::Duplicate, &key, entry.span(), message);
+                let key = source.path_in(entry, "name");
+                let error = source.error_at(Code::Duplicate, &key, entry.span(), message);
                 return Err(error.hint("give this task a name of its own"));
             }
             name
         }
     };
-    let key = format!("{table}.q_deg");
     let hint = "give the controller angles: q_deg = [q1, q2, …] in degrees";
-    let q = source.required(&raw.q_deg, &key, at.clone(), hint)?;
-    let q = angles(source, q, &key, robot)?;
-    let key = format!("{table}.force_n");
+    let q = angles(
+        source,
+        source.required(entry, &raw.q_deg, "q_deg", hint)?,
+        robot,
+    )?;
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
-    let given = source.required(&raw.force_n, &key, at, hint)?;
-    let force = source.vector(given, &key)?;
-    let moment = match &raw.moment_nm {
-        Some(moment) => source.vector(moment, &format!("{table}.moment_nm"))?,
-        None => Vector3::zeros(),
-    };
+    let given = source.required(entry, &raw.force_n, "force_n", hint)?;
+    let force = source.vector(given)?;
+    let moment = source
+        .optional(&raw.moment_nm, Source::vector)?
+        .unwrap_or_default();
     if force == Vector3::zeros() && moment == Vector3::zeros() {
         let message = "Force and moment are zero: this task bends nothing.";
-        let error = source.error(Code::InvalidValue, &key, given.span(), message);
+        let error = source.error(Code::InvalidValue, given, message);
         return Err(error.hint("give the process force, or remove the task"));
     }
-    let axes = match &raw.axes {
-        Some(given) => axes(source, given, &format!("{table}.axes"))?,
-        None => Axes::Base,
-    };
-    let tip = match &raw.tip_mm {
-        Some(tip) => source.vector(tip, &format!("{table}.tip_mm"))?.map(mm_to_m),
-        None => tool.tcp(),
-    };
+    let axes = source.optional(&raw.axes, axes)?.unwrap_or(Axes::Base);
+    let tip = source.optional(&raw.tip_mm, Source::vector)?;
     Ok(Task {
         name,
         q,
         wrench: Wrench { force, moment },
         axes,
-        tip,
+        tip: tip.unwrap_or_else(|| tool.tcp()),
     })
 }

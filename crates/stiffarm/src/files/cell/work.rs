@@ -1,7 +1,6 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::instruments::choice;
-use super::raw::{At, Number, Numbers, RawForce, RawMilling, RawWork};
+use super::raw::{At, Deg, Fixed, Mm, Number, Placed, RawForce, RawMilling, RawWork, Unit};
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::process::{
@@ -9,8 +8,7 @@ use crate::model::process::{
 };
 use crate::model::tool::Tool;
 use crate::model::work::Work;
-use crate::units::{mm_to_m, n_per_mm_to_n_per_m, n_per_mm2_to_pa};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
 const FEEDS_PER_TOOTH_MM: [f64; 2] = [5e-4, 5.0];
@@ -25,25 +23,18 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
     let Some(raw) = table.map(At::get) else {
         return Ok(Work::default());
     };
-    let tip = frame(source, &raw.tip_mm, &raw.tip_rpy_deg, "tip", tool.tcp())?;
-    let workpiece = frame(
-        source,
-        &raw.workpiece_mm,
-        &raw.workpiece_rpy_deg,
-        "workpiece",
-        Vector3::zeros(),
-    )?;
+    let tip = frame(source, &raw.tip_mm, &raw.tip_rpy_deg, tool.tcp())?;
+    let zero = Vector3::zeros();
+    let workpiece = frame(source, &raw.workpiece_mm, &raw.workpiece_rpy_deg, zero)?;
     let process = match (&raw.force, &raw.milling) {
         (Some(force), Some(milling)) => {
-            let [(first, _), (second, span)] = {
-                let mut given = [("force", force.span()), ("milling", milling.span())];
-                given.sort_by_key(|(_, span)| span.start);
-                given
-            };
+            let mut given = [("force", force.span()), ("milling", milling.span())];
+            given.sort_by_key(|(_, span)| span.start);
+            let [(first, _), (second, span)] = given;
             let message =
                 format!("The load of the process is given twice: work.{first} is there already.");
             let key = format!("work.{second}");
-            let error = source.error(Code::Conflict, &key, span, message);
+            let error = source.error_at(Code::Conflict, &key, span, message);
             return Err(error.hint("keep one of [work.force], [work.milling]"));
         }
         (Some(force), None) => Some(Process::Constant(constant(source, force)?)),
@@ -57,172 +48,130 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
     })
 }
 
-/// A frame from the keys `…_mm` and `…_rpy_deg`, where one of them is given.
+/// A frame from its origin and its roll, pitch, yaw, where one of them is given.
 fn frame(
     source: &Source<'_>,
-    origin: &Option<Numbers>,
-    rpy: &Option<Numbers>,
-    name: &str,
+    origin: &Option<Fixed<3, Mm>>,
+    rpy: &Option<Fixed<3, Deg>>,
     default: Vector3<f64>,
 ) -> Result<Option<Isometry3<f64>>> {
     if origin.is_none() && rpy.is_none() {
         return Ok(None);
     }
-    let origin = match origin {
-        Some(origin) => source
-            .vector(origin, &format!("work.{name}_mm"))?
-            .map(mm_to_m),
-        None => default,
-    };
-    let rotation = match rpy {
-        Some(rpy) => source.rotation(rpy, &format!("work.{name}_rpy_deg"))?,
-        None => UnitQuaternion::identity(),
-    };
+    let origin = source.optional(origin, Source::vector)?.unwrap_or(default);
+    let rotation = source.optional(rpy, Source::rotation)?.unwrap_or_default();
     let origin = Translation3::from(origin);
     Ok(Some(Isometry3::from_parts(origin, rotation)))
 }
 
 fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
-    let (raw, at) = (table.get(), Some(table.span()));
-    let key = "work.force.force_n";
+    let raw = table.get();
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
-    let given = source.required(&raw.force_n, key, at, hint)?;
-    let force = source.vector(given, key)?;
-    let moment = match &raw.moment_nm {
-        Some(moment) => source.vector(moment, "work.force.moment_nm")?,
-        None => Vector3::zeros(),
-    };
+    let given = source.required(table, &raw.force_n, "force_n", hint)?;
+    let force = source.vector(given)?;
+    let moment = source.optional(&raw.moment_nm, Source::vector)?;
+    let moment = moment.unwrap_or_default();
     if force == Vector3::zeros() && moment == Vector3::zeros() {
         let message = "Force and moment are zero: the process bends nothing.";
-        let error = source.error(Code::InvalidValue, key, given.span(), message);
+        let error = source.error(Code::InvalidValue, given, message);
         return Err(error.hint("give the process force, or remove [work.force]"));
     }
-    let key = "work.force.axes";
     let hint = "axes = \"base\", \"tool\" (the tip frame), \"workpiece\" or \"path\" (x the feed, z the tool axis)";
     // The frame is never guessed: a wrong one bends the robot another way.
     let Some(axes) = &raw.axes else {
         let message = "The axes of the force are not given.";
-        let error = source.error(Code::MissingKey, key, given.span(), message);
+        let key = "work.force.axes";
+        let error = source.error_at(Code::MissingKey, key, given.span(), message);
         return Err(error.hint(hint));
     };
     Ok(TipLoad {
         force,
         moment,
-        axes: choice(source, axes, key, &ForceAxes::NAMES, hint)?,
+        axes: source.choice(axes, &ForceAxes::NAMES, hint)?,
     })
 }
 
 fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Milling> {
     let raw = table.get();
-    let positive = |value: &Option<Number>, key: &str, hint: &str| -> Result<f64> {
-        let key = format!("work.milling.{key}");
-        let value = source.required(value, &key, Some(table.span()), hint)?;
-        source.positive(value, &key)
-    };
-    let refuse = |value: &Option<Number>, key: &str, message: String, hint: &str| {
-        let span = value.as_ref().map_or(table.span(), At::span);
-        let key = format!("work.milling.{key}");
-        let error = source.error(Code::InvalidValue, &key, span, message);
-        Err(error.hint(hint))
-    };
-
-    let key = "work.milling.teeth";
     let hint = "give the number of teeth of the cutter";
-    let given = source.required(&raw.teeth, key, Some(table.span()), hint)?;
-    let teeth = match u32::try_from(*given.get()) {
-        Ok(teeth @ 1..=1000) => teeth,
-        _ => {
-            let message = format!(
-                "The number of teeth must be from 1 to 1000, got {}.",
-                given.get()
-            );
-            return Err(source.error(Code::InvalidValue, key, given.span(), message));
-        }
-    };
-    let diameter = positive(
-        &raw.diameter_mm,
-        "diameter_mm",
-        "give the diameter of the cutter",
-    )?;
-    let axial_depth = positive(
-        &raw.axial_depth_mm,
-        "axial_depth_mm",
-        "give the depth of cut along the tool axis",
-    )?;
-    let radial_depth = positive(
-        &raw.radial_depth_mm,
-        "radial_depth_mm",
-        "give the width of cut across feed and tool axis; the diameter for a full slot",
-    )?;
-    if radial_depth > diameter {
-        let message =
-            format!("The width of cut {radial_depth} is above the cutter's diameter {diameter}.");
-        let hint = "a full slot has radial_depth_mm = diameter_mm";
-        return refuse(&raw.radial_depth_mm, "radial_depth_mm", message, hint);
+    let given = source.required(table, &raw.teeth, "teeth", hint)?;
+    let number = u32::try_from(*given.get()).unwrap_or(0);
+    if !(1..=1000).contains(&number) {
+        let message = format!(
+            "The number of teeth must be from 1 to 1000, got {}.",
+            given.get()
+        );
+        return Err(source.error(Code::InvalidValue, given, message));
+    }
+    let hint = "give the diameter of the cutter";
+    let diameter = source.required(table, &raw.diameter_mm, "diameter_mm", hint)?;
+    let diameter_m = source.positive(diameter)?;
+    let hint = "give the depth of cut along the tool axis";
+    let depth = source.required(table, &raw.axial_depth_mm, "axial_depth_mm", hint)?;
+    let depth_m = source.positive(depth)?;
+    let hint = "give the width of cut across feed and tool axis; the diameter for a full slot";
+    let width = source.required(table, &raw.radial_depth_mm, "radial_depth_mm", hint)?;
+    let width_m = source.positive(width)?;
+    let diameter_mm = diameter.get();
+    if width.get() > diameter_mm {
+        let message = format!(
+            "The width of cut {} is above the cutter's diameter {diameter_mm}.",
+            width.get()
+        );
+        let error = source.error(Code::InvalidValue, width, message);
+        return Err(error.hint("a full slot has radial_depth_mm = diameter_mm"));
     }
     let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm";
-    let feed_per_tooth = positive(&raw.feed_per_tooth_mm, "feed_per_tooth_mm", hint)?;
+    let feed = source.required(table, &raw.feed_per_tooth_mm, "feed_per_tooth_mm", hint)?;
+    let feed_m = source.positive(feed)?;
+    let feed_mm = feed.get();
     let [low, high] = FEEDS_PER_TOOTH_MM;
-    let doubt = if feed_per_tooth < low {
+    let doubt = if feed_mm < low {
         Some("below any chip; is it given in metres?")
-    } else if feed_per_tooth > high {
+    } else if feed_mm > high {
         Some("above any chip; is it given in micrometres, or is it the feed rate?")
-    } else if feed_per_tooth > diameter / 2.0 {
+    } else if feed_mm > diameter_mm / 2.0 {
         Some("above the cutter's radius.")
     } else {
         None
     };
     if let Some(doubt) = doubt {
-        let message = format!("A feed per tooth of {feed_per_tooth} mm is {doubt}");
-        return refuse(&raw.feed_per_tooth_mm, "feed_per_tooth_mm", message, hint);
+        let message = format!("A feed per tooth of {feed_mm} mm is {doubt}");
+        let error = source.error(Code::InvalidValue, feed, message);
+        return Err(error.hint(hint));
     }
-    let key = "work.milling.direction";
     let hint = "direction = \"up\" (conventional) or direction = \"down\" (climb)";
-    let given = source.required(&raw.direction, key, Some(table.span()), hint)?;
-    let direction = choice(source, given, key, &DIRECTIONS, hint)?;
+    let given = source.required(table, &raw.direction, "direction", hint)?;
     Ok(Milling {
-        teeth,
-        diameter: mm_to_m(diameter),
-        axial_depth: mm_to_m(axial_depth),
-        radial_depth: mm_to_m(radial_depth),
-        feed_per_tooth: mm_to_m(feed_per_tooth),
-        direction,
+        teeth: number,
+        diameter: diameter_m,
+        axial_depth: depth_m,
+        radial_depth: width_m,
+        feed_per_tooth: feed_m,
+        direction: source.choice(given, &DIRECTIONS, hint)?,
         coefficients: coefficients(source, table)?,
     })
 }
 
 fn coefficients(source: &Source<'_>, table: &At<RawMilling>) -> Result<CuttingCoefficients> {
     let raw = table.get();
-    let number = |value: &Option<Number>, key: &str, to_si: fn(f64) -> f64| -> Result<f64> {
-        let key = format!("work.milling.{key}");
-        match value {
-            Some(value) => source.number(value, &key).map(to_si),
-            None => Ok(0.0),
-        }
-    };
     let hint =
         "give the tangential and the radial cutting coefficient of cutter and material in N/mm²";
-    for (value, key) in [
-        (&raw.k_tc_n_per_mm2, "work.milling.k_tc_n_per_mm2"),
-        (&raw.k_rc_n_per_mm2, "work.milling.k_rc_n_per_mm2"),
-    ] {
-        source.required(value, key, Some(table.span()), hint)?;
-    }
+    let tangential = source.required(table, &raw.k_tc_n_per_mm2, "k_tc_n_per_mm2", hint)?;
+    let radial = source.required(table, &raw.k_rc_n_per_mm2, "k_rc_n_per_mm2", hint)?;
     // The tangential ones take power, so they have a sign.
-    if let Some(value) = &raw.k_tc_n_per_mm2 {
-        source.positive(value, "work.milling.k_tc_n_per_mm2")?;
-    }
-    if let Some(value) = &raw.k_te_n_per_mm {
-        source.not_negative(value, "work.milling.k_te_n_per_mm")?;
-    }
-    let chip = |value: &Option<Number>, key: &str| number(value, key, n_per_mm2_to_pa);
-    let edge = |value: &Option<Number>, key: &str| number(value, key, n_per_mm_to_n_per_m);
+    source.positive(tangential)?;
+    source.optional(&raw.k_te_n_per_mm, Source::not_negative)?;
     Ok(CuttingCoefficients {
-        k_tc: chip(&raw.k_tc_n_per_mm2, "k_tc_n_per_mm2")?,
-        k_rc: chip(&raw.k_rc_n_per_mm2, "k_rc_n_per_mm2")?,
-        k_ac: chip(&raw.k_ac_n_per_mm2, "k_ac_n_per_mm2")?,
-        k_te: edge(&raw.k_te_n_per_mm, "k_te_n_per_mm")?,
-        k_re: edge(&raw.k_re_n_per_mm, "k_re_n_per_mm")?,
-        k_ae: edge(&raw.k_ae_n_per_mm, "k_ae_n_per_mm")?,
+        k_tc: source.number(tangential)?,
+        k_rc: source.number(radial)?,
+        k_ac: or_zero(source, &raw.k_ac_n_per_mm2)?,
+        k_te: or_zero(source, &raw.k_te_n_per_mm)?,
+        k_re: or_zero(source, &raw.k_re_n_per_mm)?,
+        k_ae: or_zero(source, &raw.k_ae_n_per_mm)?,
     })
+}
+
+fn or_zero<U: Unit>(source: &Source<'_>, value: &Option<Number<U>>) -> Result<f64> {
+    Ok(source.optional(value, Source::number)?.unwrap_or(0.0))
 }

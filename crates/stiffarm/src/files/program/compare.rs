@@ -113,10 +113,9 @@ pub fn compare_moves(
     language: Language,
     tolerance: f64,
 ) -> Vec<Difference> {
-    let named = |target: &Move| match language {
-        Language::Csv => (target.kind, target.name.clone()),
-        Language::Ls | Language::Inform => (target.kind, text::name(&target.name, 24)),
-        _ => (target.kind, text::name(&target.name, 60)),
+    let named = |target: &Move| match &language.dialect().syntax {
+        Some(syntax) => (target.kind, text::name(&target.name, syntax.name_width)),
+        None => (target.kind, target.name.clone()),
     };
     let mut partner: Vec<Option<usize>> = vec![None; found.len()];
     let mut differences = Vec::new();

@@ -3,10 +3,18 @@
 //! Comment lines with `#`, then `step,kind,posture,q1_deg,…,speed_percent,message`. A row of kind `wait` has
 //! a message and no angles. LF, UTF-8, names and messages as they are.
 
+use super::dialect::Dialect;
 use super::{Move, MoveKind, Program, ProgramFile, Step};
 use crate::error::{Code, Error, Result};
 use crate::files::names::fault_of;
 use crate::units::rad_to_shortest_deg;
+
+pub const CSV: Dialect = Dialect {
+    name: "csv",
+    title: "CSV",
+    longest_name: 60,
+    ..Dialect::USUAL
+};
 
 /// The table.
 pub fn write(program: &Program) -> Result<Vec<ProgramFile>> {

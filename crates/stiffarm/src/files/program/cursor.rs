@@ -1,6 +1,6 @@
 //! A place in a line of a program, and what is read there.
 
-use super::{Move, MoveKind, ProgramFile, Step, text};
+use super::ProgramFile;
 use crate::error::{Code, Error, Result};
 
 /// Goes through one line.
@@ -38,9 +38,9 @@ impl<'a> Cursor<'a> {
         self
     }
 
-    /// Passes one character.
-    pub fn step(&mut self) {
-        self.at += self.rest().chars().next().map_or(0, char::len_utf8);
+    /// Passes so many bytes.
+    pub fn skip(&mut self, bytes: usize) {
+        self.at += bytes;
     }
 
     /// True where only spaces are left.
@@ -76,17 +76,19 @@ impl<'a> Cursor<'a> {
 
     /// Passes `text`.
     pub fn expect(&mut self, text: &str) -> Result<()> {
-        match self.passes(text) {
-            true => Ok(()),
-            false => Err(self.space().wrong(format!("`{text}` is missing here."))),
+        if self.passes(text) {
+            Ok(())
+        } else {
+            Err(self.wrong_here(format!("`{text}` is missing here.")))
         }
     }
 
     /// Refuses what is left but spaces.
     pub fn end(&mut self) -> Result<()> {
-        match self.is_done() {
-            true => Ok(()),
-            false => Err(self.space().wrong("This is not expected here.".to_string())),
+        if self.is_done() {
+            Ok(())
+        } else {
+            Err(self.wrong_here("This is not expected here."))
         }
     }
 
@@ -97,7 +99,7 @@ impl<'a> Cursor<'a> {
         let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == '$';
         let length = rest.find(|c| !is_part(c)).unwrap_or(rest.len());
         if length == 0 {
-            return Err(self.wrong("A name is missing here.".to_string()));
+            return Err(self.wrong("A name is missing here."));
         }
         self.at += length;
         Ok(&rest[..length])
@@ -121,7 +123,7 @@ impl<'a> Cursor<'a> {
                 self.at += length;
                 Ok(number)
             }
-            _ => Err(self.wrong("A number is missing here.".to_string())),
+            _ => Err(self.wrong("A number is missing here.")),
         }
     }
 
@@ -130,7 +132,7 @@ impl<'a> Cursor<'a> {
         let before = self.clone();
         match self.number()? {
             degrees if degrees.abs() <= 1e5 => Ok(degrees.to_radians()),
-            _ => Err(before.wrong("This is no angle of a joint in degrees.".to_string())),
+            _ => Err(before.wrong("This is no angle of a joint in degrees.")),
         }
     }
 
@@ -138,9 +140,10 @@ impl<'a> Cursor<'a> {
     pub fn percent(&mut self) -> Result<u8> {
         let before = self.clone();
         let number = self.number()?;
-        match (0.5..=100.0).contains(&number) {
-            true => Ok(number.round() as u8),
-            false => Err(before.wrong("A speed of 1 to 100 per cent is needed here.".to_string())),
+        if (0.5..=100.0).contains(&number) {
+            Ok(number.round() as u8)
+        } else {
+            Err(before.wrong("A speed of 1 to 100 per cent is needed here."))
         }
     }
 
@@ -156,60 +159,32 @@ impl<'a> Cursor<'a> {
         Ok(&rest[..end])
     }
 
+    /// So many numbers with commas between them.
+    pub fn list(
+        &mut self,
+        count: usize,
+        number: impl Fn(&mut Self, usize) -> Result<f64>,
+    ) -> Result<Vec<f64>> {
+        let mut values = Vec::with_capacity(count);
+        for at in 0..count {
+            if at > 0 {
+                self.expect(",")?;
+            }
+            values.push(number(self, at)?);
+        }
+        Ok(values)
+    }
+
+    /// An error at what comes next but spaces.
+    pub fn wrong_here(&mut self, message: impl Into<String>) -> Error {
+        self.space().wrong(message)
+    }
+
     /// An error at this place.
-    pub fn wrong(&self, message: String) -> Error {
+    pub fn wrong(&self, message: impl Into<String>) -> Error {
         let column = self.line[..self.at].chars().count() + 1;
         Error::new(Code::Program, message)
             .file(self.file)
             .line(self.number, Some(column))
-    }
-}
-
-/// Steps that grow line by line.
-#[derive(Debug, Default)]
-pub struct Steps {
-    steps: Vec<Step>,
-    /// Kind and name of the next move.
-    next: Option<(MoveKind, String)>,
-    /// What has been said since the last step.
-    said: Vec<String>,
-    moves: usize,
-}
-
-impl Steps {
-    /// A comment: it may name the next move.
-    pub fn comment(&mut self, comment: &str) {
-        if let Some(marked) = text::marked(comment) {
-            self.next = Some(marked);
-        }
-    }
-
-    /// A line of a message.
-    pub fn say(&mut self, line: &str) {
-        self.said.push(line.to_string());
-    }
-
-    /// The program waits for somebody.
-    pub fn wait(&mut self) {
-        let text = std::mem::take(&mut self.said).join(" ");
-        self.steps.push(Step::Wait(text));
-    }
-
-    /// A move. Without a comment before it, it has a number for a name.
-    pub fn go(&mut self, q: Vec<f64>, speed_percent: u8) {
-        self.moves += 1;
-        let unnamed = || (MoveKind::Posture, format!("move {}", self.moves));
-        let (kind, name) = self.next.take().unwrap_or_else(unnamed);
-        self.steps.push(Step::Move(Move {
-            name,
-            kind,
-            q,
-            speed_percent,
-        }));
-    }
-
-    /// All of them.
-    pub fn done(self) -> Vec<Step> {
-        self.steps
     }
 }

@@ -13,201 +13,140 @@
 //! The date of the head is a constant, so that equal plans give equal bytes. CR LF, as the
 //! controller writes.
 
-use super::characters;
-use super::cursor::{Cursor, Steps, lines};
-use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
+use super::characters::said;
+use super::cursor::Cursor;
+use super::dialect::{Angles, Dialect, Syntax, Tool};
+use super::reader::{Reader, Section};
 use crate::error::Result;
-use crate::units::rad_to_deg;
-use std::collections::HashMap;
+use crate::model::robot::Controller;
 
 /// Characters of a comment and of a message.
 const WIDTH: usize = 32;
-/// Of a name in a comment, after `posture `.
-const NAME: usize = 24;
 /// Begins a comment that is part of a text.
 const SAID: &str = "> ";
-/// The tool where none is given.
-const TOOL: &str = "0";
 
-/// Pulses per degree; [`ProgramOptions::check`] has seen that they are there.
-fn pulses(options: &ProgramOptions) -> &[f64] {
-    options.pulses_per_degree.as_deref().unwrap_or_default()
-}
+pub const INFORM: Dialect = Dialect {
+    name: "inform",
+    title: "Yaskawa INFORM",
+    controller: Some(Controller::Yaskawa),
+    axes: [6, 7],
+    axis_name: |axis| ["S", "L", "U", "R", "B", "T", "E"][axis.min(6)].to_string(),
+    in_pulses: true,
+    tool: Tool::Number(63, Some("0")),
+    upper_case: true,
+    reserved: "END NOP",
+    syntax: Some(Syntax {
+        files: &[("jbi", JOB)],
+        comment_width: WIDTH,
+        // After `posture `.
+        name_width: 24,
+        label: |number| format!("C{:05}", number - 1),
+        marker: |named| format!("'{named}"),
+        movement: |to| vec![format!("MOVJ {} VJ={}.00 PL=0", to.label, to.speed_percent)],
+        point: |to| vec![format!("{}={}", to.label, to.values.join(","))],
+        wait: |text| {
+            let lines = said(text, WIDTH - SAID.len()).into_iter();
+            let comments = lines.map(|line| format!("'{SAID}{line}"));
+            let shown = format!("MSG \"{}\"", said(text, WIDTH)[0]);
+            comments.chain([shown, "PAUSE".to_string()]).collect()
+        },
+        read,
+        joint_move: "MOVJ",
+        other_moves: &["MOVL", "MOVC", "MOVS", "IMOV", "SMOVL"],
+        missing_point: "//POS has no",
+        comment: "'",
+        comments_fill_lines: true,
+        notes: &["///date", "///comm"],
+        angle_words: &["="],
+        angles: Angles::Second("="),
+        ..Syntax::USUAL
+    }),
+    ..Dialect::USUAL
+};
 
-/// The job.
-pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
-    let scales = pulses(options);
-    let mut points = Vec::new();
-    let mut body = vec!["NOP".to_string()];
-    body.extend(
-        text::header(program, Language::Inform, WIDTH)
-            .iter()
-            .map(|line| format!("'{line}")),
-    );
-    let axes = scales.iter().enumerate();
-    body.extend(axes.map(|(axis, scale)| {
-        let line = format!("'pulses/deg {} {scale}", Language::Inform.axis_name(axis));
-        line.chars().take(WIDTH + 1).collect()
-    }));
-    for step in &program.steps {
-        match step {
-            Step::Wait(said) => {
-                let lines = characters::said(said, WIDTH - SAID.len());
-                body.extend(lines.iter().map(|line| format!("'{SAID}{line}")));
-                let first = characters::said(said, WIDTH);
-                body.push(format!("MSG \"{}\"", first[0]));
-                body.push("PAUSE".to_string());
-            }
-            Step::Move(target) => {
-                let number = points.len();
-                let values = options.to_controller(&target.q);
-                let values = values.iter().zip(scales);
-                let values: Vec<String> = values
-                    .map(|(angle, scale)| text::fixed(rad_to_deg(*angle) * scale, 0))
-                    .collect();
-                points.push(format!("C{number:05}={}", values.join(",")));
-                body.push(format!(
-                    "'{}",
-                    text::marker(target.kind, &target.name, NAME)
-                ));
-                body.push(format!(
-                    "MOVJ C{number:05} VJ={}.00 PL=0",
-                    target.speed_percent
-                ));
-            }
+const JOB: &str = "\
+/JOB
+//NAME {name}
+//POS
+///NPOS {moves},0,0,0,0,0
+///TOOL {tool}
+///POSTYPE PULSE
+///PULSE
+{points}
+//INST
+///DATE 2000/01/01 00:00
+///COMM STIFFARM PLAN
+///ATTR SC,RW
+///GROUP1 RB1
+NOP
+'{header}
+'{scales}
+{body}
+END
+";
+
+fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    if line.word("//NAME") {
+        reader.named(line.identifier()?);
+    } else if line.word("///POSTYPE") {
+        if !line.word("PULSE") {
+            return Err(line.wrong_here("Only positions in pulses can be read (PULSE)."));
         }
-    }
-    body.push("END".to_string());
-    let mut lines = vec![
-        "/JOB".to_string(),
-        format!("//NAME {}", program.name),
-        "//POS".to_string(),
-    ];
-    lines.push(format!("///NPOS {},0,0,0,0,0", points.len()));
-    lines.push(format!(
-        "///TOOL {}",
-        options.tool.as_deref().unwrap_or(TOOL)
-    ));
-    lines.extend(["///POSTYPE PULSE", "///PULSE"].map(String::from));
-    lines.extend(points);
-    lines.extend(
-        [
-            "//INST",
-            "///DATE 2000/01/01 00:00",
-            "///COMM STIFFARM PLAN",
-            "///ATTR SC,RW",
-            "///GROUP1 RB1",
-        ]
-        .map(String::from),
-    );
-    lines.extend(body);
-    vec![ProgramFile {
-        name: format!("{}.jbi", program.name),
-        text: text::joined(&lines, "\r\n"),
-    }]
-}
-
-/// Reads a job.
-pub fn read(file: &ProgramFile, options: &ProgramOptions, joints: usize) -> Result<Program> {
-    let mut steps = Steps::default();
-    let mut points: HashMap<String, Vec<f64>> = HashMap::new();
-    let (mut name, mut in_body, mut said) = (String::new(), false, false);
-    for mut line in lines(file) {
-        if line.word("//NAME") {
-            name = line.identifier()?.to_string();
-        } else if line.word("///POSTYPE") {
-            if !line.word("PULSE") {
-                return Err(line
-                    .space()
-                    .wrong("Only positions in pulses can be read (PULSE).".to_string()));
-            }
-        } else if line.word("//INST") {
-            in_body = true;
-        } else if line.passes("'") {
-            match line.rest().strip_prefix(SAID) {
-                Some(text) => {
-                    steps.say(text);
-                    said = true;
-                }
-                None => steps.comment(line.rest()),
-            }
-        } else if line.clone().passes("/") || line.is_done() {
-        } else if !in_body {
-            point(&mut line, options, joints, &mut points)?;
-        } else if line.word("MSG") {
-            let text = line.quoted('"')?;
-            if !said {
-                steps.say(text);
-            }
-        } else if line.word("PAUSE") {
-            steps.wait();
-            said = false;
-        } else if line.word("MOVJ") {
-            let place = line.clone();
-            let label = line.identifier()?;
-            let found = points.get(&label.to_ascii_uppercase());
-            let wrong = || {
-                place
-                    .clone()
-                    .space()
-                    .wrong(format!("//POS has no {label}."))
-            };
-            let q = found.cloned().ok_or_else(wrong)?;
-            line.expect("VJ=")?;
-            let speed = line.percent()?;
-            if line.passes("PL=") && line.number()? != 0.0 {
-                return Err(line.wrong("The move does not end at rest (PL=0).".to_string()));
-            }
-            line.end()?;
-            steps.go(q, speed);
-        } else {
-            other_motion(&line)?;
+    } else if line.word("//INST") {
+        reader.section = Section::Body;
+    } else if line.passes("'") {
+        match line.rest().strip_prefix(SAID) {
+            Some(text) => reader.say(text),
+            None => reader.comment(line.rest()),
         }
+    } else if line.clone().passes("/") || line.is_done() {
+    } else if reader.section != Section::Body {
+        point(line, reader)?;
+    } else if line.word("MSG") {
+        // The comments before it have the whole text.
+        let text = line.quoted('"')?;
+        if !reader.has_said() {
+            reader.say(text);
+        }
+    } else if line.word("PAUSE") {
+        reader.wait();
+    } else if line.word("MOVJ") {
+        let place = line.clone();
+        let label = line.identifier()?;
+        line.expect("VJ=")?;
+        reader.speed = line.percent()?;
+        if line.passes("PL=") && line.number()? != 0.0 {
+            return Err(line.wrong("The move does not end at rest (PL=0)."));
+        }
+        line.end()?;
+        reader.go_to(place, label);
+    } else {
+        return Ok(false);
     }
-    Ok(Program {
-        name,
-        header: Vec::new(),
-        steps: steps.done(),
-    })
+    Ok(true)
 }
 
 /// `C00000=1,2,…`; positions of other groups and position variables are passed over.
-fn point(
-    line: &mut Cursor<'_>,
-    options: &ProgramOptions,
-    joints: usize,
-    points: &mut HashMap<String, Vec<f64>>,
-) -> Result<()> {
-    let label = line.identifier()?.to_ascii_uppercase();
-    if !label.starts_with('C') {
+fn point(line: &mut Cursor<'_>, reader: &mut Reader<'_>) -> Result<()> {
+    let label = line.identifier()?;
+    if !label.starts_with(['C', 'c']) {
         return Ok(());
     }
     line.expect("=")?;
-    let mut values = Vec::with_capacity(joints);
-    for (axis, scale) in pulses(options).iter().enumerate() {
-        if axis > 0 {
-            line.expect(",")?;
-        }
+    let scales = reader
+        .options
+        .pulses_per_degree
+        .as_deref()
+        .unwrap_or_default();
+    let values = line.list(scales.len(), |line, axis| {
         let place = line.clone();
-        let degrees = line.number()? / scale;
+        let degrees = line.number()? / scales[axis];
         if degrees.abs() > 1e5 {
-            return Err(place.wrong("These are no pulses of an axis.".to_string()));
+            return Err(place.wrong("These are no pulses of an axis."));
         }
-        values.push(degrees.to_radians());
-    }
+        Ok(degrees.to_radians())
+    })?;
     line.end()?;
-    points.insert(label, options.to_cell(&values));
+    reader.point(label, reader.options.to_cell(&values));
     Ok(())
-}
-
-/// Refuses moves that are not to joint angles.
-fn other_motion(line: &Cursor<'_>) -> Result<()> {
-    let others = ["MOVL", "MOVC", "MOVS", "IMOV", "SMOVL"];
-    match others.iter().find(|word| line.clone().word(word)) {
-        Some(word) => Err(line
-            .clone()
-            .space()
-            .wrong(format!("{word} is no joint move (MOVJ)."))),
-        None => Ok(()),
-    }
 }

@@ -8,8 +8,9 @@
 //! [`compare_statements`] what else a program holds than one that was written.
 //!
 //! What is written is the smallest part of each language that does this: no tool, base, load or
-//! acceleration is set, and nothing is computed on the controller. Each language's file says where
-//! its grammar is described.
+//! acceleration is set, and nothing is computed on the controller. Each language is a file with one
+//! value (`Dialect`), which also says where its grammar is described; `writer` and `reader`
+//! serve all.
 //!
 //! ```
 //! use stiffarm::files::program::{
@@ -34,6 +35,7 @@ mod characters;
 mod compare;
 mod csv;
 mod cursor;
+mod dialect;
 mod inform;
 mod krl;
 mod language;
@@ -41,9 +43,11 @@ mod ls;
 mod options;
 mod pdl2;
 mod rapid;
+mod reader;
 mod statements;
 mod text;
 mod urscript;
+mod writer;
 
 pub use compare::{Difference, compare_moves, missing_stops};
 pub use language::Language;
@@ -237,7 +241,7 @@ pub fn program_of_stops(
 ///
 /// Texts hold only characters that every controller shows; others are written in letters or as `_`.
 /// Angles have as many decimals as the program's own need, at least two and at most what the language
-/// takes ([`Language::most_decimals`]).
+/// takes.
 ///
 /// # Errors
 /// A name that the language does not allow, more joints than it has axes, an angle that is not
@@ -261,15 +265,11 @@ pub fn write_program(
         .hint("export parts of the plan, each to a program of its own"));
     }
     options.check(language, joints)?;
-    Ok(match language {
-        Language::Krl => krl::write(program, options),
-        Language::Rapid => rapid::write(program, options),
-        Language::Ls => ls::write(program, options),
-        Language::Inform => inform::write(program, options),
-        Language::Pdl2 => pdl2::write(program, options),
-        Language::Urscript => urscript::write(program),
-        Language::Csv => csv::write(program)?,
-    })
+    let dialect = language.dialect();
+    match &dialect.syntax {
+        Some(syntax) => Ok(writer::write(program, dialect, syntax, options)),
+        None => csv::write(program),
+    }
 }
 
 fn check_move(target: &Move, joints: usize) -> Result<()> {
@@ -316,26 +316,10 @@ pub fn read_program(
     joints: usize,
 ) -> Result<Program> {
     options.check(language, joints)?;
-    let program = match language {
-        Language::Krl => krl::read(files, options, joints),
-        _ => {
-            let [file] = files else {
-                let message = format!(
-                    "A program in {} is one file, got {}.",
-                    language.title(),
-                    files.len()
-                );
-                return Err(Error::new(Code::Usage, message));
-            };
-            match language {
-                Language::Rapid => rapid::read(file, options, joints),
-                Language::Ls => ls::read(file, options, joints),
-                Language::Inform => inform::read(file, options, joints),
-                Language::Pdl2 => pdl2::read(file, options, joints),
-                Language::Urscript => urscript::read(file, joints),
-                _ => csv::read(file, joints),
-            }
-        }
+    let dialect = language.dialect();
+    let program = match &dialect.syntax {
+        Some(syntax) => reader::read(files, dialect, syntax, options, joints),
+        None => csv::read(reader::only(files, dialect.title)?, joints),
     }?;
     let is_empty = program.moves().next().is_none();
     match files.first().filter(|_| is_empty) {

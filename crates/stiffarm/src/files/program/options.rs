@@ -1,6 +1,7 @@
 //! What a language needs to know beside the program.
 
 use super::Language;
+use super::dialect::{Dialect, Tool};
 use crate::error::{Code, Error, Result};
 
 /// Options of writing and reading a program.
@@ -20,12 +21,14 @@ pub struct ProgramOptions {
 impl ProgramOptions {
     /// Checks that they fit a robot of `joints` joints.
     pub(super) fn check(&self, language: Language, joints: usize) -> Result<()> {
-        let [fewest, most] = language.axes();
-        let title = language.title();
+        let dialect = language.dialect();
+        let [fewest, most] = dialect.axes;
+        let title = dialect.title;
         if !(fewest..=most).contains(&joints) {
-            let wanted = match fewest == most {
-                true => format!("exactly {most}"),
-                false => format!("{fewest} to {most}"),
+            let wanted = if fewest == most {
+                format!("exactly {most}")
+            } else {
+                format!("{fewest} to {most}")
             };
             return Err(Error::new(
                 Code::Unsupported,
@@ -33,116 +36,98 @@ impl ProgramOptions {
             )
             .hint("--language csv takes any number of joints"));
         }
-        self.check_axes(language, joints)?;
-        self.check_pulses(language, joints)?;
-        self.check_tool(language)
+        // A table has the cell's order.
+        if dialect.syntax.is_some() {
+            self.check_axes(dialect, joints)?;
+        }
+        self.check_pulses(dialect, joints)?;
+        self.check_tool(dialect)
     }
 
-    fn check_axes(&self, language: Language, joints: usize) -> Result<()> {
-        let fault = |code, message: String| Err(Error::new(code, message).key("axes"));
-        if language == Language::Csv {
-            return Ok(());
-        }
+    fn check_axes(&self, dialect: &Dialect, joints: usize) -> Result<()> {
         let Some(axes) = &self.axes else {
-            if joints > 6 {
-                let last = language.axis_name(joints - 1);
-                return fault(
-                    Code::MissingKey,
-                    format!(
-                        "A robot of {joints} joints needs to be told which of the controller's axes each \
-                         joint is, base first: the last in {} is {last}, which on many arms is not the \
-                         last joint.",
-                        language.title()
-                    ),
-                )
-                .map_err(|e| {
-                    e.hint(
-                        "give --axes, for example 1,2,7,3,4,5,6 where the third joint is the \
-                         controller's axis 7",
-                    )
-                });
+            if joints <= 6 {
+                return Ok(());
             }
-            return Ok(());
+            let message = format!(
+                "A robot of {joints} joints needs to be told which of the controller's axes each joint is, base \
+                 first: the last in {} is {}, which on many arms is not the last joint.",
+                dialect.title,
+                (dialect.axis_name)(joints - 1)
+            );
+            return Err(Error::new(Code::MissingKey, message).key("axes").hint(
+                "give --axes, for example 1,2,7,3,4,5,6 where the third joint is the controller's axis 7",
+            ));
         };
         let mut sorted = axes.clone();
         sorted.sort_unstable();
-        match sorted.iter().copied().eq(1..=joints) {
-            true => Ok(()),
-            false => fault(
-                Code::InvalidValue,
-                format!("The axes must be the numbers 1 to {joints}, each once."),
-            ),
+        if sorted.into_iter().eq(1..=joints) {
+            return Ok(());
         }
+        let message = format!("The axes must be the numbers 1 to {joints}, each once.");
+        Err(Error::new(Code::InvalidValue, message).key("axes"))
     }
 
-    fn check_pulses(&self, language: Language, joints: usize) -> Result<()> {
-        let fault = |code, message: String| Err(Error::new(code, message).key("pulses_per_degree"));
-        match (&self.pulses_per_degree, language) {
-            (None, Language::Inform) => fault(
-                Code::MissingKey,
-                "A Yaskawa job holds encoder pulses, and nothing says how many one degree has.".to_string(),
-            )
-            .map_err(|e| {
-                e.hint(
-                    "give --pulses-per-degree, one per axis (S, L, U, R, B, T): turn one axis at a time \
-                     and divide the change of the pendant's pulses by that of its degrees",
-                )
-            }),
-            (Some(_), other) if other != Language::Inform => fault(
-                Code::Conflict,
-                format!("Pulses per degree are for INFORM; {} has degrees.", other.title()),
-            ),
-            (Some(pulses), _) if pulses.len() != joints => fault(
-                Code::Dimension,
-                format!("{} numbers of pulses for {joints} axes.", pulses.len()),
-            ),
-            // Less would not keep a hundredth of a degree; the sign tells the encoder's sense.
-            (Some(pulses), _) if !pulses.iter().all(|p| (50.0..1e6).contains(&p.abs())) => fault(
-                Code::InvalidValue,
-                "Pulses per degree must lie between 50 and 1 000 000, or below zero for an axis whose \
-                 encoder counts the other way."
-                    .to_string(),
-            ),
-            _ => Ok(()),
+    fn check_pulses(&self, dialect: &Dialect, joints: usize) -> Result<()> {
+        let fault = |code, message: &str| Error::new(code, message).key("pulses_per_degree");
+        let pulses = match &self.pulses_per_degree {
+            None if dialect.in_pulses => {
+                let message =
+                    "A Yaskawa job holds encoder pulses, and nothing says how many one degree has.";
+                return Err(fault(Code::MissingKey, message).hint(
+                    "give --pulses-per-degree, one per axis (S, L, U, R, B, T): turn one axis at a time and divide \
+                     the change of the pendant's pulses by that of its degrees",
+                ));
+            }
+            None => return Ok(()),
+            Some(pulses) => pulses,
+        };
+        if !dialect.in_pulses {
+            let title = dialect.title;
+            let message = format!("Pulses per degree are for INFORM; {title} has degrees.");
+            return Err(fault(Code::Conflict, &message));
         }
+        if pulses.len() != joints {
+            let message = format!("{} numbers of pulses for {joints} axes.", pulses.len());
+            return Err(fault(Code::Dimension, &message));
+        }
+        // Less would not keep a hundredth of a degree; the sign tells the encoder's sense.
+        if !pulses.iter().all(|p| (50.0..1e6).contains(&p.abs())) {
+            let message = "Pulses per degree must lie between 50 and 1 000 000, or below zero for an axis whose \
+                           encoder counts the other way.";
+            return Err(fault(Code::InvalidValue, message));
+        }
+        Ok(())
     }
 
-    fn check_tool(&self, language: Language) -> Result<()> {
+    fn check_tool(&self, dialect: &Dialect) -> Result<()> {
         let Some(tool) = &self.tool else {
             return Ok(());
         };
-        let fault = |code, message: String| Err(Error::new(code, message).key("tool"));
-        let number = |most: u32| match tool.parse::<u32>() {
-            Ok(number) if number <= most && *tool == number.to_string() => Ok(()),
-            _ => fault(
-                Code::InvalidValue,
-                format!(
-                    "The tool of {} is a number from 0 to {most}.",
-                    language.title()
-                ),
-            ),
-        };
-        match language {
-            Language::Krl => number(128),
-            Language::Ls => number(29),
-            Language::Inform => number(63),
-            Language::Rapid => {
-                let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-                let letter = |c: char| c.is_ascii_alphabetic();
-                match tool.starts_with(letter) && tool.chars().all(plain) && tool.len() <= 32 {
-                    true => Ok(()),
-                    false => fault(
-                        Code::InvalidValue,
-                        "The tool of ABB RAPID is the name of a tooldata: at most 32 letters, digits and _."
-                            .to_string(),
-                    ),
-                }
+        let title = dialect.title;
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let (fits, message) = match dialect.tool {
+            Tool::OnController => {
+                let message = format!("In {title} the tool is set on the controller.");
+                return Err(Error::new(Code::Conflict, message).key("tool"));
             }
-            _ => fault(
-                Code::Conflict,
-                format!("In {} the tool is set on the controller.", language.title()),
-            ),
+            Tool::Number(most, _) => {
+                let number = tool.parse::<u32>().ok();
+                let fits = number.is_some_and(|n| n <= most && *tool == n.to_string());
+                (fits, format!("is a number from 0 to {most}"))
+            }
+            Tool::Name(_) => {
+                let begins = tool.starts_with(|c: char| c.is_ascii_alphabetic());
+                let fits = begins && tool.chars().all(plain) && tool.len() <= 32;
+                let message = "is the name of a tooldata: at most 32 letters, digits and _";
+                (fits, message.to_string())
+            }
+        };
+        if fits {
+            return Ok(());
         }
+        let message = format!("The tool of {title} {message}.");
+        Err(Error::new(Code::InvalidValue, message).key("tool"))
     }
 
     /// Values in the controller's order.

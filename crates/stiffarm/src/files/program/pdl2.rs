@@ -8,121 +8,85 @@
 //!
 //! CR LF: the controller's tools run on Windows.
 
-use super::characters;
-use super::cursor::{Cursor, Steps, lines};
-use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
+use super::characters::said;
+use super::cursor::Cursor;
+use super::dialect::{Angles, Dialect, Syntax};
+use super::reader::Reader;
 use crate::error::Result;
+use crate::model::robot::Controller;
 
-const WIDTH: usize = 76;
-const MESSAGE: usize = 40;
-const NAME: usize = 60;
+pub const PDL2: Dialect = Dialect {
+    name: "pdl2",
+    title: "COMAU PDL2",
+    controller: Some(Controller::Comau),
+    axes: [1, 10],
+    reserved: "abort activate and attach begin call close const delay do else end endif exit for goto hold \
+               if move not open or pause program read repeat return routine select type var wait while with \
+               write",
+    syntax: Some(Syntax {
+        files: &[("pdl", PROGRAM)],
+        marker: |named| format!("  -- {named}"),
+        speed: Some(|percent| format!("  $ARM_SPD_OVR := {percent}")),
+        movement: |to| vec![format!("  MOVE JOINT TO {{{}}}", to.values.join(", "))],
+        wait: |text| {
+            let said = said(text, 40).into_iter();
+            let shown = said.map(|line| format!("  WRITE LUN_CRT ('{line}', NL)"));
+            shown.chain(["  PAUSE".to_string()]).collect()
+        },
+        read,
+        joint_move: "MOVE JOINT TO",
+        other_moves: &["LINEAR", "CIRCULAR"],
+        comment: "--",
+        quote: '\'',
+        angle_words: &["move"],
+        angles: Angles::After("{"),
+        ..Syntax::USUAL
+    }),
+    ..Dialect::USUAL
+};
 
-/// The program.
-pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
-    let decimals = text::decimals(program, Language::Pdl2.most_decimals());
-    let mut lines = vec![format!("PROGRAM {}", program.name)];
-    lines.extend(
-        text::header(program, Language::Pdl2, WIDTH)
-            .iter()
-            .map(|line| format!("-- {line}")),
-    );
-    lines.extend(
-        [
-            "VAR",
-            "  speed_before : INTEGER",
-            "BEGIN",
-            "  speed_before := $ARM_SPD_OVR",
-        ]
-        .map(String::from),
-    );
-    let mut speed = None;
-    for step in &program.steps {
-        match step {
-            Step::Wait(said) => {
-                let said = characters::said(said, MESSAGE);
-                lines.extend(
-                    said.iter()
-                        .map(|line| format!("  WRITE LUN_CRT ('{line}', NL)")),
-                );
-                lines.push("  PAUSE".to_string());
-            }
-            Step::Move(target) => {
-                lines.push(format!(
-                    "  -- {}",
-                    text::marker(target.kind, &target.name, NAME)
-                ));
-                if speed != Some(target.speed_percent) {
-                    lines.push(format!("  $ARM_SPD_OVR := {}", target.speed_percent));
-                    speed = Some(target.speed_percent);
-                }
-                let values = text::degrees(&target.q, options, decimals);
-                lines.push(format!("  MOVE JOINT TO {{{}}}", values.join(", ")));
-            }
+const PROGRAM: &str = "\
+PROGRAM {name}
+-- {header}
+VAR
+  speed_before : INTEGER
+BEGIN
+  speed_before := $ARM_SPD_OVR
+{body}
+  $ARM_SPD_OVR := speed_before
+END {name}
+";
+
+fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    if line.passes("--") {
+        reader.comment(line.rest());
+    } else if line.word("PROGRAM") {
+        reader.named(line.identifier()?);
+    } else if line.word("$ARM_SPD_OVR") {
+        line.expect(":=")?;
+        if !line.word("speed_before") {
+            reader.speed = line.percent()?;
         }
-    }
-    lines.push("  $ARM_SPD_OVR := speed_before".to_string());
-    lines.push(format!("END {}", program.name));
-    vec![ProgramFile {
-        name: format!("{}.pdl", program.name),
-        text: text::joined(&lines, "\r\n"),
-    }]
-}
-
-/// Reads a program.
-pub fn read(file: &ProgramFile, options: &ProgramOptions, joints: usize) -> Result<Program> {
-    let mut steps = Steps::default();
-    let (mut name, mut speed) = (String::new(), 100);
-    for mut line in lines(file) {
-        if line.passes("--") {
-            steps.comment(line.rest());
-        } else if line.word("PROGRAM") {
-            name = line.identifier()?.to_string();
-        } else if line.word("$ARM_SPD_OVR") {
-            line.expect(":=")?;
-            if !line.word("speed_before") {
-                speed = line.percent()?;
-            }
-        } else if line.word("WRITE") {
-            line.word("LUN_CRT");
-            line.expect("(")?;
-            steps.say(line.quoted('\'')?);
-        } else if line.word("PAUSE") {
-            line.end()?;
-            steps.wait();
-        } else if line.word("MOVEFLY") {
-            return Err(line.wrong("The move does not end at rest (MOVE).".to_string()));
-        } else if line.word("MOVE") {
-            let place = line.clone();
-            if line.word("LINEAR") || line.word("CIRCULAR") {
-                return Err(place
-                    .clone()
-                    .space()
-                    .wrong("Only joint moves can be read (MOVE JOINT TO).".to_string()));
-            }
-            line.word("JOINT");
-            line.expect("TO")?;
-            let values = angles(&mut line, joints)?;
-            line.end()?;
-            steps.go(options.to_cell(&values), speed);
+    } else if line.word("WRITE") {
+        line.word("LUN_CRT");
+        line.expect("(")?;
+        reader.say(line.quoted('\'')?);
+    } else if line.word("PAUSE") {
+        line.end()?;
+        reader.wait();
+    } else if line.word("MOVEFLY") {
+        return Err(line.wrong("The move does not end at rest (MOVE)."));
+    } else if line.word("MOVE") {
+        if line.clone().word("LINEAR") || line.clone().word("CIRCULAR") {
+            return Ok(false);
         }
+        line.word("JOINT");
+        line.expect("TO")?;
+        line.expect("{")?;
+        let values = line.list(reader.joints, |line, _| line.angle())?;
+        line.expect("}")?;
+        line.end()?;
+        reader.go(reader.options.to_cell(&values));
     }
-    Ok(Program {
-        name,
-        header: Vec::new(),
-        steps: steps.done(),
-    })
-}
-
-/// `{1.0, 2.0, …}`.
-fn angles(line: &mut Cursor<'_>, joints: usize) -> Result<Vec<f64>> {
-    line.expect("{")?;
-    let mut values = Vec::with_capacity(joints);
-    for joint in 0..joints {
-        if joint > 0 {
-            line.expect(",")?;
-        }
-        values.push(line.angle()?);
-    }
-    line.expect("}")?;
-    Ok(values)
+    Ok(true)
 }

@@ -9,157 +9,135 @@
 //!
 //! CR LF: RobotStudio writes modules so.
 
-use super::characters;
-use super::cursor::{Cursor, Steps, lines};
-use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
+use super::characters::said;
+use super::cursor::Cursor;
+use super::dialect::{Angles, Dialect, Syntax, Tool};
+use super::reader::Reader;
 use crate::error::Result;
-use std::collections::HashMap;
+use crate::model::robot::Controller;
 
-const WIDTH: usize = 76;
-const MESSAGE: usize = 40;
-const NAME: usize = 60;
-/// The tool where none is given.
-const TOOL: &str = "tool0";
-/// What stands for an external axis that is not there.
-const NO_AXIS: &str = "9E9";
-/// Programmed speed, of which [`Move`](super::Move)s have per cent.
-const SPEED: &str = "v1000";
+pub const RAPID: Dialect = Dialect {
+    name: "rapid",
+    title: "ABB RAPID",
+    controller: Some(Controller::Abb),
+    axes: [6, 12],
+    axis_name: |axis| match axis {
+        0..6 => format!("rax_{}", axis + 1),
+        _ => format!("eax_{}", (b'a' + (axis - 6) as u8) as char),
+    },
+    speed_of: "1000 mm/s and 500 deg/s of the tool",
+    tool: Tool::Name("tool0"),
+    // Four characters are kept for the procedure's `_run`.
+    longest_name: 28,
+    reserved: "base case const default else endmodule endproc error exit for func goto if local main module \
+               nostepin pers proc raise readonly record retry return stop task test then trap user var \
+               while with",
+    syntax: Some(Syntax {
+        files: &[("mod", MODULE)],
+        label: |number| format!("jp{number}"),
+        marker: |named| format!("    ! {named}"),
+        speed: Some(|percent| format!("    VelSet {percent},1000;")),
+        movement: |to| vec![format!("    MoveAbsJ {},v1000,fine,{};", to.label, to.tool)],
+        point: |to| {
+            let mut values = to.values.clone();
+            // What stands for an external axis that is not there.
+            values.resize(12, "9E9".to_string());
+            let (arm, external) = values.split_at(6);
+            let (arm, external) = (arm.join(","), external.join(","));
+            vec![format!(
+                "  LOCAL CONST jointtarget {}:=[[{arm}],[{external}]];",
+                to.label
+            )]
+        },
+        wait: |text| {
+            let said = said(text, 40).into_iter();
+            let shown = said.map(|line| format!("    TPWrite \"{line}\";"));
+            shown.chain(["    Stop;".to_string()]).collect()
+        },
+        read,
+        joint_move: "MoveAbsJ",
+        other_moves: &["MoveJ", "MoveL", "MoveC", "MoveExtJ"],
+        missing_point: "The module has no jointtarget",
+        comment: "!",
+        angle_words: &["jointtarget", "moveabsj"],
+        angles: Angles::After("["),
+        ..Syntax::USUAL
+    }),
+    ..Dialect::USUAL
+};
 
-/// The module.
-pub fn write(program: &Program, options: &ProgramOptions) -> Vec<ProgramFile> {
-    let decimals = text::decimals(program, Language::Rapid.most_decimals());
-    let tool = options.tool.as_deref().unwrap_or(TOOL);
-    let mut head = vec![format!("MODULE {}", program.name)];
-    head.extend(
-        text::header(program, Language::Rapid, WIDTH)
-            .iter()
-            .map(|line| format!("  ! {line}")),
-    );
-    let mut body = vec![format!("  PROC {}_run()", program.name)];
-    let (mut moves, mut speed) = (0, None);
-    for step in &program.steps {
-        match step {
-            Step::Wait(said) => {
-                body.extend(
-                    characters::said(said, MESSAGE)
-                        .iter()
-                        .map(|line| format!("    TPWrite \"{line}\";")),
-                );
-                body.push("    Stop;".to_string());
-            }
-            Step::Move(target) => {
-                moves += 1;
-                let mut values = text::degrees(&target.q, options, decimals);
-                values.resize(12, NO_AXIS.to_string());
-                let (arm, external) = values.split_at(6);
-                head.push(format!(
-                    "  LOCAL CONST jointtarget jp{moves}:=[[{}],[{}]];",
-                    arm.join(","),
-                    external.join(",")
-                ));
-                body.push(format!(
-                    "    ! {}",
-                    text::marker(target.kind, &target.name, NAME)
-                ));
-                if speed != Some(target.speed_percent) {
-                    body.push(format!("    VelSet {},1000;", target.speed_percent));
-                    speed = Some(target.speed_percent);
-                }
-                body.push(format!("    MoveAbsJ jp{moves},{SPEED},fine,{tool};"));
-            }
-        }
+const MODULE: &str = "\
+MODULE {name}
+  ! {header}
+{points}
+  PROC {name}_run()
+{body}
+    VelSet 100,5000;
+  ENDPROC
+ENDMODULE
+";
+
+fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    if line.passes("!") {
+        reader.comment(line.rest());
+        return Ok(true);
     }
-    body.push("    VelSet 100,5000;".to_string());
-    body.extend(["  ENDPROC", "ENDMODULE"].map(String::from));
-    head.extend(body);
-    vec![ProgramFile {
-        name: format!("{}.mod", program.name),
-        text: text::joined(&head, "\r\n"),
-    }]
-}
-
-/// Reads a module.
-pub fn read(file: &ProgramFile, options: &ProgramOptions, joints: usize) -> Result<Program> {
-    let mut steps = Steps::default();
-    let mut points: HashMap<String, Vec<f64>> = HashMap::new();
-    let (mut name, mut speed) = (String::new(), 100);
-    for mut line in lines(file) {
-        if line.passes("!") {
-            steps.comment(line.rest());
-            continue;
-        }
-        if line.word("MODULE") {
-            name = line.identifier()?.to_string();
-            continue;
-        }
-        let _ = line.word("LOCAL") || line.word("TASK");
-        let declares = line.word("CONST") || line.word("PERS") || line.word("VAR");
-        if declares && line.word("jointtarget") {
-            let point = line.identifier()?.to_ascii_lowercase();
-            line.expect(":=")?;
-            let q = target(&mut line, options, joints)?;
-            line.expect(";")?;
-            points.insert(point, q);
-        } else if line.word("VelSet") {
-            speed = line.percent()?;
-        } else if line.word("TPWrite") {
-            steps.say(line.quoted('"')?);
-            line.expect(";")?;
-        } else if line.word("Stop") {
-            line.expect(";")?;
-            steps.wait();
-        } else if line.word("MoveAbsJ") {
-            let q = match line.clone().passes("[") {
-                true => target(&mut line, options, joints)?,
-                false => {
-                    let place = line.clone();
-                    let point = line.identifier()?;
-                    let found = points.get(&point.to_ascii_lowercase());
-                    let wrong = || {
-                        let message = format!("No jointtarget {point} stands above.");
-                        place.clone().space().wrong(message)
-                    };
-                    found.cloned().ok_or_else(wrong)?
-                }
-            };
-            ends_at_rest(&mut line)?;
-            steps.go(q, speed);
+    if line.word("MODULE") {
+        reader.named(line.identifier()?);
+        return Ok(true);
+    }
+    let _ = line.word("LOCAL") || line.word("TASK");
+    let declares = line.word("CONST") || line.word("PERS") || line.word("VAR");
+    if declares && line.word("jointtarget") {
+        let label = line.identifier()?;
+        line.expect(":=")?;
+        let q = target(line, reader)?;
+        line.expect(";")?;
+        reader.point(label, q);
+    } else if line.word("VelSet") {
+        reader.speed = line.percent()?;
+    } else if line.word("TPWrite") {
+        reader.say(line.quoted('"')?);
+        line.expect(";")?;
+    } else if line.word("Stop") {
+        line.expect(";")?;
+        reader.wait();
+    } else if line.word("MoveAbsJ") {
+        if line.clone().passes("[") {
+            let q = target(line, reader)?;
+            reader.go(q);
         } else {
-            other_motion(&line)?;
+            let place = line.clone();
+            reader.go_to(place, line.identifier()?);
         }
+        ends_at_rest(line)?;
+    } else {
+        return Ok(false);
     }
-    Ok(Program {
-        name,
-        header: Vec::new(),
-        steps: steps.done(),
-    })
+    Ok(true)
 }
 
 /// `[[six angles],[six external axes]]`.
-fn target(line: &mut Cursor<'_>, options: &ProgramOptions, joints: usize) -> Result<Vec<f64>> {
+fn target(line: &mut Cursor<'_>, reader: &Reader<'_>) -> Result<Vec<f64>> {
     let mut values = Vec::with_capacity(12);
-    line.expect("[")?;
-    for part in 0..2 {
-        if part > 0 {
-            line.expect(",")?;
+    for axis in 0..12 {
+        let signs: &[&str] = match axis {
+            0 => &["[", "["],
+            6 => &["]", ",", "["],
+            _ => &[","],
+        };
+        for sign in signs {
+            line.expect(sign)?;
         }
-        line.expect("[")?;
-        for axis in 0..6 {
-            if axis > 0 {
-                line.expect(",")?;
-            }
-            let number = part * 6 + axis;
-            match number < joints {
-                true => values.push(line.angle()?),
-                false => {
-                    line.number()?;
-                }
-            }
+        if axis < reader.joints {
+            values.push(line.angle()?);
+        } else {
+            line.number()?;
         }
-        line.expect("]")?;
     }
     line.expect("]")?;
-    Ok(options.to_cell(&values))
+    line.expect("]")?;
+    Ok(reader.options.to_cell(&values))
 }
 
 /// What follows the target: a speed, `fine`, a tool.
@@ -171,9 +149,7 @@ fn ends_at_rest(line: &mut Cursor<'_>) -> Result<()> {
     line.identifier()?;
     line.expect(",")?;
     if !line.word("fine") {
-        return Err(line
-            .space()
-            .wrong("The move does not end at rest (fine).".to_string()));
+        return Err(line.wrong_here("The move does not end at rest (fine)."));
     }
     line.expect(",")?;
     line.identifier()?;
@@ -184,16 +160,4 @@ fn ends_at_rest(line: &mut Cursor<'_>) -> Result<()> {
         }
     }
     line.expect(";")
-}
-
-/// Refuses moves that are not to joint angles.
-fn other_motion(line: &Cursor<'_>) -> Result<()> {
-    let others = ["MoveJ", "MoveL", "MoveC", "MoveExtJ"];
-    match others.iter().find(|word| line.clone().word(word)) {
-        Some(word) => Err(line
-            .clone()
-            .space()
-            .wrong(format!("{word} is no move to joint angles (MoveAbsJ)."))),
-        None => Ok(()),
-    }
 }

@@ -6,25 +6,13 @@
 //! numbers, without spaces, comments, and what a controller notes about the file; the angles of postures
 //! are left out of it. What is left must be the same, line for line, as in the program of the plan.
 
+use super::dialect::{Angles, Dialect, Syntax};
 use super::{Difference, Language, ProgramFile};
 
 /// Edits that are looked for; beyond them every line counts as another.
 const MOST_EDITS: usize = 2000;
 /// Stands for a diagonal that no edits lead to.
 const NOWHERE: i32 = i32::MIN / 2;
-
-/// Notes that a FANUC controller renews in the head of a listing.
-const LS_NOTES: [&str; 9] = [
-    "owner",
-    "comment",
-    "prog_size",
-    "create",
-    "modified",
-    "file_name",
-    "version",
-    "line_count",
-    "memory_size",
-];
 
 /// A line that does something.
 struct Statement<'a> {
@@ -77,8 +65,8 @@ pub fn compare_statements(
         let Some(other) = other else {
             continue;
         };
-        let planned = statements(own, language, joints);
-        let found = statements(other, language, joints);
+        let planned = statements(own, language.dialect(), joints);
+        let found = statements(other, language.dialect(), joints);
         let (missing, other_lines) = unpaired(&planned, &found);
         differences.extend(other_lines.into_iter().map(|at| Difference::Line {
             file: found[at].file.to_string(),
@@ -93,46 +81,33 @@ pub fn compare_statements(
     differences
 }
 
-/// The lines of a file that are neither empty nor comments.
-fn statements(file: &ProgramFile, language: Language, joints: usize) -> Vec<Statement<'_>> {
+/// The lines of a file that do something: no empty ones, no comments, and not what the controller
+/// notes about the file.
+fn statements<'a>(file: &'a ProgramFile, dialect: &Dialect, joints: usize) -> Vec<Statement<'a>> {
     let lines = file.text.trim_start_matches('\u{feff}').lines();
-    lines
-        .enumerate()
-        .filter_map(|(at, text)| {
-            let parts = match language {
-                Language::Csv => fields(text, joints),
-                _ => parts(text, language),
-            };
-            let mut statement = Statement {
-                file: &file.name,
-                line: at + 1,
-                text,
-                parts,
-            };
-            leave_out_angles(&mut statement.parts, language, joints);
-            (!is_note(&statement, language)).then_some(statement)
+    let statement = |(at, text): (usize, &'a str)| {
+        let parts = match &dialect.syntax {
+            None => fields(text, joints),
+            Some(syntax) if is_note(text, syntax) => return None,
+            Some(syntax) => {
+                let mut parts = parts(text, syntax);
+                leave_out_angles(&mut parts, dialect, syntax, joints);
+                parts
+            }
+        };
+        (!parts.is_empty()).then_some(Statement {
+            file: &file.name,
+            line: at + 1,
+            text,
+            parts,
         })
-        .collect()
+    };
+    lines.enumerate().filter_map(statement).collect()
 }
 
-/// Whether a line does nothing: an empty one, or what the controller notes about the file.
-fn is_note(statement: &Statement<'_>, language: Language) -> bool {
-    let parts = &statement.parts;
-    let begins = |text: &str| parts.first().is_some_and(|part| part.is(text));
-    match language {
-        _ if parts.is_empty() => true,
-        Language::Krl => begins("&"),
-        Language::Ls => {
-            LS_NOTES.iter().any(|note| begins(note)) && parts.get(1).is_some_and(|p| p.is("="))
-        }
-        Language::Inform => {
-            let text = statement.text.trim_start();
-            ["///DATE", "///COMM"]
-                .iter()
-                .any(|note| text.starts_with(note))
-        }
-        _ => false,
-    }
+fn is_note(text: &str, syntax: &Syntax) -> bool {
+    let text = text.to_lowercase().replace(char::is_whitespace, "");
+    syntax.notes.iter().any(|note| text.starts_with(note))
 }
 
 /// The fields of a row; the number of a step says nothing that its place does not.
@@ -160,29 +135,16 @@ fn fields(text: &str, joints: usize) -> Vec<Part<'_>> {
 }
 
 /// Words, numbers and signs of a line without its comment.
-fn parts(text: &str, language: Language) -> Vec<Part<'_>> {
-    let comment = match language {
-        Language::Krl => ";",
-        Language::Rapid | Language::Ls => "!",
-        Language::Inform => "'",
-        Language::Pdl2 => "--",
-        Language::Urscript | Language::Csv => "#",
-    };
-    let quote = match language {
-        Language::Pdl2 => '\'',
-        _ => '"',
-    };
+fn parts<'a>(text: &'a str, syntax: &Syntax) -> Vec<Part<'a>> {
+    let (comment, quote) = (syntax.comment, syntax.quote);
     let mut rest = text.trim();
-    if language == Language::Ls {
-        // The number of the line.
+    if syntax.numbered {
         let unnumbered = rest.trim_start_matches(|c: char| c.is_ascii_digit());
         rest = unnumbered.strip_prefix(':').unwrap_or(rest).trim_start();
     }
-    // Where a comment fills lines it does not end them.
-    let fills_lines = matches!(language, Language::Ls | Language::Inform);
     let mut parts = Vec::new();
     while let Some(first) = rest.chars().next() {
-        if rest.starts_with(comment) && (parts.is_empty() || !fills_lines) {
+        if rest.starts_with(comment) && (parts.is_empty() || !syntax.comments_fill_lines) {
             break;
         }
         let is_word = |c: char| c.is_alphanumeric() || c == '_' || c == '$';
@@ -231,32 +193,30 @@ fn number_length(text: &str) -> Option<usize> {
 }
 
 /// Puts [`Part::Angle`] for the angles of a posture: those of the cell's own axes.
-fn leave_out_angles(parts: &mut [Part<'_>], language: Language, joints: usize) {
-    let has = |text: &str| parts.iter().any(|part| part.is(text));
-    let first = |text: &str| parts.iter().position(|part| part.is(text));
-    let named = |gap: usize| -> Vec<usize> {
-        let names: Vec<String> = (0..joints)
-            .map(|axis| language.axis_name(axis).to_lowercase())
-            .collect();
-        let is_name = |part: &Part<'_>| names.iter().any(|name| part.is(name));
-        let at = (gap..parts.len()).filter(|at| is_name(&parts[at - gap]));
-        at.collect()
-    };
-    // The numbers that follow a sign, as many as there are joints.
-    let listed = |after: Option<usize>| -> Vec<usize> {
-        let from = after.unwrap_or(parts.len());
+fn leave_out_angles(parts: &mut [Part<'_>], dialect: &Dialect, syntax: &Syntax, joints: usize) {
+    let is_one_of = |part: &Part<'_>, words: &[&str]| words.iter().any(|word| part.is(word));
+    if !parts.iter().any(|part| is_one_of(part, syntax.angle_words)) {
+        return;
+    }
+    // The numbers from here on, as many as there are joints.
+    let listed = |from: usize| -> Vec<usize> {
         let numbers = (from..parts.len()).filter(|at| matches!(parts[*at], Part::Number(_)));
         numbers.take(joints).collect()
     };
-    let at = match language {
-        // `A1 10.0` in braces; `J1 = 10.0 deg` in lines of their own.
-        Language::Krl if has("e6axis") || has("axis") || has("ptp") => named(1),
-        Language::Ls if has("deg") => named(2),
-        Language::Rapid if has("jointtarget") || has("moveabsj") => listed(first("[")),
-        Language::Inform if parts.get(1).is_some_and(|part| part.is("=")) => listed(Some(1)),
-        Language::Pdl2 if has("move") => listed(first("{")),
-        Language::Urscript if has("movej") => listed(first("[")),
-        _ => Vec::new(),
+    let at = match syntax.angles {
+        Angles::Named(gap) => {
+            let names = (0..joints).map(|axis| (dialect.axis_name)(axis).to_lowercase());
+            let names: Vec<String> = names.collect();
+            let is_name = |part: &Part<'_>| names.iter().any(|name| part.is(name));
+            let at = (gap..parts.len()).filter(|at| is_name(&parts[at - gap]));
+            at.collect()
+        }
+        Angles::After(sign) => {
+            let first = parts.iter().position(|part| part.is(sign));
+            listed(first.unwrap_or(parts.len()))
+        }
+        Angles::Second(sign) if parts.get(1).is_some_and(|part| part.is(sign)) => listed(1),
+        Angles::Second(_) => Vec::new(),
     };
     for at in at {
         if matches!(parts[at], Part::Number(_)) {

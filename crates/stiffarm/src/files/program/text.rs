@@ -1,16 +1,8 @@
 //! Lines, comments and numbers of programs.
 
-use super::characters::{plain, wrapped};
-use super::{Language, MoveKind, Program, ProgramOptions};
+use super::characters::plain;
+use super::{MoveKind, Program};
 use crate::units::rad_to_deg;
-
-/// The header in comment lines of at most `width` characters, with what the language adds.
-pub fn header(program: &Program, language: Language, width: usize) -> Vec<String> {
-    let speed = format!("A speed of 100 per cent is {}.", language.speed_of());
-    let lines = program.header.iter().chain([&speed]);
-    let lines = lines.flat_map(|line| wrapped(line, width));
-    lines.filter(|line| !line.is_empty()).collect()
-}
 
 /// A name of at most `width` characters.
 pub fn name(name: &str, width: usize) -> String {
@@ -49,31 +41,14 @@ pub fn decimals(program: &Program, most: usize) -> usize {
     (2..most).find(|digits| exact(*digits)).unwrap_or(most)
 }
 
-/// Degrees with `decimals`, in the controller's order; never `-0.00`.
-pub fn degrees(q: &[f64], options: &ProgramOptions, decimals: usize) -> Vec<String> {
-    let values = options.to_controller(q);
-    values
-        .iter()
-        .map(|angle| fixed(rad_to_deg(*angle), decimals))
-        .collect()
-}
-
 /// A number with fixed decimals; never `-0.00`.
 pub fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
-    match text
-        .trim_start_matches('-')
-        .chars()
-        .all(|c| c == '0' || c == '.')
-    {
-        true => text.trim_start_matches('-').to_string(),
-        false => text,
+    let digits = text.trim_start_matches('-');
+    if digits.chars().all(|c| c == '0' || c == '.') {
+        return digits.to_string();
     }
-}
-
-/// Lines with an end each: CR LF where the controller or its tools run on Windows.
-pub fn joined(lines: &[String], end: &str) -> String {
-    lines.iter().map(|line| format!("{line}{end}")).collect()
+    text
 }
 
 #[cfg(test)]

@@ -7,153 +7,123 @@
 //!
 //! LF: the controller runs Linux.
 
-use super::characters;
-use super::cursor::{Cursor, Steps, lines};
-use super::{Language, Program, ProgramFile, ProgramOptions, Step, text};
+use super::characters::said;
+use super::cursor::Cursor;
+use super::dialect::{Angles, Dialect, Syntax};
+use super::reader::Reader;
+use super::text::fixed;
 use crate::error::Result;
+use crate::model::robot::Controller;
 use crate::units::{deg_to_rad, rad_to_deg};
 
-const WIDTH: usize = 76;
-const NAME: usize = 60;
 /// Speed at 100 per cent \[deg/s\], that of `movej` where none is stated.
 const FULL_SPEED: f64 = 60.0;
 /// \[rad/s²\]; `movej` has 1.4 where none is stated.
 const ACCELERATION: f64 = 0.5;
-/// Decimals of an angle in radians: a hundredth of the last digit of degrees.
-const DECIMALS: usize = 8;
 
-/// The function.
-pub fn write(program: &Program) -> Vec<ProgramFile> {
-    let decimals = text::decimals(program, Language::Urscript.most_decimals());
-    // One that does not round differently from the degrees that stand beside it.
-    let rounded = |angle: f64| {
-        deg_to_rad(
-            text::fixed(rad_to_deg(angle), decimals)
-                .parse()
-                .unwrap_or(rad_to_deg(angle)),
-        )
-    };
-    let mut lines = vec![format!("def {}():", program.name)];
-    lines.extend(
-        text::header(program, Language::Urscript, WIDTH)
-            .iter()
-            .map(|line| format!("  # {line}")),
-    );
-    for step in &program.steps {
-        match step {
-            Step::Wait(said) => {
-                lines.push(format!(
-                    "  popup(\"{}\", title=\"stiffarm\", blocking=True)",
-                    characters::said(said, usize::MAX).concat()
-                ));
-            }
-            Step::Move(target) => {
-                lines.push(format!(
-                    "  # {}",
-                    text::marker(target.kind, &target.name, NAME)
-                ));
-                let degrees = text::degrees(&target.q, &ProgramOptions::default(), decimals);
-                lines.push(format!("  # [{}] deg", degrees.join(", ")));
-                let radians: Vec<String> = target
-                    .q
-                    .iter()
-                    .map(|a| text::fixed(rounded(*a), DECIMALS))
-                    .collect();
-                let speed = deg_to_rad(FULL_SPEED) * f64::from(target.speed_percent) / 100.0;
-                lines.push(format!(
-                    "  movej([{}], a={ACCELERATION}, v={speed:.4})",
-                    radians.join(", ")
-                ));
-            }
-        }
-    }
-    lines.push("end".to_string());
-    vec![ProgramFile {
-        name: format!("{}.script", program.name),
-        text: text::joined(&lines, "\n"),
-    }]
-}
+pub const URSCRIPT: Dialect = Dialect {
+    name: "urscript",
+    title: "URScript",
+    controller: Some(Controller::Ur),
+    axes: [6, 6],
+    speed_of: "60 deg/s of the fastest joint",
+    longest_name: 60,
+    reserved: "and break continue def elif else end false for global halt if join kill local loop movej not \
+               or pass popup return run sec sync thread true while xor",
+    syntax: Some(Syntax {
+        files: &[("script", FUNCTION)],
+        line_end: "\n",
+        marker: |named| format!("  # {named}"),
+        movement: |to| {
+            // Of the degrees that stand beside them; two more decimals than those need.
+            let radians = to
+                .values
+                .iter()
+                .map(|value| deg_to_rad(value.parse().unwrap_or(f64::NAN)));
+            let radians: Vec<String> = radians.map(|angle| fixed(angle, 8)).collect();
+            let speed = deg_to_rad(FULL_SPEED) * f64::from(to.speed_percent) / 100.0;
+            let radians = radians.join(", ");
+            vec![
+                format!("  # [{}] deg", to.values.join(", ")),
+                format!("  movej([{radians}], a={ACCELERATION}, v={speed:.4})"),
+            ]
+        },
+        wait: |text| {
+            let said = said(text, usize::MAX).concat();
+            vec![format!(
+                "  popup(\"{said}\", title=\"stiffarm\", blocking=True)"
+            )]
+        },
+        read,
+        joint_move: "movej",
+        other_moves: &["movel", "movep", "movec", "servoj", "speedj"],
+        comment: "#",
+        angle_words: &["movej"],
+        angles: Angles::After("["),
+        ..Syntax::USUAL
+    }),
+    ..Dialect::USUAL
+};
 
-/// Reads a function.
-pub fn read(file: &ProgramFile, joints: usize) -> Result<Program> {
-    let mut steps = Steps::default();
-    let mut name = String::new();
-    for mut line in lines(file) {
-        if line.passes("#") {
-            steps.comment(line.rest());
-        } else if line.word("def") {
-            name = line.identifier()?.to_string();
-        } else if line.word("popup") {
-            line.expect("(")?;
-            steps.say(line.quoted('"')?);
-            if line.rest().contains("blocking=True") {
-                steps.wait();
-            }
-        } else if line.word("movej") {
-            line.expect("(")?;
-            let q = angles(&mut line, joints)?;
-            let mut speed = 100;
-            while line.passes(",") {
-                speed = parameter(&mut line)?.unwrap_or(speed);
-            }
-            line.expect(")")?;
-            line.end()?;
-            steps.go(q, speed);
-        } else {
-            let others = ["movel", "movep", "movec", "servoj", "speedj"];
-            if let Some(word) = others.iter().find(|word| line.clone().word(word)) {
-                return Err(line
-                    .space()
-                    .wrong(format!("{word} is no joint move (movej).")));
-            }
+const FUNCTION: &str = "\
+def {name}():
+  # {header}
+{body}
+end
+";
+
+fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    if line.passes("#") {
+        reader.comment(line.rest());
+    } else if line.word("def") {
+        reader.named(line.identifier()?);
+    } else if line.word("popup") {
+        line.expect("(")?;
+        reader.say(line.quoted('"')?);
+        if line.rest().contains("blocking=True") {
+            reader.wait();
         }
+    } else if line.word("movej") {
+        line.expect("(")?;
+        line.expect("[")?;
+        let q = line.list(reader.joints, |line, _| {
+            let place = line.clone();
+            let angle = line.number()?;
+            if angle.abs() > 1e3 {
+                return Err(place.wrong("This is no angle of a joint in radians."));
+            }
+            Ok(angle)
+        })?;
+        line.expect("]")?;
+        reader.speed = 100;
+        while line.passes(",") {
+            reader.speed = parameter(line)?.unwrap_or(reader.speed);
+        }
+        line.expect(")")?;
+        line.end()?;
+        reader.go(q);
+    } else {
+        return Ok(false);
     }
-    Ok(Program {
-        name,
-        header: Vec::new(),
-        steps: steps.done(),
-    })
+    Ok(true)
 }
 
 /// `a=…`, or `v=…` as a speed in per cent.
 fn parameter(line: &mut Cursor<'_>) -> Result<Option<u8>> {
-    let place = line.clone();
+    let mut place = line.clone();
     let key = line.identifier()?;
     line.expect("=")?;
     let value = line.number()?;
+    let percent = (rad_to_deg(value) / FULL_SPEED * 100.0).round();
     match key {
-        "v" => {
-            let percent = (rad_to_deg(value) / FULL_SPEED * 100.0).round();
-            match (1.0..=100.0).contains(&percent) {
-                true => Ok(Some(percent as u8)),
-                false => Err(place.clone().space().wrong(format!(
-                    "The speed must lie between 1 and 100 per cent of {FULL_SPEED} deg/s."
-                ))),
-            }
-        }
+        "v" if (1.0..=100.0).contains(&percent) => Ok(Some(percent as u8)),
+        "v" => Err(place.wrong_here(format!(
+            "The speed must lie between 1 and 100 per cent of {FULL_SPEED} deg/s."
+        ))),
         "a" => Ok(None),
         "t" | "r" if value == 0.0 => Ok(None),
-        _ => Err(place.clone().space().wrong(format!(
+        _ => Err(place.wrong_here(format!(
             "`{key}` is not read here: the move has a time, or does not end at rest."
         ))),
     }
-}
-
-/// `[0.1, 0.2, …]` in radians.
-fn angles(line: &mut Cursor<'_>, joints: usize) -> Result<Vec<f64>> {
-    line.expect("[")?;
-    let mut values = Vec::with_capacity(joints);
-    for joint in 0..joints {
-        if joint > 0 {
-            line.expect(",")?;
-        }
-        let place = line.clone();
-        let angle = line.number()?;
-        if angle.abs() > 1e3 {
-            return Err(place.wrong("This is no angle of a joint in radians.".to_string()));
-        }
-        values.push(angle);
-    }
-    line.expect("]")?;
-    Ok(values)
 }

@@ -1,19 +1,40 @@
 //! Robots that ship with the program, with sources and doubts.
 //!
-//! Those with published stiffness stand in `published`; the
-//! geometry of the others is data, `data/robots.rs`, made by `cargo xtask robots`
-//! from public robot descriptions.
+//! Both files are read at first use: `data/published.toml` holds those with published stiffness,
+//! `data/robots.toml` the geometry of the others, made by `cargo xtask robots` from public robot
+//! descriptions.
 
 use super::Robot;
-use super::entry::{CatalogueEntry, Doubt, DoubtAbout};
-use super::published::{KR500_STIFFNESS, PUBLISHED};
+use super::entry::{CatalogueEntry, JointStiffness};
 use crate::error::{Code, Error, Result, did_you_mean};
+use serde::Deserialize;
+use std::collections::HashMap;
 use std::sync::LazyLock;
 
-/// Geometry from public robot descriptions.
-static DESCRIBED: &[CatalogueEntry] = include!("../../../data/robots.rs");
+const PUBLISHED: &str = include_str!("../../../data/published.toml");
+const DESCRIBED: &str = include_str!("../../../data/robots.toml");
 
-static CATALOGUE: LazyLock<Vec<CatalogueEntry>> = LazyLock::new(|| [PUBLISHED, DESCRIBED].concat());
+/// One of the two files.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, bound(deserialize = "'de: 'static"))]
+struct File {
+    robot: Vec<CatalogueEntry>,
+    /// Of robots of the other file, by their keys.
+    #[serde(default)]
+    stiffness: HashMap<String, Vec<JointStiffness>>,
+}
+
+static CATALOGUE: LazyLock<Vec<CatalogueEntry>> = LazyLock::new(|| {
+    let [mut published, described]: [File; 2] = [PUBLISHED, DESCRIBED]
+        .map(|text| toml::from_str(text).unwrap_or_else(|e| panic!("the robots' catalogue: {e}")));
+    published.robot.extend(described.robot);
+    for entry in &mut published.robot {
+        if let Some(sets) = published.stiffness.remove(entry.key) {
+            entry.stiffness = sets.leak();
+        }
+    }
+    published.robot
+});
 
 /// The embedded catalogue; the first entry is the default robot.
 pub fn catalogue() -> &'static [CatalogueEntry] {

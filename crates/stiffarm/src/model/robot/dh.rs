@@ -4,9 +4,10 @@ use crate::error::{Code, Error, Result};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 /// Which Denavit–Hartenberg convention the rows follow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DhConvention {
     /// Modified (Craig): T = RotX(α) TransX(a) RotZ(θ) TransZ(d).
+    #[default]
     Modified,
     /// Standard: T = RotZ(θ) TransZ(d) TransX(a) RotX(α).
     Standard,

@@ -5,20 +5,24 @@ use super::{Controller, DhConvention, DhRow, Robot};
 use crate::error::Result;
 use crate::units::{deg_to_rad, mm_to_m};
 use nalgebra::{DMatrix, Isometry3, Translation3, UnitQuaternion};
+use serde::{Deserialize, Deserializer};
 
 /// A published set of joint stiffness values.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct JointStiffness {
     /// One value per joint \[N·m/rad\].
+    #[serde(deserialize_with = "list")]
     pub values: &'static [f64],
     /// Where the values come from.
+    #[serde(deserialize_with = "text")]
     pub source: &'static str,
     /// True when we have the source itself at hand.
     pub verified: bool,
 }
 
 /// What a doubt about a robot is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DoubtAbout {
     /// The machine's limits; limits of one's own settle it.
     Limits,
@@ -47,50 +51,69 @@ impl DoubtAbout {
 }
 
 /// Something to distrust about a robot of the catalogue.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 pub struct Doubt {
     /// What it is about.
     pub about: DoubtAbout,
     /// The sentence.
+    #[serde(deserialize_with = "text")]
     pub sentence: &'static str,
 }
 
 /// A robot of the catalogue.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct CatalogueEntry {
     /// Short name for `[robot] catalogue = "…"`.
+    #[serde(deserialize_with = "text")]
     pub key: &'static str,
     /// The maker.
+    #[serde(deserialize_with = "text")]
     pub brand: &'static str,
     /// Full name.
+    #[serde(deserialize_with = "text")]
     pub name: &'static str,
     /// Payload \[kg\] and its source, where known.
+    #[serde(deserialize_with = "sourced")]
     pub payload: Option<(f64, &'static str)>,
     /// Reach \[m\] and its source, where known.
+    #[serde(deserialize_with = "sourced")]
     pub reach: Option<(f64, &'static str)>,
     /// Source of the kinematics: a sentence, or a repository.
+    #[serde(deserialize_with = "text")]
     pub source: &'static str,
     /// The file in that repository; empty without one.
+    #[serde(deserialize_with = "text")]
     pub file: &'static str,
     /// The commit of that file; empty without one.
+    #[serde(deserialize_with = "text")]
     pub commit: &'static str,
     /// Licence of that file; empty where the source is a sentence.
+    #[serde(deserialize_with = "text")]
     pub licence: &'static str,
     /// How the pendant's angles are known.
+    #[serde(deserialize_with = "text")]
     pub pendant: &'static str,
     /// What to distrust.
+    #[serde(deserialize_with = "list")]
     pub doubts: &'static [Doubt],
     /// Published joint stiffness, best first.
+    #[serde(deserialize_with = "list")]
     pub stiffness: &'static [JointStiffness],
     /// Convention of the rows.
+    #[serde(skip)]
     pub convention: DhConvention,
     /// α \[deg\], a, d \[mm\], offset \[deg\] per row.
+    #[serde(deserialize_with = "list")]
     pub(super) rows: &'static [[f64; 4]],
     /// Entries of C that are not zero as (serial joint, controller joint, factor).
+    #[serde(deserialize_with = "list")]
     pub(super) coupling: &'static [(usize, usize, f64)],
     /// Controller limits \[deg\]; empty where unknown (±360° is used).
+    #[serde(deserialize_with = "list")]
     pub(super) limits_deg: &'static [[f64; 2]],
     /// Largest joint speeds \[deg/s\]; empty where unknown.
+    #[serde(deserialize_with = "list")]
     pub speeds_deg_s: &'static [f64],
     /// Frame 0 of the rows in the robot's base frame (as the two below: x, y,
     /// z \[mm\], turns about fixed x, then y, then z \[deg\]).
@@ -100,11 +123,34 @@ pub struct CatalogueEntry {
     /// The controller's base frame in the robot's.
     pub(super) controller_base: [f64; 6],
     /// Capsules around the links.
+    #[serde(deserialize_with = "list")]
     pub(super) capsules: &'static [CapsuleRow],
     /// Pairs of links whose capsules overlap though the links do not collide.
+    #[serde(deserialize_with = "list")]
     pub(super) ignored_pairs: &'static [(usize, usize)],
     /// What the capsules leave out or make too large; empty where nothing is known.
+    #[serde(deserialize_with = "text")]
     pub capsules_remark: &'static str,
+}
+
+// The catalogue is read once and stays until the program ends.
+
+fn text<'de, D: Deserializer<'de>>(reader: D) -> std::result::Result<&'static str, D::Error> {
+    Ok(String::deserialize(reader)?.leak())
+}
+
+fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    reader: D,
+) -> std::result::Result<&'static [T], D::Error> {
+    Ok(Vec::deserialize(reader)?.leak())
+}
+
+/// A number and its source.
+fn sourced<'de, D: Deserializer<'de>>(
+    reader: D,
+) -> std::result::Result<Option<(f64, &'static str)>, D::Error> {
+    let (number, source) = <(f64, String)>::deserialize(reader)?;
+    Ok(Some((number, source.leak())))
 }
 
 /// Six numbers of an entry as a pose \[m\].
@@ -116,33 +162,6 @@ fn pose(numbers: [f64; 6]) -> Isometry3<f64> {
 }
 
 impl CatalogueEntry {
-    /// What an entry leaves out.
-    pub(super) const UNKNOWN: CatalogueEntry = CatalogueEntry {
-        key: "",
-        brand: "",
-        name: "",
-        payload: None,
-        reach: None,
-        source: "",
-        file: "",
-        commit: "",
-        licence: "",
-        pendant: "",
-        doubts: &[],
-        stiffness: &[],
-        convention: DhConvention::Modified,
-        rows: &[],
-        coupling: &[],
-        limits_deg: &[],
-        speeds_deg_s: &[],
-        base: [0.0; 6],
-        flange: [0.0; 6],
-        controller_base: [0.0; 6],
-        capsules: &[],
-        ignored_pairs: &[],
-        capsules_remark: "",
-    };
-
     /// The robot's chain, with its doubts, its controller's base frame and the capsules around its links.
     ///
     /// # Errors

@@ -11,7 +11,6 @@ mod dh;
 mod dh_robot;
 mod entry;
 mod origin;
-mod published;
 mod shapes;
 
 pub use axes::{AxisRows, JointAxis, rows_of_axes};

@@ -3,6 +3,7 @@
 // Each test file is a program of its own and uses a part of this.
 #![allow(dead_code, missing_docs)]
 
+pub mod cases;
 pub mod groups;
 pub mod meshes;
 pub mod model;

@@ -6,7 +6,7 @@ use crate::common::model::{M4, rot_x, rot_z, shift, times};
 use nalgebra::{DMatrix, Vector3};
 use stiffarm::model::robot::{DhConvention, find_in_catalogue};
 
-const TEXT: &str = include_str!("../../../data/robots.rs");
+const TEXT: &str = include_str!("../../../data/robots.toml");
 
 /// A pose as a 4 × 4 matrix.
 #[derive(Debug, Clone, Copy)]
@@ -85,9 +85,9 @@ impl Arm {
         assert_eq!(entry.convention, DhConvention::Modified);
         let robot = entry.robot().unwrap();
         let rows = entry.dh_rows();
-        let text = TEXT.split(&format!("key: \"{key}\"")).nth(1).unwrap();
-        let text = text.split("CatalogueEntry::UNKNOWN").next().unwrap();
-        let capsules = numbers_after(text, "capsules: &[");
+        let text = TEXT.split(&format!("key = \"{key}\"")).nth(1).unwrap();
+        let text = text.split("[[robot]]").next().unwrap();
+        let capsules = numbers_after(text, "capsules = [");
         let capsules = capsules.chunks_exact(8).map(|c| {
             let shape = Shape::Capsule {
                 from: [c[1], c[2], c[3]],
@@ -96,8 +96,8 @@ impl Arm {
             };
             (c[0] as usize, shape)
         });
-        let ignored = numbers_after(text, "ignored_pairs: &[");
-        let limits = numbers_after(text, "limits_deg: &[");
+        let ignored = numbers_after(text, "ignored_pairs = [");
+        let limits = numbers_after(text, "limits_deg = [");
         let matrix = |pose: nalgebra::Matrix4<f64>| {
             std::array::from_fn(|i| std::array::from_fn(|j| pose[(i, j)]))
         };

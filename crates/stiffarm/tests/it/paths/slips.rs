@@ -1,106 +1,7 @@
 //! Mistakes in a path table.
 
 use super::*;
-
-/// What is replaced in which text by what.
-const SLIPS: &[(&str, &str, &str)] = &[
-    // The frame of forces.
-    (POSES, "path\nP2", "\nP2"),
-    (
-        TOOL_AXES,
-        "axis_z\n1500,-200.5,600,0,0,-1\n1510,-200.5,600,0,0.6,-0.8\n1520,-200.5,600,-1,0,0",
-        "axis_z,fx_n,fy_n,fz_n\n1500,-200.5,600,0,0,-1,,,\n1510,-200.5,600,0,0,-1,5,0,0",
-    ),
-    (POSES, "path\nP2", "paht\nP2"),
-    (POSES, "path\nP2", "world\nP2"),
-    (POSES, ",,,,", ",,,,wrokpiece"),
-    (POSES, "100,-20.5,0,path", "100,,0,path"),
-    (ANGLES, "0,0,-3,base", ",,,base"),
-    (POSES, "fx_n,fy_n,fz_n", "fx,fy,fz"),
-    (POSES, "fx_n,fy_n,fz_n", "fx_n,fy_n,force"),
-    (ANGLES, ",fx_n,fy_n,fz_n", ",remark,speed,feed"),
-    // What the rows say of the tip.
-    (POSES, "roll_deg,pitch_deg,yaw_deg", "q1_deg,q2_deg,q3_deg"),
-    (POSES, "fx_n,fy_n,fz_n", "axis_x,axis_y,axis_z"),
-    (
-        POSES,
-        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n",
-        "x_mm,y_mm,roll_deg,pitch_deg,yaw_deg",
-    ),
-    (
-        POSES,
-        "roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n",
-        "fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm",
-    ),
-    (
-        POSES,
-        "roll_deg,pitch_deg,yaw_deg",
-        "roll_deg,pitch_deg,yaw_rad",
-    ),
-    (POSES, "roll_deg,pitch_deg,yaw_deg", "roll,pitch,yaw"),
-    (POSES, "roll_deg,pitch_deg,yaw_deg", "a_deg,b_deg,c_deg"),
-    (POSES, "roll_deg,pitch_deg,yaw_deg", "W,P,R"),
-    (TOOL_AXES, "axis_x,axis_y,axis_z", "axis_x,axis_y,axis_y"),
-    (
-        TOOL_AXES,
-        "axis_x,axis_y,axis_z",
-        "axis_x_mm,axis_y_mm,axis_z_mm",
-    ),
-    (ANGLES, "q6_deg", "q7_deg"),
-    (ANGLES, ",q6_deg", ",state"),
-    (POSES, "point", "pionts"),
-    // Rows.
-    (POSES, "P2", "P1"),
-    (POSES, "P2", ""),
-    (POSES, "1510", "NaN"),
-    (POSES, "1510", ""),
-    (POSES, "1510", "inf"),
-    (POSES, "1510", "1510 mm"),
-    (TOOL_AXES, "0,0.6,-0.8", "0,0,0"),
-    (TOOL_AXES, "0,0.6,-0.8", "0,nan,1"),
-    (ANGLES, "P2,12.75", "P2,212.75"),
-    (
-        POSES,
-        "\nP1,1500,-200.5,600,180,0,0,100,-20.5,0,path\nP2,1510,-200.5,600,170,5.5,-30,,,,\nP3,1520,-200.5,600,0,90,0,100,0,5,tool",
-        "",
-    ),
-    // Units.
-    (
-        TOOL_AXES,
-        "1500,-200.5,600,0,0,-1\n1510,-200.5,600,0,0.6,-0.8\n1520,-200.5,600",
-        "1.5,-0.2005,0.6,0,0,-1\n1.51,-0.2005,0.6,0,0.6,-0.8\n1.52,-0.2005,0.6",
-    ),
-    (TOOL_AXES, "x_mm,y_mm,z_mm", "x_m,y_m,z_m"),
-    (TOOL_AXES, "x_mm,y_mm,z_mm", "x_in,y_in,z_in"),
-    (
-        TOOL_AXES,
-        "1500,-200.5,600,0,0,-1\n1510,-200.5,600,0,0.6,-0.8\n1520,-200.5,600",
-        "1.5e6,-2e5,6e5,0,0,-1\n1.51e6,-2e5,6e5,0,0.6,-0.8\n1.52e6,-2e5,6e5",
-    ),
-    // Columns that are missing.
-    (
-        POSES,
-        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,axes",
-        "roll_deg,pitch_deg,yaw_deg",
-    ),
-    (
-        POSES,
-        "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,axes",
-        "fx_n,fy_n,fz_n",
-    ),
-    (
-        POSES,
-        "roll_deg,pitch_deg,yaw_deg,fx_n",
-        "roll_deg,pitch_deg,fx_n",
-    ),
-    (TOOL_AXES, "axis_x,axis_y,axis_z", "axis_x,axis_y"),
-    (POSES, "fx_n,fy_n,fz_n,axes", "fx_n,fy_n,axes"),
-    (POSES, "fx_n,fy_n,fz_n,axes", "mx_nm,my_nm,mz_nm,axes"),
-    (ANGLES, ",q6_deg", ""),
-    // Decimal commas.
-    (TOOL_AXES, "1510,-200.5", "1510,5,-200,5"),
-    (TOOL_AXES, "1510", "\"1510,5\""),
-];
+use crate::common::cases::cases;
 
 #[test]
 fn slips_in_a_path_table() -> Check {
@@ -113,15 +14,20 @@ fn slips_in_a_path_table() -> Check {
         };
         report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
     };
-    for (text, from, to) in SLIPS {
-        assert!(text.contains(from), "{from}");
-        let shown = match *to {
+    for [text, from, to] in cases(include_str!("slips.txt")) {
+        let text = match text.as_str() {
+            "POSES" => POSES,
+            "ANGLES" => ANGLES,
+            _ => TOOL_AXES,
+        };
+        assert!(text.contains(&from), "{from}");
+        let shown = match to.as_str() {
             "" => format!("without {from}"),
             to => to.to_string(),
         };
         note(
             &shown.replace('\n', "; "),
-            read(&text.replacen(from, to, 1), &cell),
+            read(&text.replacen(&from, &to, 1), &cell),
         );
     }
     // A path in metres beside the origin of its own frame.

@@ -1,77 +1,13 @@
 //! Mistakes in tables of postures and displacements.
 
 use super::*;
-
-/// Posture tables with a slip.
-const POSTURE_SLIPS: &[(&str, &str)] = &[
-    ("empty", ""),
-    ("only a comment", "# nothing\n\n"),
-    ("heading only", "posture,q1_deg,q2_deg\n"),
-    ("no heading", "P1,12.5,-30\nP2,-90,45\n"),
-    ("no unit", "posture,q1,q2\nP1,12.5,-30\n"),
-    ("gradians", "posture,q1_gon,q2_gon\nP1,10,-30\n"),
-    ("two units", "posture,q1_deg,q2_rad\nP1,12.5,-0.3\n"),
-    (
-        "twice in two units",
-        "posture,q1_deg,q2_deg,q1_rad\nP1,12.5,-30,0.2\n",
-    ),
-    (
-        "another name of the joint",
-        "posture,joint 1 [deg],q2_deg\nP1,0.1,-0.3\n",
-    ),
-    ("a joint too few", "posture,q1_deg\nP1,12.5\n"),
-    (
-        "a joint too many",
-        "posture,q1_deg,q2_deg,q3_deg\nP1,12.5,-30,5\n",
-    ),
-    ("no name", "q1_deg,q2_deg\n12.5,-30\n"),
-    ("misspelt", "postrue,q1_deg,q2_deg\nP1,12.5,-30\n"),
-    ("unknown", "posture,q1_deg,q2_deg,speed\nP1,12.5,-30,5\n"),
-    ("twice", "posture,q1_deg,q1_deg\nP1,12.5,-30\n"),
-    (
-        "column without name",
-        "posture,,q1_deg,q2_deg\nP1,,12.5,-30\n",
-    ),
-    ("spaces", "posture q1_deg q2_deg\nP1 12.5 -30\n"),
-    ("text", "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,left,45\n"),
-    ("unit in the field", "posture,q1_deg,q2_deg\nP1,12.5°,-30\n"),
-    ("nothing", "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,,45\n"),
-    ("nameless", "posture,q1_deg,q2_deg\n,12.5,-30\n"),
-    ("NaN", "posture,q1_deg,q2_deg\nP1,nan,-30\n"),
-    ("infinity", "posture,q1_deg,q2_deg\nP1,12.5,-inf\n"),
-    ("overflow", "posture,q1_deg,q2_deg\nP1,12.5,1e999\n"),
-    ("too short", "posture,q1_deg,q2_deg\n\n# comment\nP1,12.5\n"),
-    (
-        "too long by a number",
-        "posture,q1_deg,q2_deg\nP1,12,30,5\n",
-    ),
-    ("too long", "posture,q1_deg,q2_deg\nP1,12.5,-30.5,note\n"),
-    ("unclosed", "posture,q1_deg,q2_deg\n\"P1,12.5,-30\n"),
-    (
-        "decimal comma",
-        "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,12,5,-30\n",
-    ),
-    ("decimal commas", "posture,q1_deg,q2_deg\nP1,12,5,-30,25\n"),
-    (
-        "quoted decimal comma",
-        "posture,q1_deg,q2_deg\nP1,\"12,5\",-30\n",
-    ),
-    ("thousands", "posture;q1_deg;q2_deg\nP1;1.012,5;-30\n"),
-    (
-        "twice the same",
-        "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,1,2\nP1,3,4\n",
-    ),
-    (
-        "machine's limits",
-        "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,12.5,95.5\n",
-    ),
-];
+use crate::common::cases::cases;
 
 #[test]
 fn slips_in_a_posture_table() {
     let mut report = String::new();
-    for (slip, text) in POSTURE_SLIPS {
-        let error = match postures(text) {
+    for [slip, text] in cases(include_str!("posture_slips.txt")) {
+        let error = match postures(&text) {
             Ok(_) => panic!("accepted: {slip}"),
             Err(error) => error,
         };

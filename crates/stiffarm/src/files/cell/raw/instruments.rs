@@ -1,6 +1,7 @@
 //! `[sensor]`, `[tracker]`, `[uncertainty]`.
 
-use super::{At, Number, Numbers, RawStation, Text};
+use super::value::{Arcmin, Mrad, Percent, Um, Urad};
+use super::{At, Deg, Fixed, Mm, Number, RawStation, Text};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -19,12 +20,12 @@ pub(in crate::files::cell) struct RawSensor {
     pub mount: Option<Text>,
     /// Origin of the sensor's axes, about which it reports moments: in flange axes where
     /// mount = "flange", in the base frame where mount = "base", mm.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub xyz_mm: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub xyz_mm: Option<Fixed<3, Mm>>,
     /// Roll, pitch, yaw of the sensor's axes, degrees: turns about x, then y, then z of the
     /// flange axes or the base frame.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub rpy_deg: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub rpy_deg: Option<Fixed<3, Deg>>,
     /// "on_robot": it reports force and moment that act on the robot. "by_robot": those that
     /// the robot exerts on its surroundings, the opposite sign.
     #[cfg_attr(
@@ -41,21 +42,18 @@ pub(in crate::files::cell) struct RawSensor {
 pub(in crate::files::cell) struct RawTracker {
     /// Origin of the tracker's axes in the base frame, mm; zeros where the readings are in base
     /// axes already (default: found from the readings).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub xyz_mm: Option<Numbers>,
+    pub xyz_mm: Option<Fixed<3, Mm>>,
     /// Roll, pitch, yaw of the tracker's axes, degrees: turns about the base's x, then y, then
     /// z axis; together with xyz_mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub rpy_deg: Option<Numbers>,
+    pub rpy_deg: Option<Fixed<3, Deg>>,
     /// Station from which the beam goes out, tracker axes, mm (default: the origin).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub station_mm: Option<Numbers>,
+    pub station_mm: Option<Fixed<3, Mm>>,
     /// Standard deviation of a reading along the beam, µm.
-    pub range_um: Option<Number>,
+    pub range_um: Option<Number<Um>>,
     /// What it grows by per metre of distance, µm/m (default: 0).
-    pub range_um_per_m: Option<Number>,
+    pub range_um_per_m: Option<Number<Um>>,
     /// Standard deviation of each of the two angles of the beam, µrad.
-    pub angle_urad: Option<Number>,
+    pub angle_urad: Option<Number<Urad>>,
     /// Places of the tracker: one of them must see the measuring points of a posture (default:
     /// lines of sight are not looked at).
     pub station: Option<At<Vec<At<RawStation>>>>,
@@ -71,13 +69,13 @@ pub(in crate::files::cell) struct RawTracker {
 #[serde(deny_unknown_fields)]
 pub(in crate::files::cell) struct RawUncertainty {
     /// Scale of the force, per cent.
-    pub force_scale_percent: Option<Number>,
+    pub force_scale_percent: Option<Number<Percent>>,
     /// Each coordinate of the anchor of rope or cylinder, mm.
-    pub anchor_mm: Option<Number>,
+    pub anchor_mm: Option<Number<Mm>>,
     /// Each coordinate of the loading point, mm.
-    pub loading_point_mm: Option<Number>,
+    pub loading_point_mm: Option<Number<Mm>>,
     /// Each axis of the turn from tracker to base, mrad.
-    pub registration_mrad: Option<Number>,
+    pub registration_mrad: Option<Number<Mrad>>,
     /// Stiffness of the base about each of its horizontal axes, where it yields and nobody
     /// models it, N·m/rad.
     pub base_tilt_stiffness_nm_per_rad: Option<Number>,
@@ -85,5 +83,5 @@ pub(in crate::files::cell) struct RawUncertainty {
     /// and nobody models it, N·m/rad.
     pub sensor_stiffness_nm_per_rad: Option<Number>,
     /// Lost motion of each joint: half the gap, minutes of arc.
-    pub lost_motion_arcmin: Option<Number>,
+    pub lost_motion_arcmin: Option<Number<Arcmin>>,
 }

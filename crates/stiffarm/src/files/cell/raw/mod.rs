@@ -8,6 +8,7 @@ mod columns;
 mod instruments;
 mod route;
 mod scene;
+mod value;
 mod work;
 
 pub(super) use columns::{RawColumn, RawColumns};
@@ -16,38 +17,12 @@ pub(super) use route::RawRoute;
 pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
 pub(super) use work::{RawForce, RawMilling, RawWork};
 
+pub(super) use value::{At, Deg, Fixed, List, Mm, Number, Placed, Text, Unit};
+
+#[cfg(feature = "schema")]
+use schemars::JsonSchema;
 use serde::Deserialize;
-#[cfg(feature = "schema")]
-use {
-    schemars::{JsonSchema, Schema, SchemaGenerator},
-    std::borrow::Cow,
-};
-
-/// A value and the bytes it was read from.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(transparent)]
-pub(super) struct At<T>(pub(super) toml::Spanned<T>);
-
-#[cfg(feature = "schema")]
-impl<T: JsonSchema> JsonSchema for At<T> {
-    fn inline_schema() -> bool {
-        T::inline_schema()
-    }
-    fn schema_name() -> Cow<'static, str> {
-        T::schema_name()
-    }
-    fn schema_id() -> Cow<'static, str> {
-        T::schema_id()
-    }
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        T::json_schema(generator)
-    }
-}
-
-pub(super) type Number = At<f64>;
-pub(super) type Text = At<String>;
-pub(super) type Numbers = At<Vec<Number>>;
-pub(super) type NumberRows = At<Vec<Numbers>>;
+use value::{Mm2, Um};
 
 /// A stiffarm cell: robot, tool, load, limits and measurement noise.
 #[derive(Debug, Deserialize)]
@@ -114,25 +89,20 @@ pub(super) struct RawRobot {
     pub catalogue: Option<Text>,
     /// Modified (Craig) Denavit–Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg], one per joint:
     /// T = RotX(alpha) TransX(a) RotZ(theta) TransZ(d).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 4]>>"))]
-    pub dh_modified: Option<NumberRows>,
+    pub dh_modified: Option<At<Vec<Fixed<4>>>>,
     /// Standard Denavit–Hartenberg rows [alpha_deg, a_mm, d_mm, offset_deg], one per joint:
     /// T = RotZ(theta) TransZ(d) TransX(a) RotX(alpha).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 4]>>"))]
-    pub dh_standard: Option<NumberRows>,
+    pub dh_standard: Option<At<Vec<Fixed<4>>>>,
     /// Turn of each joint's axis about the y axis of its frame, between TransX(a) and
     /// RotZ(theta) of dh_modified, degrees: for axes that are nearly parallel to the one
     /// before, where a common normal would lie far away (default: zeros).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
-    pub tilts_deg: Option<Numbers>,
+    pub tilts_deg: Option<List<Deg>>,
     /// Origin of the flange in the last frame of the rows (of a catalogue robot: in the
     /// catalogue's flange), mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub flange_xyz_mm: Option<Numbers>,
+    pub flange_xyz_mm: Option<Fixed<3, Mm>>,
     /// Roll, pitch, yaw of the flange in that frame, degrees: turns about its x, then y,
     /// then z axis, which stay.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub flange_rpy_deg: Option<Numbers>,
+    pub flange_rpy_deg: Option<Fixed<3, Deg>>,
     /// Name of the robot in tables and reports.
     pub name: Option<Text>,
     /// Names of the joints, base to flange (default: "joint 1", "joint 2", …).
@@ -145,36 +115,31 @@ pub(super) struct RawRobot {
     /// C of theta = offset + C q, one row per serial joint: signs and couplings between
     /// the controller's angles q and the mechanism's angles theta (default: the
     /// catalogue's, else the identity).
-    pub theta_from_q: Option<NumberRows>,
+    pub theta_from_q: Option<At<Vec<List>>>,
     /// E of the elastic coordinates e = E theta, one row per spring, for parallelogram
     /// arms (default: the identity, one spring per joint axis).
-    pub elastic_from_theta: Option<NumberRows>,
+    pub elastic_from_theta: Option<At<Vec<List>>>,
     /// Height of the robot's own base frame in the cell's base frame, mm.
-    pub base_z_mm: Option<Number>,
+    pub base_z_mm: Option<Number<Mm>>,
     /// Origin of the robot's own base frame in the cell's base frame, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub base_xyz_mm: Option<Numbers>,
+    pub base_xyz_mm: Option<Fixed<3, Mm>>,
     /// Roll, pitch, yaw of the robot's own base frame, degrees: turns about the cell's
     /// x, then y, then z axis.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub base_rpy_deg: Option<Numbers>,
+    pub base_rpy_deg: Option<Fixed<3, Deg>>,
     /// The machine's limits [low, high] of each controller angle, degrees (default: the
     /// catalogue's, else -360 to 360).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 2]>>"))]
-    pub limits_deg: Option<NumberRows>,
+    pub limits_deg: Option<At<Vec<Fixed<2, Deg>>>>,
     /// Direction of gravity in base axes, any length (default: [0, 0, -1]); [0, 0, 1] for a
     /// robot that hangs from the ceiling and whose base frame hangs with it.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub down: Option<Numbers>,
+    pub down: Option<Fixed<3>>,
     /// Characteristic length L of the normalised Jacobian, mm (default: the length that
     /// minimises its condition number, computed when needed).
-    pub characteristic_length_mm: Option<Number>,
+    pub characteristic_length_mm: Option<Number<Mm>>,
     /// Capsules around the links (default: the catalogue's).
     pub shape: Option<At<Vec<At<RawLinkShape>>>>,
     /// Largest torque of each joint under load and the tool's weight, either way, N·m. The arm's own weight
     /// is not counted: give what is left for payload and process.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
-    pub torque_limits_nm: Option<Numbers>,
+    pub torque_limits_nm: Option<List>,
 }
 
 /// Bounds of the controller angles for choosing postures.
@@ -183,8 +148,7 @@ pub(super) struct RawRobot {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawBounds {
     /// Bounds [low, high] of each controller angle, degrees, within the machine's limits.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<[f64; 2]>>"))]
-    pub q_deg: Option<NumberRows>,
+    pub q_deg: Option<At<Vec<Fixed<2, Deg>>>>,
 }
 
 /// The end-effector: where it is loaded and where it is measured, flange axes.
@@ -193,8 +157,8 @@ pub(super) struct RawBounds {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawTool {
     /// Where rope, weight or wrench act, flange axes, mm.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub loading_point_mm: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub loading_point_mm: Option<Fixed<3, Mm>>,
     /// The reflectors; the first is the tool centre point.
     #[cfg_attr(feature = "schema", schemars(required, length(min = 1)))]
     pub measuring_point: Option<At<Vec<At<RawPoint>>>>,
@@ -208,8 +172,7 @@ pub(super) struct RawTool {
     /// Mass of the tool, kg: its weight counts against robot.torque_limits_nm.
     pub mass_kg: Option<Number>,
     /// Its centre of mass, flange axes, mm (default: the flange's origin).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub centre_of_mass_mm: Option<Numbers>,
+    pub centre_of_mass_mm: Option<Fixed<3, Mm>>,
 }
 
 /// A measuring point (reflector).
@@ -226,13 +189,12 @@ pub(super) struct RawPoint {
     #[cfg_attr(feature = "schema", schemars(required))]
     pub name: Option<Text>,
     /// Position in flange axes, mm.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub position_mm: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub position_mm: Option<Fixed<3, Mm>>,
     /// Where the reflector looks, flange axes, any length (default: all round).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub axis: Option<Numbers>,
+    pub axis: Option<Fixed<3>>,
     /// Largest angle between that axis and the tracker's beam, degrees (default: 30).
-    pub acceptance_deg: Option<Number>,
+    pub acceptance_deg: Option<Number<Deg>>,
 }
 
 /// Compliance between flange and reflectors, lumped at one point, along the flange axes.
@@ -245,14 +207,13 @@ pub(super) struct RawPoint {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawSeries {
     /// Where it is lumped, flange axes, mm (default: the flange's origin).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub origin_mm: Option<Numbers>,
+    pub origin_mm: Option<Fixed<3, Mm>>,
     /// Stiffness along the flange's x, y, z, N/m.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub translational_n_per_m: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub translational_n_per_m: Option<Fixed<3>>,
     /// Stiffness about the flange's x, y, z, N·m/rad.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub rotational_nm_per_rad: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub rotational_nm_per_rad: Option<Fixed<3>>,
 }
 
 /// How the robot is loaded.
@@ -277,29 +238,24 @@ pub(super) struct RawLoad {
     /// Name of a load case, and of the state of readings taken under it.
     pub name: Option<Text>,
     /// Where a load case acts, flange axes, mm (default: the loading point of the tool).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub loading_point_mm: Option<Numbers>,
+    pub loading_point_mm: Option<Fixed<3, Mm>>,
     /// Force of rope, cylinder or weight, N, above zero.
     pub magnitude_n: Option<Number>,
     /// Mass of a weight, kg, instead of magnitude_n; standard gravity is 9.80665 m/s².
     pub mass_kg: Option<Number>,
     /// Anchor of the rope, or the other end of the cylinder, in the base frame, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub anchor_mm: Option<Numbers>,
+    pub anchor_mm: Option<Fixed<3, Mm>>,
     /// Whether the cylinder "pulls" (the force on the robot is towards the anchor, or along
     /// `direction`) or "pushes" (the other way).
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["pulls", "pushes"])))]
     pub acts: Option<Text>,
     /// Direction of the pull of a guided cylinder or screw, any length, in the axes named by
     /// `axes`; instead of anchor_mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub direction: Option<Numbers>,
+    pub direction: Option<Fixed<3>>,
     /// Force on the robot, N, in the axes named by `axes`.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub force_n: Option<Numbers>,
+    pub force_n: Option<Fixed<3>>,
     /// Moment on the robot about the loading point, N·m, in the axes named by `axes` (default: none).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub moment_nm: Option<Numbers>,
+    pub moment_nm: Option<Fixed<3>>,
     /// Axes of force_n and moment_nm, or of direction: "base" (fixed) or "tool" (turning with the flange).
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["base", "tool"])))]
     pub axes: Option<Text>,
@@ -311,24 +267,20 @@ pub(super) struct RawLoad {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawLimits {
     /// Lower corner of the box for loading point, measuring points and flange, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub box_min_mm: Option<Numbers>,
+    pub box_min_mm: Option<Fixed<3, Mm>>,
     /// Upper corner of that box, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub box_max_mm: Option<Numbers>,
+    pub box_max_mm: Option<Fixed<3, Mm>>,
     /// Lowest z of loading point, measuring points and flange, mm.
-    pub floor_mm: Option<Number>,
+    pub floor_mm: Option<Number<Mm>>,
     /// Radius about axis 1 that these points and the wrist centre stay out of, mm.
-    pub keep_out_radius_mm: Option<Number>,
+    pub keep_out_radius_mm: Option<Number<Mm>>,
     /// Lowest z of the wrist centre, mm.
-    pub wrist_height_mm: Option<Number>,
+    pub wrist_height_mm: Option<Number<Mm>>,
     /// Shortest and longest rope or cylinder [low, high], mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
-    pub rope_length_mm: Option<Numbers>,
+    pub rope_length_mm: Option<Fixed<2, Mm>>,
     /// Smallest and largest displacement [low, high] under the load, mm: the RMS over the measuring
     /// points, by the prior stiffness and the linear model. 0 as the lower one asks for none.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
-    pub displacement_mm: Option<Numbers>,
+    pub displacement_mm: Option<Fixed<2, Mm>>,
 }
 
 /// Measurement noise of a displacement.
@@ -337,16 +289,16 @@ pub(super) struct RawLimits {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawNoise {
     /// Variance of one tracker reading per axis, mm² (default: 9.23e-5, the paper's tracker).
-    pub variance_mm2: Option<Number>,
+    pub variance_mm2: Option<Number<Mm2>>,
     /// Standard deviation of one tracker reading per axis, µm: the same said otherwise.
-    pub std_um: Option<Number>,
+    pub std_um: Option<Number<Um>>,
     /// Readings behind one displacement: 1 as the paper counts (default), 2 for the
     /// difference of a loaded and an unloaded reading.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = [1, 2])))]
     pub readings_per_displacement: Option<At<i64>>,
     /// Standard deviation of a shift common to all points of a posture (load, rope,
     /// drift), mm (default: 0).
-    pub posture_common_mm: Option<Number>,
+    pub posture_common_mm: Option<Number<Mm>>,
 }
 
 /// Joint stiffness known beforehand.
@@ -356,8 +308,7 @@ pub(super) struct RawNoise {
 pub(super) struct RawStiffness {
     /// Prior joint stiffness, one value per joint, N·m/rad (default: the catalogue's first
     /// published set, where there is one).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
-    pub prior_nm_per_rad: Option<Numbers>,
+    pub prior_nm_per_rad: Option<List>,
 }
 
 /// How much gives way beyond the joint axes: standard deviations of the entries of the 6 × 6
@@ -400,7 +351,7 @@ pub(super) struct RawPosture {
     pub name: Option<Text>,
     /// Controller angles, degrees, one per joint.
     #[cfg_attr(feature = "schema", schemars(required))]
-    pub q_deg: Option<Numbers>,
+    pub q_deg: Option<List<Deg>>,
 }
 
 /// A machining posture with its load, which acts at the tool tip.
@@ -412,19 +363,17 @@ pub(super) struct RawTask {
     pub name: Option<Text>,
     /// Controller angles, degrees, one per joint: held to the machine's limits, not to the bounds.
     #[cfg_attr(feature = "schema", schemars(required))]
-    pub q_deg: Option<Numbers>,
+    pub q_deg: Option<List<Deg>>,
     /// Force on the robot at the tip, N, in the axes named by `axes`.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub force_n: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub force_n: Option<Fixed<3>>,
     /// Moment on the robot about the tip, N·m, in the axes named by `axes` (default: none).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub moment_nm: Option<Numbers>,
+    pub moment_nm: Option<Fixed<3>>,
     /// Axes of force_n and moment_nm: "base" (fixed, the default) or "tool" (turning with
     /// the flange).
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["base", "tool"])))]
     pub axes: Option<Text>,
     /// Tool tip in flange axes, mm: where the force acts and whose deflection counts
     /// (default: the first measuring point).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub tip_mm: Option<Numbers>,
+    pub tip_mm: Option<Fixed<3, Mm>>,
 }

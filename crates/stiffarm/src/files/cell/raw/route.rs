@@ -1,6 +1,7 @@
 //! `[route]`: how the robot drives from posture to posture.
 
-use super::{Number, Numbers, Text};
+use super::value::Percent;
+use super::{Deg, List, Number, Text};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -11,15 +12,12 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 pub(in crate::files::cell) struct RawRoute {
     /// Largest speed of each joint, degrees per second (default: the catalogue's, where it has them).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
-    pub joint_speeds_deg_s: Option<Numbers>,
+    pub joint_speeds_deg_s: Option<List<Deg>>,
     /// Share of these speeds that is driven at, percent (default: 10).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    pub speed_percent: Option<Number>,
+    pub speed_percent: Option<Number<Percent>>,
     /// Where the robot stands before and after, controller angles, degrees: a safe posture
     /// (default: unknown, and the drive to the first posture is the engineer's).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
-    pub start_deg: Option<Numbers>,
+    pub start_deg: Option<List<Deg>>,
     /// Whether the load is taken off before each move ("off", the default) or stays "on".
     #[cfg_attr(feature = "schema", schemars(with = "Option<String>", extend("enum" = ["off", "on"])))]
     pub load: Option<Text>,

@@ -1,6 +1,6 @@
 //! Shapes of links, tool and surroundings, what is asked of them, and the tracker's stations.
 
-use super::{At, Number, Numbers, Text};
+use super::{At, Deg, Fixed, Mm, Number, Text};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -15,14 +15,14 @@ pub(in crate::files::cell) struct RawLinkShape {
     pub link: Option<At<i64>>,
     /// One end of the segment, mm: in the base frame for link 0, else in the frame that
     /// Denavit-Hartenberg row i ends in, T_1 ... T_i.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub from_mm: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub from_mm: Option<Fixed<3, Mm>>,
     /// Its other end, mm.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub to_mm: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub to_mm: Option<Fixed<3, Mm>>,
     /// The radius, mm.
-    #[cfg_attr(feature = "schema", schemars(required, with = "f64"))]
-    pub radius_mm: Option<Number>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub radius_mm: Option<Number<Mm>>,
 }
 
 /// A shape: of the tool, in flange axes, or of something that stands in the cell, in the base frame.
@@ -42,39 +42,31 @@ pub(in crate::files::cell) struct RawShape {
     )]
     pub kind: Option<Text>,
     /// Centre of a box, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub center_mm: Option<Numbers>,
+    pub center_mm: Option<Fixed<3, Mm>>,
     /// Size of a box along its own axes, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub size_mm: Option<Numbers>,
+    pub size_mm: Option<Fixed<3, Mm>>,
     /// Roll, pitch, yaw of a box or mesh, degrees: turns about x, then y, then z of the frame it is
     /// given in (default: none).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub rpy_deg: Option<Numbers>,
+    pub rpy_deg: Option<Fixed<3, Deg>>,
     /// One end of the axis of a cylinder or capsule, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub from_mm: Option<Numbers>,
+    pub from_mm: Option<Fixed<3, Mm>>,
     /// Its other end, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub to_mm: Option<Numbers>,
+    pub to_mm: Option<Fixed<3, Mm>>,
     /// Radius of a cylinder or capsule, mm.
-    pub radius_mm: Option<Number>,
+    pub radius_mm: Option<Number<Mm>>,
     /// Height of a floor or a ceiling, mm.
-    pub z_mm: Option<Number>,
+    pub z_mm: Option<Number<Mm>>,
     /// A point on a wall, mm.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub point_mm: Option<Numbers>,
+    pub point_mm: Option<Fixed<3, Mm>>,
     /// Direction from a wall into the cell, any length.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub normal: Option<Numbers>,
+    pub normal: Option<Fixed<3>>,
     /// File of a mesh (.stl, .obj, .dae), counted from the folder of the cell file.
     pub file: Option<Text>,
     /// Unit of the mesh's numbers: "m" (default) or "mm". COLLADA files say their own.
     #[cfg_attr(feature = "schema", schemars(extend("enum" = ["m", "mm"])))]
     pub unit: Option<Text>,
     /// Origin of the mesh in flange axes or in the base frame, mm (default: none).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub xyz_mm: Option<Numbers>,
+    pub xyz_mm: Option<Fixed<3, Mm>>,
 }
 
 /// Distances that shapes, rope and beams keep.
@@ -83,21 +75,19 @@ pub(in crate::files::cell) struct RawShape {
 #[serde(deny_unknown_fields)]
 pub(in crate::files::cell) struct RawClearance {
     /// Distance kept between two shapes, mm (default: 20).
-    pub shapes_mm: Option<Number>,
+    pub shapes_mm: Option<Number<Mm>>,
     /// Distance kept between the rope, or the cylinder's middle line, and every shape, mm (default: 20):
     /// it includes the cylinder's own radius.
-    pub rope_mm: Option<Number>,
+    pub rope_mm: Option<Number<Mm>>,
     /// Lengths of the rope or cylinder at the loading point and at the anchor that may touch what they are
     /// fixed to, mm (default: [100, 100]).
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
-    pub rope_free_mm: Option<Numbers>,
+    pub rope_free_mm: Option<Fixed<2, Mm>>,
     /// Axis of the loading device from the anchor outwards, base axes, any length; with rope_cone_deg.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
-    pub rope_axis: Option<Numbers>,
+    pub rope_axis: Option<Fixed<3>>,
     /// Largest angle between that axis and the rope, degrees.
-    pub rope_cone_deg: Option<Number>,
+    pub rope_cone_deg: Option<Number<Deg>>,
     /// Distance kept between a tracker's beam and every shape, mm (default: 5).
-    pub sight_mm: Option<Number>,
+    pub sight_mm: Option<Number<Mm>>,
     /// How many measuring points one station must see (default: all).
     pub visible_points: Option<At<i64>>,
     /// Pairs of shapes, by name, that may come as near as they like.
@@ -114,6 +104,6 @@ pub(in crate::files::cell) struct RawStation {
     #[cfg_attr(feature = "schema", schemars(required))]
     pub name: Option<Text>,
     /// Where its beam goes out, base frame, mm.
-    #[cfg_attr(feature = "schema", schemars(required, with = "[f64; 3]"))]
-    pub position_mm: Option<Numbers>,
+    #[cfg_attr(feature = "schema", schemars(required))]
+    pub position_mm: Option<Fixed<3, Mm>>,
 }

@@ -6,8 +6,8 @@ use crate::files::cell::source::Source;
 use crate::files::mesh::parse_mesh;
 use crate::model::scene::Carrier;
 use crate::model::shape::{Solid, capsules_of_mesh, solids_around};
-use crate::units::{MM, mm_to_m};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use crate::units::MM;
+use nalgebra::{Isometry3, Translation3};
 
 /// Most boxes around a mesh that stands, and their least thickness \[m\].
 const BOXES: (usize, f64) = (24, 0.010);
@@ -20,26 +20,17 @@ const SMALLEST: f64 = 0.001;
 pub(super) fn solids(
     source: &Source<'_>,
     shape: &At<RawShape>,
-    table: &str,
     carrier: Carrier,
 ) -> Result<Vec<Solid>> {
     let raw = shape.get();
-    let key = format!("{table}.file");
     let hint = "give the mesh: file = \"name.stl\", counted from the folder of the cell file";
-    let text = source.required(&raw.file, &key, Some(shape.span()), hint)?;
-    let file = source.name(text, &key)?;
-    let unit = unit(source, raw, table, &file)?;
-    let shift = match &raw.xyz_mm {
-        Some(list) => source
-            .vector(list, &format!("{table}.xyz_mm"))?
-            .map(mm_to_m),
-        None => Vector3::zeros(),
-    };
-    let turn = match &raw.rpy_deg {
-        Some(list) => source.rotation(list, &format!("{table}.rpy_deg"))?,
-        None => UnitQuaternion::identity(),
-    };
-    let pose = Isometry3::from_parts(Translation3::from(shift), turn);
+    let text = source.required(shape, &raw.file, "file", hint)?;
+    let file = source.name(text)?;
+    let unit = unit(source, raw, &file)?;
+    let shift = source.optional(&raw.xyz_mm, Source::vector)?;
+    let turn = source.optional(&raw.rpy_deg, Source::rotation)?;
+    let shift = Translation3::from(shift.unwrap_or_default());
+    let pose = Isometry3::from_parts(shift, turn.unwrap_or_default());
     let solids = source
         .read(&file)
         .and_then(|bytes| around(&bytes, &file, unit, carrier));
@@ -51,7 +42,7 @@ pub(super) fn solids(
             (_, Some(hint)) => wrong.hint(hint),
             _ => wrong,
         };
-        source.place(wrong, &key, text.span())
+        source.place(wrong, text)
     })?;
     Ok(solids
         .into_iter()
@@ -60,14 +51,13 @@ pub(super) fn solids(
 }
 
 /// Length of the mesh's unit \[m\].
-fn unit(source: &Source<'_>, raw: &RawShape, table: &str, file: &str) -> Result<f64> {
+fn unit(source: &Source<'_>, raw: &RawShape, file: &str) -> Result<f64> {
     let Some(unit) = &raw.unit else {
         return Ok(1.0);
     };
-    let key = format!("{table}.unit");
     if file.to_ascii_lowercase().ends_with(".dae") {
         let message = "A COLLADA file says its own unit.";
-        let error = source.error(Code::Conflict, &key, unit.span(), message);
+        let error = source.error(Code::Conflict, unit, message);
         return Err(error.hint("remove unit"));
     }
     match unit.get().as_str() {
@@ -75,7 +65,7 @@ fn unit(source: &Source<'_>, raw: &RawShape, table: &str, file: &str) -> Result<
         "mm" => Ok(MM),
         other => {
             let message = format!("The unit \"{other}\" of a mesh is not known.");
-            let error = source.error(Code::InvalidValue, &key, unit.span(), message);
+            let error = source.error(Code::InvalidValue, unit, message);
             Err(error.hint("unit is \"m\", the default, or \"mm\""))
         }
     }

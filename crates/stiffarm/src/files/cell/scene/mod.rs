@@ -5,7 +5,7 @@ mod mesh;
 mod rules;
 mod shape;
 
-use super::raw::{At, RawCell, RawLinkShape};
+use super::raw::{At, Placed, RawCell, RawLinkShape};
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::observation::Setup;
@@ -28,32 +28,20 @@ pub(super) fn scene(
     let mut parts = Part::of_links(&setup.robot);
     let tool = raw.tool.as_ref().and_then(|tool| tool.get().shape.as_ref());
     if let Some(shapes) = tool {
-        parts.extend(shape::parts(
-            source,
-            shapes,
-            "tool.shape",
-            Carrier::Flange,
-            &parts,
-        )?);
+        parts.extend(shape::parts(source, shapes, Carrier::Flange, &parts)?);
     }
     if let Some(shapes) = &raw.obstacle {
-        parts.extend(shape::parts(
-            source,
-            shapes,
-            "obstacle",
-            Carrier::World,
-            &parts,
-        )?);
+        parts.extend(shape::parts(source, shapes, Carrier::World, &parts)?);
     }
     let clearance = raw.clearance.as_ref().map(At::get);
-    let shapes_mm = match clearance.and_then(|table| table.shapes_mm.as_ref()) {
-        Some(value) => source.not_negative(value, "clearance.shapes_mm")?,
-        None => CLEARANCE_MM,
+    let shapes = match clearance.and_then(|table| table.shapes_mm.as_ref()) {
+        Some(value) => source.not_negative(value)?,
+        None => mm_to_m(CLEARANCE_MM),
     };
     let has_parts = !parts.is_empty();
     let scene = SceneParts {
         parts,
-        clearance: mm_to_m(shapes_mm),
+        clearance: shapes,
         ignored: rules::ignored(source, clearance)?
             .into_iter()
             .chain(Part::ignored_links(&setup.robot))
@@ -66,7 +54,7 @@ pub(super) fn scene(
     let scene = scene.build(&setup.robot, bounds).map_err(|error| {
         let list = clearance.and_then(|table| table.ignore.as_ref());
         match (list, error.code()) {
-            (Some(list), Code::UnknownName) => source.place(error, "clearance.ignore", list.span()),
+            (Some(list), Code::UnknownName) => source.place(error, list),
             _ => error,
         }
     })?;
@@ -85,29 +73,25 @@ pub(super) fn with_link_shapes(
     };
     let n = robot.joint_count();
     let mut capsules = Vec::new();
-    for (i, entry) in shapes.get().iter().enumerate() {
-        let key = format!("robot.shape[{}]", i + 1);
-        let (raw, at) = (entry.get(), Some(entry.span()));
+    for entry in shapes.get() {
+        let raw = entry.get();
         let hint = "give the link: 0 for the base, i for what moves with joint i";
-        let link_key = format!("{key}.link");
-        let link = source.required(&raw.link, &link_key, at.clone(), hint)?;
+        let link = source.required(entry, &raw.link, "link", hint)?;
         let number = usize::try_from(*link.get()).ok().filter(|link| *link <= n);
         let number = number.ok_or_else(|| {
             let message = format!(
                 "There is no link {}: the robot has links 0 to {n}.",
                 link.get()
             );
-            source
-                .error(Code::InvalidValue, &link_key, link.span(), message)
-                .hint(hint)
+            let error = source.error(Code::InvalidValue, link, message);
+            error.hint(hint)
         })?;
-        let [a, b, radius] = ["from_mm", "to_mm", "radius_mm"].map(|name| format!("{key}.{name}"));
         let hint = "give both ends and the radius: from_mm, to_mm, radius_mm";
-        let from = source.vector(source.required(&raw.from_mm, &a, at.clone(), hint)?, &a)?;
-        let to = source.vector(source.required(&raw.to_mm, &b, at.clone(), hint)?, &b)?;
-        let size = source.positive(source.required(&raw.radius_mm, &radius, at, hint)?, &radius)?;
-        let capsule = Capsule::new(from.map(mm_to_m), to.map(mm_to_m), mm_to_m(size))
-            .map_err(|error| source.place(error, &key, entry.span()))?;
+        let from = source.vector(source.required(entry, &raw.from_mm, "from_mm", hint)?)?;
+        let to = source.vector(source.required(entry, &raw.to_mm, "to_mm", hint)?)?;
+        let radius = source.required(entry, &raw.radius_mm, "radius_mm", hint)?;
+        let radius = source.positive(radius)?;
+        let capsule = source.placed(entry, Capsule::new(from, to, radius))?;
         capsules.push(LinkCapsule {
             link: number,
             capsule: capsule.placed(&robot.row_frame(number)),
@@ -115,5 +99,5 @@ pub(super) fn with_link_shapes(
     }
     robot
         .with_link_capsules(capsules, Vec::new())
-        .map_err(|error| source.place(error, "robot.shape", shapes.span()))
+        .map_err(|error| source.place_at(error, "robot.shape", shapes.span()))
 }

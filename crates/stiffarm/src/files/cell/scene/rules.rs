@@ -2,7 +2,7 @@
 
 use super::shape::direction;
 use crate::error::{Code, Result};
-use crate::files::cell::raw::{At, RawCell, RawClearance};
+use crate::files::cell::raw::{At, Placed, RawCell, RawClearance};
 use crate::files::cell::source::Source;
 use crate::model::implausible::tool_in_metres;
 use crate::model::load::Load;
@@ -31,9 +31,9 @@ pub(super) fn ignored(
     let Some(list) = table.and_then(|table| table.ignore.as_ref()) else {
         return Ok(Vec::new());
     };
-    source.each(list, "clearance.ignore", |pair, key| {
-        source.rows(pair, key, 2, "names", "of two shapes")?;
-        let names = source.each(pair, key, |name, key| source.name(name, key))?;
+    source.each(list, |source, pair| {
+        source.count(pair, 2, "names", "of two shapes")?;
+        let names = source.each(pair, Source::name)?;
         Ok((names[0].clone(), names[1].clone()))
     })
 }
@@ -48,59 +48,58 @@ pub(super) fn rope(
     let is_rope = setup.load.has_rope();
     if let (Some(table), false) = (table, is_rope) {
         let given = [
-            ("rope_mm", table.rope_mm.as_ref().map(At::span)),
-            ("rope_free_mm", table.rope_free_mm.as_ref().map(At::span)),
-            ("rope_axis", table.rope_axis.as_ref().map(At::span)),
-            ("rope_cone_deg", table.rope_cone_deg.as_ref().map(At::span)),
+            ("rope_mm", table.rope_mm.as_ref().map(Placed::span)),
+            (
+                "rope_free_mm",
+                table.rope_free_mm.as_ref().map(Placed::span),
+            ),
+            ("rope_axis", table.rope_axis.as_ref().map(Placed::span)),
+            (
+                "rope_cone_deg",
+                table.rope_cone_deg.as_ref().map(Placed::span),
+            ),
         ];
-        for (key, span) in given {
-            let Some(span) = span else { continue };
+        let mut given = given.into_iter();
+        if let Some((key, Some(span))) = given.find(|(_, span)| span.is_some()) {
             let message =
                 format!("{key} needs a load of kind \"rope\", or \"cylinder\" with anchor_mm.");
             let key = format!("clearance.{key}");
-            let error = source.error(Code::Conflict, &key, span, message);
+            let error = source.error_at(Code::Conflict, &key, span, message);
             return Err(error.hint("remove it, or set load.kind = \"rope\" or \"cylinder\""));
         }
     }
     if !is_rope {
         return Ok(None);
     }
-    let clearance_mm = match table.and_then(|table| table.rope_mm.as_ref()) {
-        Some(value) => source.not_negative(value, "clearance.rope_mm")?,
-        None => ROPE_MM,
+    let clearance = match table.and_then(|table| table.rope_mm.as_ref()) {
+        Some(value) => source.not_negative(value)?,
+        None => mm_to_m(ROPE_MM),
     };
-    let free_mm = match table.and_then(|table| table.rope_free_mm.as_ref()) {
+    let free = match table.and_then(|table| table.rope_free_mm.as_ref()) {
         Some(list) => {
-            let key = "clearance.rope_free_mm";
-            source.rows(
-                list,
-                key,
-                2,
-                "numbers",
-                "at the loading point, at the anchor",
-            )?;
-            let values = source.each(list, key, |value, key| source.not_negative(value, key))?;
+            let what = "at the loading point, at the anchor";
+            source.count(&list.0, 2, "numbers", what)?;
+            let values = source.each(&list.0, Source::not_negative)?;
             [values[0], values[1]]
         }
-        None => FREE_MM,
+        None => FREE_MM.map(mm_to_m),
     };
+    let hint = "the cone needs both rope_axis (from the anchor outwards) and rope_cone_deg";
     let cone = match table.map(|table| (&table.rope_axis, &table.rope_cone_deg)) {
         None | Some((None, None)) => None,
-        Some((axis, angle)) => {
-            let hint = "the cone needs both rope_axis (from the anchor outwards) and rope_cone_deg";
-            let at = axis.as_ref().map(At::span).or(angle.as_ref().map(At::span));
-            let axis = source.required(axis, "clearance.rope_axis", at.clone(), hint)?;
-            let angle = source.required(angle, "clearance.rope_cone_deg", at, hint)?;
-            let axis = direction(source, axis, "clearance.rope_axis")?;
-            Some((
-                axis,
-                deg_to_rad(source.positive(angle, "clearance.rope_cone_deg")?),
-            ))
+        Some((Some(axis), Some(angle))) => {
+            Some((direction(source, axis)?, source.positive(angle)?))
+        }
+        Some((Some(axis), None)) => {
+            return Err(source.missing(axis, "clearance.rope_cone_deg", hint));
+        }
+        Some((None, Some(angle))) => {
+            return Err(source.missing(angle, "clearance.rope_axis", hint));
         }
     };
     Ok((has_parts || cone.is_some()).then_some(RopeRules {
-        clearance: has_parts.then_some(mm_to_m(clearance_mm)),
-        free: free_mm.map(mm_to_m),
+        clearance: has_parts.then_some(clearance),
+        free,
         cone,
     }))
 }
@@ -111,37 +110,30 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
     let tracker = raw.tracker.as_ref().map(At::get);
     let Some(list) = tracker.and_then(|tracker| tracker.station.as_ref()) else {
         let alone = clearance.and_then(|table| {
-            let points = table
-                .visible_points
-                .as_ref()
-                .map(|p| ("visible_points", p.span()));
-            points.or(table.sight_mm.as_ref().map(|v| ("sight_mm", v.span())))
+            let points = table.visible_points.as_ref().map(Placed::span);
+            let distance = table.sight_mm.as_ref().map(Placed::span);
+            let points = points.map(|span| ("visible_points", span));
+            points.or(distance.map(|span| ("sight_mm", span)))
         });
         return match alone {
             None => Ok(None),
             Some((key, span)) => {
                 let message = "Lines of sight need a station of the tracker.";
                 let key = format!("clearance.{key}");
-                let error = source.error(Code::MissingKey, &key, span, message);
+                let error = source.error_at(Code::MissingKey, &key, span, message);
                 Err(error.hint("add [[tracker.station]] with name and position_mm"))
             }
         };
     };
     let mut stations: Vec<Station> = Vec::new();
-    for (i, station) in list.get().iter().enumerate() {
-        let key = format!("tracker.station[{}]", i + 1);
-        let (raw, at) = (station.get(), Some(station.span()));
-        let name_key = format!("{key}.name");
-        let name = source.required(&raw.name, &name_key, at.clone(), "give the station a name")?;
-        let others = stations.iter().map(|s| s.name.as_str());
-        let name = source.unique_name(name, &name_key, others)?;
-        let key = format!("{key}.position_mm");
+    for station in list.get() {
+        let raw = station.get();
+        let name = source.required(station, &raw.name, "name", "give the station a name")?;
+        let name = source.unique_name(name, stations.iter().map(|s| s.name.as_str()))?;
         let hint = "give where the beam goes out: position_mm = [x, y, z] in the base frame";
-        let position = source.vector(source.required(&raw.position_mm, &key, at, hint)?, &key)?;
-        stations.push(Station {
-            name,
-            position: position.map(mm_to_m),
-        });
+        let position = source.required(station, &raw.position_mm, "position_mm", hint)?;
+        let position = source.vector(position)?;
+        stations.push(Station { name, position });
     }
     if stations.is_empty() {
         return Ok(None);
@@ -151,22 +143,15 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
         .as_ref()
         .and_then(|tool| tool.get().measuring_point.as_ref());
     let mut facings = Vec::new();
-    for (i, point) in points.into_iter().flat_map(At::get).enumerate() {
-        let key = format!("tool.measuring_point[{}]", i + 1);
+    for point in points.into_iter().flat_map(At::get) {
         let raw = point.get();
-        facings.push(match &raw.axis {
-            None => None,
-            Some(axis) => {
-                let acceptance = match &raw.acceptance_deg {
-                    Some(angle) => source.positive(angle, &format!("{key}.acceptance_deg"))?,
-                    None => ACCEPTANCE_DEG,
-                };
-                Some(Facing {
-                    axis: direction(source, axis, &format!("{key}.axis"))?,
-                    acceptance: deg_to_rad(acceptance),
-                })
-            }
-        });
+        facings.push(source.optional(&raw.axis, |source, axis| {
+            let acceptance = source.optional(&raw.acceptance_deg, Source::positive)?;
+            Ok(Facing {
+                axis: direction(source, axis)?,
+                acceptance: acceptance.unwrap_or(deg_to_rad(ACCEPTANCE_DEG)),
+            })
+        })?);
     }
     let all = setup.tool.point_count();
     let visible_points = match clearance.and_then(|table| table.visible_points.as_ref()) {
@@ -180,23 +165,18 @@ pub(super) fn sight(source: &Source<'_>, raw: &RawCell, setup: &Setup) -> Result
                     "visible_points must be 1 to {all}, the number of measuring points, got {}.",
                     value.get()
                 );
-                source.error(
-                    Code::InvalidValue,
-                    "clearance.visible_points",
-                    value.span(),
-                    message,
-                )
+                source.error(Code::InvalidValue, value, message)
             })?
         }
     };
-    let clearance_mm = match clearance.and_then(|table| table.sight_mm.as_ref()) {
-        Some(value) => source.not_negative(value, "clearance.sight_mm")?,
-        None => SIGHT_MM,
+    let distance = match clearance.and_then(|table| table.sight_mm.as_ref()) {
+        Some(value) => source.not_negative(value)?,
+        None => mm_to_m(SIGHT_MM),
     };
     Ok(Some(Sight {
         stations,
         facings,
-        clearance: mm_to_m(clearance_mm),
+        clearance: distance,
         visible_points,
     }))
 }
@@ -214,21 +194,15 @@ pub(super) fn torque(
         if let Some(mass) = mass {
             let message =
                 "The tool's mass counts against the joints' largest torques, which are not given.";
-            let error = source.error(Code::MissingKey, "tool.mass_kg", mass.span(), message);
+            let error = source.error(Code::MissingKey, mass, message);
             return Err(error.hint("add robot.torque_limits_nm, or remove mass_kg"));
         }
         return Ok(None);
     };
-    let key = "robot.torque_limits_nm";
-    let largest = source.positives(list, key, setup.robot.joint_count(), "one per joint")?;
-    let mass = match mass {
-        Some(mass) => source.not_negative(mass, "tool.mass_kg")?,
-        None => 0.0,
-    };
-    let centre = match tool.and_then(|tool| tool.centre_of_mass_mm.as_ref()) {
-        Some(list) => source.vector(list, "tool.centre_of_mass_mm")?.map(mm_to_m),
-        None => Vector3::zeros(),
-    };
+    let largest = source.positives(list, setup.robot.joint_count(), "one per joint")?;
+    let mass = mass.map_or(Ok(0.0), |mass| source.not_negative(mass))?;
+    let centre = tool.and_then(|tool| tool.centre_of_mass_mm.as_ref());
+    let centre = centre.map_or(Ok(Vector3::zeros()), |centre| source.vector(centre))?;
     Ok(Some(TorqueLimits {
         largest,
         tool_weight: mass * STANDARD_GRAVITY,
@@ -247,13 +221,12 @@ pub(super) fn displacement(
     let Some(list) = limits.and_then(|limits| limits.displacement_mm.as_ref()) else {
         return Ok(None);
     };
-    let key = "limits.displacement_mm";
-    let [least, most] = source.range(list, key)?.map(mm_to_m);
-    source.not_negative(&list.get()[0], "limits.displacement_mm[1]")?;
+    let [least, most] = source.range(list)?;
+    source.not_negative(&list.0.get()[0])?;
     if setup.load == Load::Measured {
         let message =
             "A limit of the displacement needs a load that is known before it is measured.";
-        let error = source.error(Code::Conflict, key, list.span(), message);
+        let error = source.error(Code::Conflict, list, message);
         return Err(error.hint(
             "remove displacement_mm, or set load.kind to \"rope\", \"cylinder\", \"weight\" or \"wrench\" as the load will be",
         ));
@@ -261,7 +234,7 @@ pub(super) fn displacement(
     let Some(prior) = prior else {
         let message =
             "A limit of the displacement needs a prior joint stiffness, and the cell has none.";
-        let error = source.error(Code::MissingKey, key, list.span(), message);
+        let error = source.error(Code::MissingKey, list, message);
         return Err(error.hint("add [stiffness] with prior_nm_per_rad, or remove displacement_mm"));
     };
     Ok(Some(DisplacementLimits {
@@ -282,12 +255,8 @@ pub(super) fn check_places(
         return Ok(());
     };
     let stations = raw.tracker.as_ref().and_then(|t| t.get().station.as_ref());
-    for (i, (raw, station)) in stations
-        .into_iter()
-        .flat_map(At::get)
-        .zip(&sight.stations)
-        .enumerate()
-    {
+    let stations = stations.into_iter().flat_map(At::get);
+    for (raw, station) in stations.zip(&sight.stations) {
         let Some((depth, name)) = scene.depth_in_surroundings(&station.position) else {
             continue;
         };
@@ -304,8 +273,8 @@ pub(super) fn check_places(
                     depth * 1e3
                 ),
             };
-            let key = format!("tracker.station[{}].position_mm", i + 1);
-            let error = source.error(Code::InvalidValue, &key, raw.span(), message);
+            let key = source.path_in(raw, "position_mm");
+            let error = source.error_at(Code::InvalidValue, &key, raw.span(), message);
             return Err(
                 error.hint("give the station in the base frame, in mm, outside of every shape")
             );
@@ -319,7 +288,7 @@ pub(super) fn check_places(
         .into_iter()
         .flat_map(At::get)
         .zip(&setup.tool.measuring_points);
-    for (i, (raw, point)) in points.enumerate() {
+    for (raw, point) in points {
         let Some((depth, name)) = scene.depth_in_tool(&point.position) else {
             continue;
         };
@@ -337,8 +306,8 @@ pub(super) fn check_places(
                     sight.clearance * 1e3
                 ),
             };
-            let key = format!("tool.measuring_point[{}].position_mm", i + 1);
-            let error = source.error(Code::InvalidValue, &key, raw.span(), message);
+            let key = source.path_in(raw, "position_mm");
+            let error = source.error_at(Code::InvalidValue, &key, raw.span(), message);
             let metres = tool_in_metres(&point.position).filter(|_| point.position.norm() > 0.0);
             return Err(match metres {
                 Some(said) => error.hint(format!("the point {said}")),

@@ -1,0 +1,35 @@
+//! Tables of cases in text files.
+
+/// One case a line, its `N` columns with ` => ` between them; `\n` and `\\` as in Rust. Headings begin with `##`.
+pub fn cases<const N: usize>(text: &str) -> Vec<[String; N]> {
+    let lines = text
+        .lines()
+        .filter(|line| !line.is_empty() && !line.starts_with("##"));
+    let columns = |line: &str| -> [String; N] {
+        let parts = line
+            .split(" =>")
+            .map(|part| part.strip_prefix(' ').unwrap_or(part));
+        let parts: Vec<String> = parts.map(unescaped).collect();
+        parts
+            .try_into()
+            .unwrap_or_else(|_| panic!("{N} columns: {line}"))
+    };
+    lines.map(columns).collect()
+}
+
+fn unescaped(text: &str) -> String {
+    let mut out = String::new();
+    let mut characters = text.chars();
+    while let Some(c) = characters.next() {
+        if c != '\\' {
+            out.push(c);
+            continue;
+        }
+        out.push(match characters.next() {
+            Some('n') => '\n',
+            Some('\\') => '\\',
+            other => panic!("{other:?} after a backslash in {text}"),
+        });
+    }
+    out
+}
