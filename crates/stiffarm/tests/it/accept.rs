@@ -1,9 +1,8 @@
 //! A constraint of the caller's own on the postures of a plan.
 
-use stiffarm::plan::index::Index;
+use crate::common::prelude::*;
 use stiffarm::plan::planned::{PlanRequest, plan};
 use stiffarm::plan::select::Accept;
-use stiffarm::{Cell, Code, Control};
 
 fn request(accept: Accept) -> PlanRequest {
     let mut request = PlanRequest::default();

@@ -1,16 +1,8 @@
 //! `check` names what is wrong with a cell, each fault by its own reason, and
 //! agrees with what an evaluation of many postures finds.
 
-use nalgebra::Vector3;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::findings::{Finding, Severity};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::posture::Posture;
+use crate::common::prelude::*;
 use stiffarm::plan::check::{CellCheck, SAMPLES, check};
-use stiffarm::plan::index::evaluate;
-use stiffarm::plan::select::{StartKind, random_group};
 
 fn comau() -> Cell {
     builtin::cell("comau").unwrap()

@@ -1,21 +1,8 @@
 //! Joints that carry no load, and joints that the data tell apart only together,
 //! on a light arm of seven joints.
 
-use crate::common;
-
-use common::random::Dice;
-use common::reference_cell;
-use nalgebra::{DVector, Isometry3, Vector3};
-use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{
-    CollinearSet, Fit, Identification, IdentifyOptions, Verdict, identify, implausible_scale,
-};
-use stiffarm::model::cell::{Cell, Limits};
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use crate::common::prelude::*;
+use stiffarm::estimate::identify::{CollinearSet, Identification, implausible_scale};
 
 /// Alternating axes as a KUKA LBR iiwa 14 has them, one reflector, a weight that
 /// hangs beside axis 7 by `beside` \[m\].

@@ -1,24 +1,9 @@
 //! Commands that make up for the deflection: that the loaded tip arrives, and
 //! what is left when the truth differs from the model.
 
-use crate::common;
-
-use common::random::Dice;
-use common::{default_cell, random_group};
-use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use stiffarm::Control;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions, identify};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::ExtraTerm;
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::Posture;
-use stiffarm::model::tool::SeriesCompliance;
+use crate::common::prelude::*;
+use crate::common::random_group;
 use stiffarm::work::compensate::{CompensateOptions, command, compensate};
-use stiffarm::work::predict::LoadedArm;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {

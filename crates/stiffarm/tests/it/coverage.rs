@@ -3,26 +3,19 @@
 //!
 //! Seeds are fixed, so a failure is a change in behaviour and not bad luck.
 
-use crate::common;
 #[path = "../../examples/coverage/page.rs"]
 mod page;
 
-use common::runs::{runs, slack};
-use common::{random_group, reference_cell};
-use stiffarm::Code;
-use stiffarm::Control;
+use crate::common::prelude::*;
+use crate::common::random_group;
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
     records,
 };
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use stiffarm::estimate::simulate::ModelErrors;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::TrackerAccuracy;
 use stiffarm::model::measurement::ReadingScatter;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::plan::select::{StartKind, random_group as draw_group};
+use stiffarm::plan::select::random_group as draw_group;
 
 /// The reference cell with `points` measuring points and two readings for a displacement.
 fn cell(points: usize) -> Cell {

@@ -1,24 +1,10 @@
 //! A cylinder or screw that loads the robot: what pushes is a rope with its force turned round, in
 //! statics, readings and identification.
 
-use crate::common;
-
-use common::readings::{named, states};
-use common::{default_cell, group1, reference_cell, relative_error};
-use nalgebra::{DVector, Vector3};
-use stiffarm::estimate::identify::{IdentifyOptions, identify};
-use stiffarm::findings::{Finding, Severity};
-use stiffarm::measure::experiment::{DisplacementModel, Experiment, ForceRecord, experiment};
-use stiffarm::measure::reduction::{ReduceOptions, reduce};
-use stiffarm::measure::screening::screen;
-use stiffarm::model::cell::{Cell, LimitKind};
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::model::stiffness::{equilibrium, rope_correction};
-use stiffarm::plan::select::{DesignedLoad, LoadDesign};
+use crate::common::prelude::*;
+use crate::common::readings::{named, states};
+use stiffarm::model::stiffness::rope_correction;
+use stiffarm::plan::select::DesignedLoad;
 
 /// The reference cell with a cylinder of 700 N between loading point and anchor.
 fn cylinder(pushes: bool) -> Cell {

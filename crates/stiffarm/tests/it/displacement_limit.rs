@@ -1,24 +1,12 @@
 //! The load's displacement as a limit of postures: every way to choose postures keeps to it, and
 //! says so where nothing can.
 
-use crate::common;
-
-use common::default_cell;
-use nalgebra::{DVector, Vector3};
-use stiffarm::model::cell::{Cell, LimitKind};
-use stiffarm::model::load::Load;
-use stiffarm::model::observation::{PostureTerms, Setup};
+use crate::common::prelude::*;
+use stiffarm::model::observation::Setup;
 use stiffarm::model::scene::{DisplacementLimits, SceneParts};
-use stiffarm::model::stiffness::joint_compliance;
-use stiffarm::plan::certificate::{CertificateOptions, certify};
 use stiffarm::plan::check::check;
 use stiffarm::plan::feasibility::{PostureLimits, obstruction};
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{
-    GlobalOptions, LoadDesign, LocalOptions, StartKind, limit_prices, random_group, select,
-    select_from, space_filling,
-};
-use stiffarm::{Code, Control};
+use stiffarm::plan::select::{limit_prices, space_filling};
 
 /// The default cell where the load moves the points by so much [m].
 fn cell(range: [f64; 2]) -> Cell {

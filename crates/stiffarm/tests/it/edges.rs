@@ -1,26 +1,10 @@
 //! What a newcomer meets first: loads that pass a joint by, too few postures or
 //! points, numbers that are none. Everything is answered or refused by name.
 
-use crate::common;
-
-use common::random::Dice;
-use common::{group1, reference_cell};
-use nalgebra::{DMatrix, Vector3, Vector6};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{IdentifyOptions, Verdict, identify};
-use stiffarm::estimate::simulate::{SimulationOptions, simulate};
-use stiffarm::estimate::validate::{Model as Deflection, simulate_measurements};
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::stiffness::{equilibrium, joint_compliance, linear_displacement};
+use crate::common::prelude::*;
+use stiffarm::estimate::validate::Model as Deflection;
 use stiffarm::plan::characteristic_length::characteristic_length;
-use stiffarm::plan::index::{Index, IndexFunction, error_bound, evaluate};
-use stiffarm::plan::select::select_from;
-use stiffarm::{Code, Error};
+use stiffarm::plan::index::error_bound;
 
 fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
     PostureGroup::from_angles("", postures.iter().cloned()).postures

@@ -1,18 +1,10 @@
 //! Simulated identifications of an arm that gives way beyond its joint axes.
 
-use crate::common;
-
-use common::{default_cell, group1};
-use stiffarm::Control;
-use stiffarm::error::Code;
-use stiffarm::estimate::elastic::ElasticChoice;
+use crate::common::prelude::*;
 use stiffarm::estimate::simulate::{
-    ElasticLevel, ElasticSimulation, ElasticSimulationOptions, SimulationOptions, simulate,
-    simulate_elastic,
+    ElasticLevel, ElasticSimulation, ElasticSimulationOptions, simulate_elastic,
 };
-use stiffarm::model::cell::Cell;
 use stiffarm::model::elastic::{ElasticSizes, ElasticSource};
-use stiffarm::model::posture::PostureGroup;
 
 fn groups() -> Vec<PostureGroup> {
     vec![PostureGroup::from_angles("Group 1", group1())]

@@ -1,25 +1,8 @@
 //! A simulated experiment, undone by hand, gives what the model says.
 
-use crate::common;
-
-use common::{group1, random::Dice, reference_cell};
-use nalgebra::{DVector, Isometry3, Vector3};
-use stiffarm::measure::experiment::{
-    BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
-    TrackerNoise, experiment,
-};
-use stiffarm::measure::registration::{PointPair, register};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{
-    PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings,
-};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::stiffness::equilibrium_displacement;
-use stiffarm::model::tool::{NamedPoint, SeriesCompliance};
+use crate::common::prelude::*;
+use stiffarm::model::measurement::{PostureReadings, Role, StateReadings};
+use stiffarm::model::tool::NamedPoint;
 
 fn cell_with_sensor() -> Cell {
     let mut cell = reference_cell();

@@ -4,25 +4,12 @@
 //!
 //! `cargo test --test global -- --nocapture` prints what was reached.
 
-use crate::common;
-
-use common::groups::{limits_around, ln_index, violation};
-use common::random::Dice;
-use common::runs::runs;
-use common::{cases, default_cell, group1, reference_cell};
-use nalgebra::Vector3;
+use crate::common::groups::{limits_around, ln_index, violation};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use stiffarm::Code;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::{
-    GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, drop_postures,
-    error_by_count, random_group, select, sensitivity,
-};
-use stiffarm::{Control, Termination};
+use stiffarm::plan::select::{SensitivityOptions, drop_postures, error_by_count, sensitivity};
 
 fn seeded(seed: u64) -> GlobalOptions {
     let mut options = GlobalOptions::default();

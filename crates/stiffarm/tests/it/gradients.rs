@@ -1,15 +1,11 @@
 //! Values and closed-form gradients of every index against a second, plain
 //! implementation of the whole chain from angles to index over dual numbers.
 
-use crate::common;
-
-use common::model::{
+use crate::common::model::{
     Model, condition_number, has_sound_svd, inverse_gram_diagonal, inverse_r, singular_values,
 };
-use common::random::Dice;
-use nalgebra::DMatrix;
+use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
 
 /// Largest condition number of a random group's Ψ, plain, in units of the prior
 /// or with scaled columns: the library's gradients come from ΨᵀΨ, which squares it.

@@ -1,24 +1,8 @@
 //! Identification beyond the plain case: joints that cannot be told apart,
 //! further springs, the next posture.
 
-use crate::common;
-
-use common::reference_cell;
-use nalgebra::{DVector, Vector3};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, Identification, IdentifyOptions, Verdict, Weights, identify,
-};
-use stiffarm::estimate::next_posture::next_posture;
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::internals::measured_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
+use crate::common::prelude::*;
+use stiffarm::estimate::identify::Identification;
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.
 fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {

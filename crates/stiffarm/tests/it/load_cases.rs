@@ -1,28 +1,11 @@
 //! Several loads, under each of which every posture is measured.
 
-use crate::common;
-
-use common::{default_cell, group1};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions, identify};
-use stiffarm::estimate::next_posture::next_posture;
-use stiffarm::estimate::simulate::{ModelErrors, SimulationOptions, simulate};
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::{Model, simulate_measurements, validate};
-use stiffarm::measure::experiment::{Experiment, ExperimentState, TrackerNoise, experiment};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::{Axes, Load, LoadCase, Wrench};
-use stiffarm::model::measurement::Candidate;
-use stiffarm::model::observation::{PostureTerms, Rows, Setup, observation_matrix};
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::nalgebra::{DMatrix, Vector3};
-use stiffarm::plan::certificate::{CertificateOptions, certify};
+use crate::common::prelude::*;
+use stiffarm::estimate::simulate::ModelErrors;
+use stiffarm::estimate::validate::validate;
+use stiffarm::model::load::LoadCase;
+use stiffarm::model::observation::Setup;
 use stiffarm::plan::check::check;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{
-    CandidateOptions, GlobalOptions, StartKind, random_group, select, select_candidates,
-    smallest_margin,
-};
 
 fn case(name: &str, load: Load, loading_point: Option<Vector3<f64>>) -> LoadCase {
     LoadCase {

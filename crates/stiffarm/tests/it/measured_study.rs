@@ -1,13 +1,9 @@
 //! The study on measured readings: on a simulated arm, where nothing of the postures to be
 //! predicted may reach the model, and on the measured FANUC.
 
-use nalgebra::Vector3;
-use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::measure::Measured;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{StartKind, random_group};
+use crate::common::prelude::*;
+use stiffarm::PostureGroup;
 use stiffarm::study::{Choice, MeasuredStudy, MeasuredStudyOptions, measured_study};
-use stiffarm::{Cell, Code, Control, PostureGroup, prepare, simulated_readings};
 
 fn options() -> MeasuredStudyOptions {
     let mut options = MeasuredStudyOptions::default();

@@ -1,11 +1,10 @@
 //! Mean milling loads: against the sum of all teeth over a turn, against cases
 //! done by hand, and their signs.
 
-use nalgebra::{Rotation3, Vector3};
+use crate::common::prelude::*;
+use nalgebra::Rotation3;
 use proptest::prelude::*;
-use stiffarm::model::process::{
-    CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
-};
+use stiffarm::model::process::{CuttingCoefficients, Milling, MillingDirection, Process, TipLoad};
 
 /// An aluminium alloy: 16 mm cutter, 3 mm deep.
 fn cut(radial_depth: f64, direction: MillingDirection) -> Milling {

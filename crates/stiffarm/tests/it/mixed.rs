@@ -1,25 +1,17 @@
 //! The mixed elastic model against dense matrices, a published example, other
 //! formulations of its springs, and the measured robot.
 
-use crate::common;
+use crate::common::prelude::*;
 use crate::estimators::{dense_covariance, random_system};
 
-use common::random::Dice;
-use common::{cases, default_cell, random_group};
-use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use crate::common::random_group;
 use proptest::prelude::*;
-use stiffarm::estimate::elastic::{ElasticChoice, elastic};
-use stiffarm::estimate::identify::{Fit, IdentifyOptions};
+use stiffarm::Wrench;
+use stiffarm::estimate::elastic::elastic;
 use stiffarm::estimate::mixed::MixedFit;
-use stiffarm::estimate::validate::{
-    Model, cross_validate_mixed, simulate_measurements, validate_with,
-};
+use stiffarm::estimate::validate::cross_validate_mixed;
 use stiffarm::internals::{Block, Covariance, MeasuredSystem, MixedModel, RowLabel};
 use stiffarm::model::elastic::ElasticClass;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::{Control, Wrench};
 
 /// V of all rows in units of σ²: readings, shifts and random effects.
 pub fn dense(

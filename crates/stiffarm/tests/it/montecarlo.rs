@@ -4,21 +4,10 @@
 //! in a thousand, so a failure is a change in behaviour and not bad luck.
 //! `cargo test --test montecarlo -- --nocapture` prints the largest deviations.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::{runs, slack, standard_error};
-use common::{group1, random_group, reference_cell};
+use crate::common::prelude::*;
+use crate::common::random_group;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::estimate::simulate::{LevelResult, Simulation, SimulationOptions, simulate};
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::select_from;
+use stiffarm::estimate::simulate::{LevelResult, Simulation};
 
 /// Probability of a false alarm in all comparisons of one test together.
 const FALSE_ALARM: f64 = 1e-3;

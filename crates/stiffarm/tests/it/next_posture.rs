@@ -1,19 +1,9 @@
 //! The posture to measure next, beside what the fit knows already.
 
-use crate::common;
-
-use common::readings::{reduced, states};
-use common::{cases, default_cell, group1, reference_cell};
+use crate::common::prelude::*;
+use crate::common::readings::{reduced, states};
 use proptest::prelude::*;
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
-use stiffarm::estimate::next_posture::{NextPosture, next_posture};
-use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::measure::{Measured, prepare};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
+use stiffarm::estimate::next_posture::NextPosture;
 
 /// Three unloaded rounds, two at half and at full load.
 fn with_states(force: ForceRecord) -> Experiment {

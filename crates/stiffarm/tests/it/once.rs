@@ -1,21 +1,8 @@
 //! A whole identification computes nothing twice.
 
-use crate::common::{default_cell, group1};
+use crate::common::prelude::*;
 use std::collections::BTreeSet;
-use stiffarm::Control;
-use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, NoiseSource, bootstrap, identify, profile,
-};
-use stiffarm::estimate::next_posture::next_posture;
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::cross_validate;
-use stiffarm::measure::experiment::{Experiment, experiment};
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::measure::{Measured, prepare};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::select::GlobalOptions;
+use stiffarm::estimate::identify::{bootstrap, profile};
 
 fn measured(cell: &Cell) -> Measured {
     let named = |(i, q): (usize, Vec<f64>)| Posture {

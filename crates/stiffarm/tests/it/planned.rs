@@ -1,23 +1,15 @@
 //! All that `select` says, in one call for each way to work.
 
-use crate::common::{default_cell, group1};
+use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use stiffarm::files::builtin;
-use stiffarm::findings::Severity;
-use stiffarm::model::cell::LimitKind;
-use stiffarm::model::measurement::Candidate;
-use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
-use stiffarm::plan::index::{Evaluated, evaluate};
+use stiffarm::plan::index::Evaluated;
 use stiffarm::plan::planned::{
     CandidateRequest, CurveRequest, DropRequest, Mode, PlanRequest, SpaceFillingRequest, Stage,
     plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
 };
-use stiffarm::plan::route::rounded;
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select};
-use stiffarm::{Cell, Code, Control, Index};
 
 /// Text of a result that is read back and written again as the same text.
 fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {

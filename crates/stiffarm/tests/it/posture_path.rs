@@ -1,21 +1,11 @@
 //! Postures along paths: continuity, limits, branches, and the free turn about
 //! the tool axis.
 
-use crate::common;
-
-use common::default_cell;
-use std::f64::consts::{FRAC_PI_2, PI};
-
-use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
-use stiffarm::Code;
-use stiffarm::Control;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::inverse::InverseKinematics;
-use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget};
-use stiffarm::model::process::{ForceAxes, TipLoad};
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use crate::common::prelude::*;
+use nalgebra::UnitVector3;
+use stiffarm::model::path::{PathPoint, PathTarget};
+use stiffarm::model::process::TipLoad;
 use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::work::predict::LoadedArm;
 
 fn arm(cell: &Cell) -> LoadedArm {
     LoadedArm::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()

@@ -1,28 +1,11 @@
 //! Deflection at work: against the reference numbers, against derivatives and
 //! energies, and the bands against simulated experiments.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::{runs, slack};
-use common::{
-    default_cell, list, matrix, number, numbers, reference, reference_cell, relative_error,
-};
-use nalgebra::{DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
-use stiffarm::Control;
+use crate::common::prelude::*;
+use crate::common::{list, matrix, number, numbers, reference};
 use stiffarm::estimate::common::CommonErrors;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource, identify};
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::simulate_measurements;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::Posture;
-use stiffarm::model::stiffness::{Model, cartesian_stiffness, equilibrium, stiffness_correction};
-use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict};
+use stiffarm::model::stiffness::cartesian_stiffness;
+use stiffarm::work::predict::{LoadPoint, Prediction};
 
 fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {

@@ -2,19 +2,11 @@
 //! solves the mixed-model equations by orthogonalisation instead of kriging, and against
 //! all groups of a list.
 
-use crate::common;
-
-use common::model::{Model, inverse_r};
-use common::random::Dice;
-use nalgebra::DMatrix;
+use crate::common::model::{Model, inverse_r};
+use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
 use stiffarm::model::cell::Task;
 use stiffarm::model::elastic::ElasticSizes;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::measurement::Candidate;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{CandidateOptions, StartKind, random_group, select_candidates};
-use stiffarm::{Cell, Code, Control};
 
 const POSTURES: usize = 4;
 

@@ -1,31 +1,14 @@
 //! What must hold for every robot, tool, load and posture.
 
-use crate::common;
-
-use common::model::{Model, cross, inverse_gram_diagonal};
-use common::random::Dice;
-use common::{cases, relative_error};
-use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
+use crate::common::model::{Model, cross, inverse_gram_diagonal};
+use crate::common::prelude::*;
 use num_dual::Dual64;
 use proptest::prelude::*;
-use stiffarm::estimate::identify::{IdentifyOptions, NoiseSource, Weights, identify};
-use stiffarm::estimate::validate::{
-    Model as Deflection, calculated_displacements, simulate_measurements,
-};
-use stiffarm::internals::information::{Factor, posture_information};
-use stiffarm::internals::measured_system;
+use stiffarm::estimate::validate::Model as Deflection;
+use stiffarm::internals::information::posture_information;
 use stiffarm::model::dexterity;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::stiffness::{
-    cartesian_compliance, cartesian_stiffness, equilibrium, equilibrium_displacement,
-    joint_compliance, linear_displacement, rope_correction, stiffness_correction,
-};
-use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::plan::index::{Index, error_bound, evaluate};
+use stiffarm::model::stiffness::{cartesian_compliance, cartesian_stiffness, rope_correction};
+use stiffarm::plan::index::error_bound;
 
 /// A random model with as many joints as asked, any load, any springs.
 fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Model, Dice)> {

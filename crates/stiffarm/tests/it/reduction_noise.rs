@@ -1,18 +1,9 @@
 //! What `reduce` says of noise is the noise that was put in: repeatability,
 //! drift, readings behind a displacement, standard errors, and false alarms.
 
-use crate::common;
-
-use common::random::Dice;
-use common::readings::*;
-use common::reference_cell;
-use common::runs::{most, runs, wider};
-use nalgebra::{Isometry3, Vector3};
-use stiffarm::findings::Severity;
-use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
-use stiffarm::measure::reduction::reduce;
-use stiffarm::model::measurement::ReadingTarget;
-use stiffarm::model::posture::Posture;
+use crate::common::prelude::*;
+use crate::common::readings::*;
+use crate::common::runs::wider;
 
 /// Postures of an arm whose geometry is wrong as real ones are, none of them
 /// mistyped: how often is one left out?

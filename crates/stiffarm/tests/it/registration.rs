@@ -1,16 +1,11 @@
 //! Registration: exact without noise, an honest covariance with it, the same
 //! whatever the order and the frames.
 
-use crate::common;
-
-use common::cases;
-use common::random::Dice;
-use common::runs::{runs, standard_error};
-use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use stiffarm::measure::registration::{
-    PointPair, RegisterOptions, Registration, RegistrationRecord, register, register_with,
+    RegisterOptions, Registration, RegistrationRecord, register_with,
 };
 
 /// Points well off any line; flat ones lie in a plane.

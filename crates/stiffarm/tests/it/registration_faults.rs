@@ -1,15 +1,9 @@
 //! What is wrong with point pairs is refused or named, and what is right is not.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::{fewest, most, runs};
-use nalgebra::{Isometry3, Vector3};
+use crate::common::prelude::*;
+use crate::common::runs::fewest;
 use std::fmt::Write;
-use stiffarm::Code;
-use stiffarm::measure::registration::{
-    PointPair, RegisterOptions, Registration, register, register_with,
-};
+use stiffarm::measure::registration::{RegisterOptions, Registration, register_with};
 
 /// Noise of each coordinate in either frame \[m\]: a laser tracker at a few metres.
 const NOISE: f64 = 2e-5;

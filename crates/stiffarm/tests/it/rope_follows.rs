@@ -1,22 +1,9 @@
 //! The cell's own load turns when the arm gives way, whichever way its wrench
 //! comes: held against a fixed-point iteration written for these tests.
 
-use crate::common;
-
-use common::{group1, reference_cell};
-use nalgebra::{DVector, Vector3, Vector6};
-use stiffarm::Control;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
+use crate::common::prelude::*;
 use stiffarm::estimate::diagnose::second_order_shares;
-use stiffarm::estimate::validate::{Model, calculated_displacements};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::Posture;
-use stiffarm::work::predict::{LoadPoint, PredictOptions, predict};
+use stiffarm::work::predict::LoadPoint;
 
 /// A point of the deflected arm less the same of the unloaded one, by
 /// θ ← θ₀ + K⁻¹ J(θ)ᵀ W(θ), `wrench` from the frames and the loading point.

@@ -1,14 +1,8 @@
 //! Rounding, equivalent postures and the route on cells whose answers are known.
 
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stiffarm::Control;
-use stiffarm::files::builtin;
-use stiffarm::model::cell::{Cell, LimitKind};
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
-use stiffarm::plan::select::{
-    GlobalOptions, LocalOptions, StartKind, random_group, select, select_from,
-};
+use stiffarm::plan::route::{Route, RouteOptions, route};
 
 fn routed(cell: &Cell, plan: &[Vec<f64>], keep_angles: bool) -> Route {
     let mut options = RouteOptions::default();

@@ -1,27 +1,13 @@
 //! What an identification seals is what is calculated with later, and nobody changes it unseen.
 
-use crate::common;
-
-use nalgebra::{DMatrix, Isometry3, Vector3};
+use crate::common::prelude::*;
 use serde_json::{Value, json};
 use std::sync::LazyLock;
-use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::files::envelope::write_result;
 use stiffarm::files::stiffness::read_stiffness;
-use stiffarm::findings::Severity;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::ExtraTerm;
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::PostureGroup;
 use stiffarm::work::compensate::{CompensateOptions, compensate};
-use stiffarm::work::predict::predict;
-use stiffarm::{Code, Control, Error, prepare};
 
 fn cell() -> Cell {
     common::default_cell()

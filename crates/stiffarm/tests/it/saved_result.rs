@@ -1,14 +1,10 @@
 //! Any saved result is read back as what was written, or refused with a reason.
 
+use crate::common::prelude::*;
 use serde_json::{Value, json};
-use stiffarm::files::builtin;
 use stiffarm::files::envelope::write_result;
 use stiffarm::files::result::{SavedResult, read_result};
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{Selection, select_from};
 use stiffarm::study::{Study, StudyOptions, study};
-use stiffarm::{Code, Control};
 
 fn wrapped(result: Value) -> Value {
     json!({

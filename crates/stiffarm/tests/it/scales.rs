@@ -6,16 +6,14 @@ mod experiments;
 #[path = "../../examples/scales/faults.rs"]
 mod faults;
 
-use crate::common::runs::{fewest, most, runs};
+use crate::common::prelude::*;
+use crate::common::runs::fewest;
 use experiments::{Dice, KINDS, Kind, ROBOTS, sound};
 use faults::{FAULTS, OTHERS, Outcome, findings, judge};
 use rayon::prelude::*;
-use stiffarm::findings::Severity;
-use stiffarm::measure::screening::{Cause, Evidence, screen, screen_displacements};
-use stiffarm::model::measurement::{Measurements, ReadingTarget};
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::measure::screening::{Cause, Evidence, screen_displacements};
+use stiffarm::model::measurement::Measurements;
 use stiffarm::nalgebra::Isometry3;
-use stiffarm::prepare;
 
 /// Another seed than that of the table in docs/readings.md.
 const SEED: u64 = 7;

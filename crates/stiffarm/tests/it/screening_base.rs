@@ -1,20 +1,8 @@
 //! Screening of experiments whose base moves and carries reflectors.
 
-use crate::common;
-
-use common::random::Dice;
-use common::readings::{base_reflectors, pose, states};
-use nalgebra::Vector3;
-use stiffarm::files::builtin;
-use stiffarm::measure::experiment::{
-    BaseCompliance, Experiment, ForceRecord, TrackerNoise, experiment,
-};
-use stiffarm::measure::reduction::{ReduceOptions, reduce};
-use stiffarm::measure::screening::{Cause, Screening, screen};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::ReadingTable;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::select::{StartKind, random_group};
+use crate::common::prelude::*;
+use crate::common::readings::{base_reflectors, pose, states};
+use stiffarm::measure::screening::{Cause, Screening};
 
 /// Six random postures on a base that gives way under the load, and that sways
 /// by 0.3 mm somewhere else from state to state: as much as the light load moves

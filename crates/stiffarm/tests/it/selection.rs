@@ -3,20 +3,12 @@
 //!
 //! `cargo test --test selection -- --nocapture` prints what was reached.
 
-use crate::common;
-
-use common::groups::{limits_around, ln_index, violation};
-use common::random::Dice;
-use common::{cases, default_cell, group1, random_group as reference_group, reference_cell};
+use crate::common::groups::{limits_around, ln_index, violation};
+use crate::common::prelude::*;
+use crate::common::random_group as reference_group;
 use proptest::prelude::*;
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
 use stiffarm::model::dexterity;
-use stiffarm::model::kinematics::Frames;
 use stiffarm::plan::characteristic_length::characteristic_length;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{Selection, StartKind, random_group, select_from, smallest_margin};
-use stiffarm::{Control, Termination};
 
 fn select(cell: &Cell, index: Index, start: &[Vec<f64>]) -> Selection {
     select_from(cell, index, start, Options::default(), Control::default()).unwrap()

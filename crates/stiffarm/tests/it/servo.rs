@@ -1,16 +1,7 @@
 //! Servo deflection against the reference that a displacement is taken against.
 
-use crate::common;
-
-use common::readings::{GIVE, postures, reduced, states, take, tracker_pose};
-use common::reference_cell;
-use stiffarm::estimate::identify::{IdentifyOptions, identify};
-use stiffarm::measure::experiment::{Experiment, ExperimentState, ForceRecord};
-use stiffarm::measure::prepare;
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::measurement::{ReadingTable, ReadingTarget};
+use crate::common::prelude::*;
+use crate::common::readings::{GIVE, postures, reduced, states, take, tracker_pose};
 
 /// Angle by which the controller stands elsewhere in the two references \[rad\].
 const OFF: [f64; 6] = [2e-6, -3e-6, 2.5e-6, 4e-6, -3e-6, 5e-6];

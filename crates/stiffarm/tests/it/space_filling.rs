@@ -1,18 +1,10 @@
 //! Space-filling groups: inside the limits, evenly spread, reproducible.
 
-use crate::common;
-
-use common::{cases, default_cell, random::Dice, reference_cell};
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::f64::consts::{PI, TAU};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::plan::index::evaluate;
-use stiffarm::plan::select::{
-    self, StartKind, joint_distance, random_group, smallest_distance, smallest_margin,
-};
-use stiffarm::{Code, Control, Result, Termination};
+use std::f64::consts::TAU;
+use stiffarm::Result;
+use stiffarm::plan::select::{self, joint_distance, smallest_distance};
 
 /// The postures alone, of a search that nobody stops.
 fn space_filling(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {

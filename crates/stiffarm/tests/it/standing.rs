@@ -1,17 +1,9 @@
 //! How a running experiment stands: forecasts against what the further postures bring.
 
-use stiffarm::Control;
+use crate::common::prelude::*;
 use stiffarm::estimate::forecast::forecast;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions};
-use stiffarm::estimate::next_posture::{next_posture, planned_errors};
+use stiffarm::estimate::next_posture::planned_errors;
 use stiffarm::estimate::standing::{is_better, standing};
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::files::builtin;
-use stiffarm::measure::Measured;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
 
 fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
     let cell = builtin::cell("comau").unwrap();

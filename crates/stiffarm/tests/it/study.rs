@@ -1,14 +1,9 @@
 //! The study as a whole: what it holds, that it repeats, and what it says in
 //! set-ups where parts of it do not exist.
 
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stiffarm::estimate::simulate::SimulationOptions;
-use stiffarm::files::builtin;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::Index;
 use stiffarm::study::{Study, StudyOptions, study};
-use stiffarm::{Control, Termination};
 
 fn cell() -> Cell {
     builtin::cell("comau").unwrap()

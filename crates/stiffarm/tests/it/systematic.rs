@@ -1,26 +1,10 @@
 //! Common errors and what they do to the joint stiffness, held against
 //! experiments in which the error was really made; profile of the likelihood.
 
-use crate::common;
-
-use nalgebra::{Matrix6, Rotation3, Vector3};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, NoiseSource, Weights, identify, profile,
-};
-use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource, systematic_errors};
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::internals::measured_system;
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::select_from;
+use crate::common::prelude::*;
+use nalgebra::Rotation3;
+use stiffarm::estimate::identify::profile;
+use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
 
 const ARC_MINUTE: f64 = std::f64::consts::PI / 180.0 / 60.0;
 

@@ -1,27 +1,12 @@
 //! What the readings leave of the common errors, held against dense matrices of the
 //! whole model; and total bands that hold where the errors are real.
 
-use crate::common;
+use crate::common::prelude::*;
 use crate::mixed::bend;
 
-use common::random::Dice;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions};
+use nalgebra::{Cholesky, Dyn};
 use stiffarm::estimate::mixed::MixedFit;
-use stiffarm::estimate::systematic::{
-    SystematicErrors, mixed_systematic_errors, systematic_errors,
-};
-use stiffarm::estimate::validate::simulate_measurements;
-use stiffarm::internals::measured_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::model::stiffness::Model;
-use stiffarm::work::predict::{LoadedArm, PredictOptions, predict};
+use stiffarm::estimate::systematic::{SystematicErrors, mixed_systematic_errors};
 
 const LOST_MOTION: f64 = 0.1 / 60.0 * std::f64::consts::PI / 180.0;
 const BASE_TILT: f64 = 1e-8;

@@ -1,24 +1,9 @@
 //! Validation: bands about predicted displacements, and folds over postures.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::runs;
-use common::{group1, random_group, reference_cell};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::common::prelude::*;
+use crate::common::random_group;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
-use stiffarm::Code;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource, identify};
-use stiffarm::estimate::validate::{
-    Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
-};
-use stiffarm::internals::measured_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::estimate::validate::{Validation, validate};
 
 const FALSE_ALARM: f64 = 1e-6;
 

@@ -1,19 +1,12 @@
 //! Maps of dexterity and of the influence of K_C over joints 2 and 3.
 
-use crate::common;
-
-use common::{cases, default_cell, random::Dice, reference_cell};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_4;
-use stiffarm::model::cell::Cell;
+use stiffarm::Result;
 use stiffarm::model::dexterity::condition_number;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::observation::PostureTerms;
 use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones};
 use stiffarm::units::rad_to_shortest_deg;
-use stiffarm::{Code, Control, Result};
 
 /// The maps of a search that nobody stops.
 fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {

@@ -4,34 +4,15 @@ mod errors;
 mod noise;
 mod tables;
 
-use crate::common;
-
-use common::random::Dice;
-use common::{cases, reference_cell};
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6,
-};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
-use stiffarm::Code;
 use stiffarm::estimate::clamped::{
     ClampedPosture, ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
 };
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{
-    Estimator, IdentifyOptions, NoiseSource, Verdict, Weights, identify,
-};
-use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::files::table::{read_clamped, write_clamped};
 use stiffarm::internals::clamped_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
-use stiffarm::model::stiffness::{displacement_between, linear_displacement};
+use stiffarm::model::stiffness::displacement_between;
 
 const FALSE_ALARM: f64 = 1e-6;
 

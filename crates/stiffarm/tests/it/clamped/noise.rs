@@ -1,7 +1,6 @@
 //! Noise, intervals and gross errors of clamped data.
 
 use super::*;
-use common::runs::runs;
 
 #[test]
 fn intervals_cover_as_often_as_they_say() {

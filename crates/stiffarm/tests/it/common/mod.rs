@@ -6,6 +6,7 @@
 pub mod groups;
 pub mod meshes;
 pub mod model;
+pub mod prelude;
 pub mod random;
 pub mod readings;
 pub mod runs;

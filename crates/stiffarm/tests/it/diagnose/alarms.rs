@@ -1,7 +1,6 @@
 //! How often a sound experiment raises a finding.
 
 use super::*;
-use common::runs::{most, runs};
 
 /// Findings that say that something is wrong, in `seeds` clean experiments.
 fn false_alarms(

@@ -1,7 +1,6 @@
 //! The measured robot of the reference data.
 
 use super::*;
-use stiffarm::files::builtin;
 use stiffarm::files::table::read_displacements;
 
 /// Its cell and its 43 displacements.

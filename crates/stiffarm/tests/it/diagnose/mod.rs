@@ -5,28 +5,19 @@ mod alarms;
 pub mod fanuc;
 mod outliers;
 
-use crate::common;
 #[path = "../../../examples/convert_fanuc.rs"]
 #[allow(dead_code, missing_docs, reason = "its main belongs to the example")]
 mod convert_fanuc;
 
-use common::random::Dice;
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use stiffarm::estimate::diagnose::{
-    Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
+    Agreement, Diagnosis, OutlierKind, joint_signals, load_states, noise_test, outliers,
     second_order_shares, try_terms,
 };
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, identify};
-use stiffarm::estimate::validate::{Model, calculated_displacements, simulate_measurements};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// Twelve postures: Group 1 and the random group.
 fn postures() -> Vec<Posture> {

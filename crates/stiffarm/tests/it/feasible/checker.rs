@@ -5,7 +5,7 @@
 use super::arm::{Frame, Reached};
 use super::cases::{Case, Load, Pull};
 use super::distance::{Body, Shape};
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use std::collections::BTreeMap;
 
 type V = Vector3<f64>;

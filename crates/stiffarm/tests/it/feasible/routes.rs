@@ -4,12 +4,8 @@
 use super::cases::Case;
 use super::checker::Checker;
 use super::run::leave_out;
-use crate::common::random::Dice;
-use stiffarm::Control;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::model::cell::Cell;
+use crate::common::prelude::*;
 use stiffarm::plan::route::{Route, RouteOptions, route};
-use stiffarm::plan::select::{StartKind, random_group};
 
 /// Turn between two looks \[rad\].
 const LOOK_EACH: f64 = 1.5e-3;

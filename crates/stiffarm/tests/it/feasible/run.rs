@@ -2,17 +2,8 @@
 
 use super::cases::Case;
 use super::checker::Checker;
-use crate::common::random::Dice;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::Candidate;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::route::rounded;
-use stiffarm::plan::select::{
-    CandidateOptions, GlobalOptions, LocalOptions, StartKind, random_group, select,
-    select_candidates, select_from, space_filling,
-};
-use stiffarm::{Code, Control, Error};
+use crate::common::prelude::*;
+use stiffarm::plan::select::space_filling;
 
 /// What a margin may lack \[m, rad, share\].
 const TOLERANCE: f64 = 1e-6;

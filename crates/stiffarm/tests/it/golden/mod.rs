@@ -4,27 +4,16 @@
 
 mod robots;
 
-use crate::common;
-
-use common::model::{M4, rot_x, rot_z, shift, times};
-use common::random::Dice;
-use common::{
+use crate::common::model::{M4, rot_x, rot_z, shift, times};
+use crate::common::prelude::*;
+use crate::common::{
     entrywise_error, list, matrix, number, numbers, postures_from_deg, random_group, reference,
-    reference_cell, relative_error, vector3,
+    vector3,
 };
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix4, UnitQuaternion, Vector3};
+use nalgebra::Matrix4;
 use serde_json::Value;
-use std::f64::consts::{FRAC_PI_2, PI};
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::internals::information::Factor;
 use stiffarm::model::dexterity;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
-use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
-use stiffarm::plan::index::evaluate;
+use stiffarm::model::robot::catalogue;
 
 /// Agreement asked of everything that is not a finite difference.
 const TIGHT: f64 = 1e-9;

@@ -5,19 +5,11 @@ mod singular;
 mod turns;
 mod unreachable;
 
-use crate::common;
-
-use common::cases;
-use common::random::Dice;
-use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use stiffarm::Code;
-use stiffarm::model::inverse::{Branch, InverseKinematics, Method, Outcome, Region, Unreachable};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::robot::{
-    CatalogueEntry, DhConvention, DhRow, Robot, catalogue, find_in_catalogue,
-};
+use std::f64::consts::TAU;
+use stiffarm::model::inverse::{Branch, Method, Outcome, Region, Unreachable};
+use stiffarm::model::robot::{CatalogueEntry, catalogue};
 
 fn robot(key: &str) -> Robot {
     find_in_catalogue(key).unwrap().robot().unwrap()

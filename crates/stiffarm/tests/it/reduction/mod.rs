@@ -6,27 +6,12 @@ mod faults;
 mod registration;
 mod wrench;
 
-use crate::common;
-
-use common::random::Dice;
-use common::readings::*;
-use common::{cases, reference_cell};
-use nalgebra::{DVector, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use crate::common::prelude::*;
+use crate::common::readings::*;
+use nalgebra::Matrix3;
 use proptest::prelude::*;
-use stiffarm::Code;
-use stiffarm::findings::Severity;
-use stiffarm::measure::experiment::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
-};
-use stiffarm::measure::reduction::{Clock, ReduceOptions, reduce};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{
-    Displacement, MeasuredPosture, Reading, ReadingTable, ReadingTarget,
-};
-use stiffarm::model::observation::PostureTerms;
+use stiffarm::measure::reduction::Clock;
+use stiffarm::model::measurement::Reading;
 use stiffarm::model::tool::NamedPoint;
 
 /// Tracker anywhere, sensor turned and shifted, weights, offsets, drift, servo

@@ -6,24 +6,10 @@ mod poor_tables;
 mod robots;
 mod single_faults;
 
-use crate::common;
-
-use common::{group1, random::Dice, runs::most, runs::runs};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use crate::common::prelude::*;
 use rayon::prelude::*;
-use stiffarm::files::builtin;
-use stiffarm::findings::Severity;
-use stiffarm::measure::experiment::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
-};
-use stiffarm::measure::screening::{Cause, Screening, Suspicion, screen};
-use stiffarm::model::cell::{Cell, Limits};
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::load::Load;
-use stiffarm::model::measurement::{ReadingTable, ReadingTarget, WrenchColumns};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
-use stiffarm::plan::select::{StartKind, random_group};
+use stiffarm::measure::screening::{Cause, Screening, Suspicion};
+use stiffarm::model::measurement::WrenchColumns;
 use stiffarm::units::{mm_to_m, rad_to_deg};
 
 /// The default cell with a turned flange sensor.

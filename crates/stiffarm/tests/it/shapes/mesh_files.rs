@@ -1,13 +1,10 @@
 //! Meshes of files.
 
 use crate::common::meshes::{box_mesh, l_mesh};
-use crate::common::random::Dice;
-use crate::common::runs::runs;
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
 use stiffarm::files::mesh::{parse_mesh, read_mesh};
-use stiffarm::model::shape::TriangleMesh;
 
 fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
     let mut out = vec![b' '; 80];
