@@ -5,12 +5,12 @@ use stiffarm::plan::planned::{PlanRequest, plan};
 use stiffarm::plan::select::Accept;
 
 fn request(accept: Accept) -> PlanRequest {
-    let mut request = PlanRequest::default();
-    request.index = Index::ExpectedError;
-    request.rounds = Some(2);
-    request.certificate = false;
-    request.accept = Some(accept);
-    request
+    with(|o: &mut PlanRequest| {
+        o.index = Index::ExpectedError;
+        o.rounds = Some(2);
+        o.certificate = false;
+        o.accept = Some(accept);
+    })
 }
 
 /// The wrist turned away from the cabinet: what limits of a cell cannot say.

@@ -274,9 +274,7 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
     let (before, after) = errors(&cell, &truth, &model, &work(&cell, &mut dice, 60));
     println!("factor {:.1}", before / after);
     assert!(before / after < 30.0 && before / after > 1.0);
-    let diagnosis = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let diagnosis = diagnose(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     for finding in &diagnosis.findings {
         println!(
             "{:?} {}: {}",
@@ -356,18 +354,18 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
     let (sure, codes) = run(&model, CompensateOptions::default());
     assert_eq!(codes, ["correction-beyond-uncertainty"]);
     assert_eq!(sure.beyond_uncertainty, Some(10));
-    let (_, codes) = run(&model, {
-        let mut options = CompensateOptions::default();
-        options.load_uncertainty = 0.6;
-        options.measured_up_to = Some(1e-5);
-        options
-    });
+    let (_, codes) = run(
+        &model,
+        with(|o: &mut CompensateOptions| {
+            o.load_uncertainty = 0.6;
+            o.measured_up_to = Some(1e-5);
+        }),
+    );
     assert_eq!(codes, ["correction-within-uncertainty", "beyond-measured"]);
-    let (forced, codes) = run(&model, {
-        let mut options = CompensateOptions::default();
-        options.loaded_up_to = Some(1.0);
-        options
-    });
+    let (forced, codes) = run(
+        &model,
+        with(|o: &mut CompensateOptions| o.loaded_up_to = Some(1.0)),
+    );
     assert_eq!(codes[1], "beyond-load");
     assert!(forced.objections().any(|f| f.code == "beyond-load"));
     model.spread = None;

@@ -32,11 +32,7 @@ fn postures(count: usize) -> Vec<Posture> {
 
 fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
     CoverageCase {
-        options: {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        },
+        options: with(|o: &mut IdentifyOptions| o.estimator = estimator),
         world: ErrorModel::default(),
         resamples: None,
         experiments,

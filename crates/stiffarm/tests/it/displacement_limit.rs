@@ -45,9 +45,7 @@ fn keeps(cell: &Cell, group: &[Vec<f64>], [low, high]: [f64; 2]) {
 }
 
 fn rounds(rounds: u64) -> GlobalOptions {
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(rounds);
-    options
+    with(|o: &mut GlobalOptions| o.rounds = Some(rounds))
 }
 
 const RANGE: [f64; 2] = [5e-4, 1e-3];

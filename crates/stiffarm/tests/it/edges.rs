@@ -311,11 +311,7 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         Code::TooFewData
     );
     for confidence in [0.0, 1.0, f64::NAN] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.confidence = confidence;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.confidence = confidence);
         let measured = exact_measurements(&cell, &group1());
         assert_eq!(
             identify(&cell, &measured, &options).unwrap_err().code(),

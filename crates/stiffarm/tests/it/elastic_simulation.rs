@@ -19,10 +19,10 @@ fn cell(factor: f64) -> Cell {
 }
 
 fn options(elastic: ElasticChoice, runs: usize) -> ElasticSimulationOptions {
-    let mut options = ElasticSimulationOptions::default();
-    options.elastic = elastic;
-    options.runs = runs;
-    options
+    with(|o: &mut ElasticSimulationOptions| {
+        o.elastic = elastic;
+        o.runs = runs;
+    })
 }
 
 fn run(cell: &Cell, options: &ElasticSimulationOptions) -> ElasticSimulation {

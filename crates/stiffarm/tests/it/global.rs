@@ -12,9 +12,7 @@ use std::time::Duration;
 use stiffarm::plan::select::{SensitivityOptions, drop_postures, error_by_count, sensitivity};
 
 fn seeded(seed: u64) -> GlobalOptions {
-    let mut options = GlobalOptions::default();
-    options.seed = seed;
-    options
+    with(|o: &mut GlobalOptions| o.seed = seed)
 }
 
 fn rounds(seed: u64, rounds: u64) -> GlobalOptions {

@@ -218,11 +218,7 @@ fn the_next_posture_beats_random_ones() {
         .collect();
     let truth = cell.require_prior().unwrap().to_vec();
     let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 5, 0).unwrap();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::Weighted);
     let result = identify(&cell, &measured, &options).unwrap();
     let fit = Fit::new(&cell, &measured, &options).unwrap();
     let advice = next_posture(&fit, &GlobalOptions::default(), Control::default()).unwrap();

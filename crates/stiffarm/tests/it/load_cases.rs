@@ -363,11 +363,7 @@ fn simulation_validation_and_what_is_common_to_all_readings() {
     assert_eq!(parts("loading-point"), ["x", "y", "z"]);
     let next = next_posture(
         &fit,
-        &{
-            let mut search = GlobalOptions::default();
-            search.rounds = Some(1);
-            search
-        },
+        &with(|o: &mut GlobalOptions| o.rounds = Some(1)),
         Control::default(),
     )
     .unwrap();

@@ -6,12 +6,12 @@ use stiffarm::PostureGroup;
 use stiffarm::study::{Choice, MeasuredStudy, MeasuredStudyOptions, measured_study};
 
 fn options() -> MeasuredStudyOptions {
-    let mut options = MeasuredStudyOptions::default();
-    options.splits = 10;
-    options.pool = Some(9);
-    options.counts = vec![4];
-    options.indices = vec![Index::ExpectedError, Index::Prediction];
-    options
+    with(|o: &mut MeasuredStudyOptions| {
+        o.splits = 10;
+        o.pool = Some(9);
+        o.counts = vec![4];
+        o.indices = vec![Index::ExpectedError, Index::Prediction];
+    })
 }
 
 fn simulated() -> (Cell, Measured) {

@@ -39,12 +39,10 @@ fn groups(cell: &Cell) -> Vec<PostureGroup> {
 }
 
 fn run(cell: &Cell, groups: &[PostureGroup], runs: usize, seed: u64) -> Simulation {
-    let options = {
-        let mut options = SimulationOptions::default();
-        options.runs = runs;
-        options.seed = seed;
-        options
-    };
+    let options = with(|o: &mut SimulationOptions| {
+        o.runs = runs;
+        o.seed = seed;
+    });
     simulate(cell, groups, &options, Control::default()).unwrap()
 }
 
@@ -194,12 +192,10 @@ fn the_median_holds_where_the_mean_does_not_exist() {
     let count = runs(2_000) as usize;
     let cell = reference_cell();
     let groups = [PostureGroup::from_angles("hand-picked", group1())];
-    let options = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = vec![20.0, 40.0];
-        options.runs = count;
-        options
-    };
+    let options = with(|o: &mut SimulationOptions| {
+        o.variance_factors = vec![20.0, 40.0];
+        o.runs = count;
+    });
     let simulation = simulate(&cell, &groups, &options, Control::default()).unwrap();
     let limit = threshold(12);
     for level in &simulation.groups[0].levels {
@@ -254,12 +250,10 @@ fn noise_grows_with_the_square_root_of_its_variance() {
         }
     }
     // Without noise nothing deviates, and two readings double the variance.
-    let quiet = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = vec![0.0];
-        options.runs = 3;
-        options
-    };
+    let quiet = with(|o: &mut SimulationOptions| {
+        o.variance_factors = vec![0.0];
+        o.runs = 3;
+    });
     let quiet = simulate(&cell, &groups, &quiet, Control::default()).unwrap();
     assert_eq!(quiet.groups[0].levels[0].mean_deviation, [0.0; 6]);
     let mut honest = cell.clone();
@@ -319,13 +313,11 @@ fn longer_simulations_begin_with_the_runs_of_shorter_ones() {
         }
     }
     // Neither do further groups and levels change what came before.
-    let options = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = vec![0.5];
-        options.runs = 50;
-        options.seed = 9;
-        options
-    };
+    let options = with(|o: &mut SimulationOptions| {
+        o.variance_factors = vec![0.5];
+        o.runs = 50;
+        o.seed = 9;
+    });
     let part = simulate(&cell, &groups[..1], &options, Control::default()).unwrap();
     assert_eq!(part.groups[0].levels[0], many[0]);
     // Each level and group draws its own numbers.
@@ -390,12 +382,10 @@ fn coverage(
 ) -> Vec<u64> {
     let postures = &group.postures;
     let truth = world.require_prior().unwrap();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = noise;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = noise;
+    });
     let mut covered = vec![0; 6];
     for stream in 0..runs {
         let measured =

@@ -57,11 +57,7 @@ fn now_is_what_the_table_of_estimates_says() {
         Estimator::NonNegative,
         Estimator::Prior,
     ] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
         let measured = measured(&cell, group1(), &with_states(ForceRecord::Load), 4);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         let advice = advice(&fit, 1);
@@ -78,12 +74,10 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
     let mut cell = default_cell();
     cell.noise.posture_common_std = 3e-5;
     // The size of the noise is known, so that it is the same in both fits.
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = NoiseSource::Known;
+    });
     for force in [ForceRecord::Load, ForceRecord::Force] {
         let done = with_states(force);
         let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
@@ -104,12 +98,10 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
 #[test]
 fn no_random_posture_measured_alike_is_better() {
     let cell = default_cell();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = NoiseSource::Known;
+    });
     let done = with_states(ForceRecord::Load);
     let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
     let found = advice(&fit, 3);
@@ -143,11 +135,7 @@ proptest! {
         let force = if forces { ForceRecord::ForceAndMoment } else { ForceRecord::Load };
         let mut done = with_states(force);
         done.states.truncate(1 + loads);
-        let options = {
- let mut options = IdentifyOptions::default();
-options.estimator = Estimator::ALL[kind];
-options
-};
+        let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::ALL[kind]);
         let fit = Fit::new(&cell, measured(&cell, q, &done, seed), &options).unwrap();
         let advice = advice(&fit, 1);
         for (before, after) in advice.before.iter().zip(&advice.after) {

@@ -45,11 +45,7 @@ fn one_assembly_and_one_fit_per_options_and_data() {
         (&odd, Estimator::TwoVariance),
         (&odd, Estimator::Ordinary),
     ] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         whole(&fit);
         let journal = fit.journal();
@@ -72,11 +68,7 @@ fn other_options_use_the_same_terms() {
     let measured = measured(&cell);
     let two = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     for estimator in Estimator::ALL {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
         let again = two.with(&options).unwrap();
         let alone = identify(&cell, &measured, &options).unwrap();
         assert_eq!(*again.identification().unwrap(), alone, "{estimator:?}");
@@ -93,12 +85,10 @@ fn the_count_of_readings_travels_with_the_measurements() {
     assert_eq!(cell.noise.readings_per_displacement, 1);
     let measured = measured(&cell);
     assert_eq!(measured.readings_per_displacement, Some(2));
-    let known = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let known = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = NoiseSource::Known;
+    });
     let found = identify(&cell, &measured, &known).unwrap();
     let mut two = cell.clone();
     two.noise.readings_per_displacement = 2;

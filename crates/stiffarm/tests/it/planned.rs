@@ -20,11 +20,11 @@ fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
 }
 
 fn quick(postures: usize) -> PlanRequest {
-    let mut request = PlanRequest::default();
-    request.postures = postures;
-    request.rounds = Some(1);
-    request.certificate = false;
-    request
+    with(|o: &mut PlanRequest| {
+        o.postures = postures;
+        o.rounds = Some(1);
+        o.certificate = false;
+    })
 }
 
 fn given() -> Vec<Posture> {

@@ -84,11 +84,7 @@ fn assert_continuous(cell: &Cell, found: &[LoadedPosture], step: f64) {
 fn poses_are_held_on_one_branch() {
     let cell = default_cell();
     let circle = circle(90);
-    let options = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options
-    };
+    let options = with(|o: &mut PosturePathOptions| o.process = milling());
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(summary.origin, Origin::ClosedForm);
     assert!(worst_gap(&cell, &found, &circle, false) < 1e-11);
@@ -125,11 +121,7 @@ fn poses_are_held_on_one_branch() {
 fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
     let cell = default_cell();
     let circle = circle(60);
-    let fixed = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options
-    };
+    let fixed = with(|o: &mut PosturePathOptions| o.process = milling());
     let free = {
         let mut options = fixed.clone();
         options.free_turn = true;
@@ -191,13 +183,11 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
 fn long_paths_choose_turns_at_knots() {
     let cell = default_cell();
     let circle = circle(3000);
-    let options = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options.free_turn = true;
-        options.turns = 24;
-        options
-    };
+    let options = with(|o: &mut PosturePathOptions| {
+        o.process = milling();
+        o.free_turn = true;
+        o.turns = 24;
+    });
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
     assert_continuous(&cell, &found, 0.1);
@@ -299,12 +289,10 @@ fn arms_without_closed_form_follow_and_turn_as_well() {
     cell.setup.robot = Robot::from_dh("calibrated", DhConvention::Modified, &rows, base).unwrap();
     cell.prior = Some(vec![3.8e6, 6.6e6, 3.9e6, 5.6e5, 6.6e5, 4.7e5]);
     let circle = circle(30);
-    let options = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options.turns = 24;
-        options
-    };
+    let options = with(|o: &mut PosturePathOptions| {
+        o.process = milling();
+        o.turns = 24;
+    });
     let (found, fixed) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(fixed.origin, Origin::Numeric);
     assert!(worst_gap(&cell, &found, &circle, false) < 1e-9);

@@ -54,12 +54,10 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         let expected = numbers(&golden["displacement_m1"]);
         assert!(relative_error(&linear.as_slice()[..expected.len()], &expected) < 1e-9);
         // The command's way to the same number.
-        let options = {
-            let mut options = PredictOptions::default();
-            options.model = Model::Linear;
-            options.load_at = LoadPoint::LoadingPoint;
-            options
-        };
+        let options = with(|o: &mut PredictOptions| {
+            o.model = Model::Linear;
+            o.load_at = LoadPoint::LoadingPoint;
+        });
         let points = predict(
             &cell,
             &predictor,
@@ -254,12 +252,10 @@ fn identified(
 ) -> IdentifiedCompliance {
     let truth = cell.require_prior().unwrap();
     let measured = simulate_measurements(cell, group, truth, Model::Equilibrium, seed, 0).unwrap();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = estimator;
-        options.noise = NoiseSource::Estimated;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = estimator;
+        o.noise = NoiseSource::Estimated;
+    });
     let found = identify(cell, &measured, &options).unwrap();
     IdentifiedCompliance::from_identification(cell, &found).unwrap()
 }
@@ -341,20 +337,16 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();
     let plain = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
-    let budget = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let budget = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     let with = plain.clone().with_systematic_errors(&budget);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
     let arm = LoadedArm::new(&cell, &plain).unwrap();
     let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {
         // The bands are those of the linear model.
-        let options = {
-            let mut options = PredictOptions::default();
-            options.model = Model::Linear;
-            options.load_uncertainty = load;
-            options
-        };
+        let options = with(|o: &mut PredictOptions| {
+            o.model = Model::Linear;
+            o.load_uncertainty = load;
+        });
         predict(&cell, predictor, &work, &options, Control::default()).unwrap()
     };
     let point = run(&with, 0.0).points[0].clone();
@@ -419,11 +411,7 @@ fn says_which_model_and_whether_the_linear_one_would_do() {
     let predictor = prior(&cell);
     let run = |force: f64, model| {
         let load = Wrench::force(Vector3::new(0.0, 0.0, -force));
-        let options = {
-            let mut options = PredictOptions::default();
-            options.model = model;
-            options
-        };
+        let options = with(|o: &mut PredictOptions| o.model = model);
         let work = [at(&cell.tasks[1].q, load)];
         predict(&cell, &predictor, &work, &options, Control::default()).unwrap()
     };

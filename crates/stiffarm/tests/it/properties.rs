@@ -388,11 +388,7 @@ proptest! {
         let qr = psi.clone().qr();
         let best = qr.r().solve_upper_triangular(&qr.q().tr_mul(&delta)).unwrap();
         let errors = inverse_gram_diagonal(&psi);
-        let options = {
- let mut options = IdentifyOptions::default();
-options.noise = NoiseSource::Known;
-options
-};
+        let options = with(|o: &mut IdentifyOptions| o.noise = NoiseSource::Known);
         let ours = identify(&cell, &measured, &options).unwrap();
         for (j, joint) in ours.estimates.joints.iter().enumerate() {
             let error = errors[j].sqrt();

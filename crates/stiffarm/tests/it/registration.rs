@@ -148,12 +148,10 @@ fn the_covariance_agrees_with_simulation() {
         let pose = dice.pose();
         let exact = pairs(&base, &pose);
         let total = f64::hypot(std[0], std[1]);
-        let options = {
-            let mut options = RegisterOptions::default();
-            options.std = Some(total);
-            options.weights = weights;
-            options
-        };
+        let options = with(|o: &mut RegisterOptions| {
+            o.std = Some(total);
+            o.weights = weights;
+        });
         // First order: the covariance at the truth.
         let truth = register_with(&exact, &options).unwrap().covariance;
         let root = truth.cholesky().unwrap();
@@ -220,11 +218,7 @@ fn a_transformed_point_has_the_covariance_of_shift_and_turn() {
     let base = points(&mut dice, 5, false);
     let pose = dice.pose();
     let exact = pairs(&base, &pose);
-    let options = {
-        let mut options = RegisterOptions::default();
-        options.std = Some(4e-5);
-        options
-    };
+    let options = with(|o: &mut RegisterOptions| o.std = Some(4e-5));
     let at = Vector3::new(2.0, -1.0, 0.5);
     let tracker = pose.inverse_transform_point(&at.into()).coords;
     let expected = register_with(&exact, &options).unwrap().covariance_at(&at);
@@ -247,23 +241,17 @@ fn a_pair_of_weight_two_counts_as_two_pairs() {
     let base = points(&mut dice, 5, false);
     let mut noisy = pairs(&base, &dice.pose());
     noisy.iter_mut().for_each(|p| p.base += dice.noise(1e-3));
-    let options = {
-        let mut options = RegisterOptions::default();
-        options.std = Some(1e-3);
-        options.weights = vec![2.0, 1.0, 1.0, 1.0, 1.0];
-        options
-    };
+    let options = with(|o: &mut RegisterOptions| {
+        o.std = Some(1e-3);
+        o.weights = vec![2.0, 1.0, 1.0, 1.0, 1.0];
+    });
     let weighted = register_with(&noisy, &options).unwrap();
     let mut twice = noisy.clone();
     twice.push(PointPair {
         name: "again".to_string(),
         ..noisy[0].clone()
     });
-    let known = {
-        let mut options = RegisterOptions::default();
-        options.std = Some(1e-3);
-        options
-    };
+    let known = with(|o: &mut RegisterOptions| o.std = Some(1e-3));
     let repeated = register_with(&twice, &known).unwrap();
     let difference =
         weighted.base_from_tracker.to_matrix() - repeated.base_from_tracker.to_matrix();

@@ -178,10 +178,10 @@ fn wrong_sets_are_refused() {
         .collect();
     add("too near to a line for their errors", &thin, &free);
     let weights = |weights: &[f64]| {
-        let mut options = RegisterOptions::default();
-        options.std = None;
-        options.weights = weights.to_vec();
-        options
+        with(|o: &mut RegisterOptions| {
+            o.std = None;
+            o.weights = weights.to_vec();
+        })
     };
     add("a weight missing", &good, &weights(&[1.0; 4]));
     add(
@@ -189,12 +189,14 @@ fn wrong_sets_are_refused() {
         &good,
         &weights(&[1.0, 1.0, 0.0, 1.0, 1.0]),
     );
-    add("no standard deviation", &good, &{
-        let mut options = RegisterOptions::default();
-        options.std = Some(-1.0);
-        options.weights = vec![];
-        options
-    });
+    add(
+        "no standard deviation",
+        &good,
+        &with(|o: &mut RegisterOptions| {
+            o.std = Some(-1.0);
+            o.weights = vec![];
+        }),
+    );
     insta::assert_snapshot!("registration_refusals", out);
 }
 
@@ -202,10 +204,10 @@ fn wrong_sets_are_refused() {
 fn wrong_pairs_are_named() {
     let free = RegisterOptions::default();
     let known = |std| {
-        let mut options = RegisterOptions::default();
-        options.std = Some(std);
-        options.weights = vec![];
-        options
+        with(|o: &mut RegisterOptions| {
+            o.std = Some(std);
+            o.weights = vec![];
+        })
     };
     let mut out = String::new();
     let mut add =
@@ -390,12 +392,10 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
                 let mut pairs = anywhere(&mut dice, count);
                 let at = dice.below(count);
                 pairs[at].base += dice.direction() * mm * 1e-3;
-                let options = {
-                    let mut options = RegisterOptions::default();
-                    options.std = known.then_some(NOISE * 2f64.sqrt());
-                    options.weights = vec![];
-                    options
-                };
+                let options = with(|o: &mut RegisterOptions| {
+                    o.std = known.then_some(NOISE * 2f64.sqrt());
+                    o.weights = vec![];
+                });
                 let Ok(found) = register_with(&pairs, &options) else {
                     refused += 1;
                     continue;

@@ -129,11 +129,7 @@ fn a_prediction_under_the_cells_load_follows_it() {
                 q: q.clone(),
                 wrench: own(&cell, &q, 1.0),
             };
-            let options = {
-                let mut options = PredictOptions::default();
-                options.load_at = LoadPoint::LoadingPoint;
-                options
-            };
+            let options = with(|o: &mut PredictOptions| o.load_at = LoadPoint::LoadingPoint);
             let found = predict(
                 &cell,
                 &predictor,

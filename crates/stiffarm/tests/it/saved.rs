@@ -30,9 +30,9 @@ fn identified(fit: &Fit, elastic: ElasticChoice) -> Identified {
 }
 
 fn terms() -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)];
-    options
+    with(|o: &mut IdentifyOptions| {
+        o.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)]
+    })
 }
 
 /// The result with what made it, sealed.

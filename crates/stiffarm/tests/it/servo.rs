@@ -45,11 +45,7 @@ fn table(cell: &Cell, states: Vec<ExperimentState>, seconds: f64) -> ReadingTabl
 
 /// Largest relative error of the identified stiffness.
 fn error(cell: &Cell, table: &ReadingTable) -> f64 {
-    let given = {
-        let mut options = ReduceOptions::default();
-        options.base_from_tracker = Some(tracker_pose());
-        options
-    };
+    let given = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(tracker_pose()));
     let measured = prepare(cell, table.clone(), &given).unwrap();
     let found = identify(cell, &measured, &IdentifyOptions::default()).unwrap();
     let prior = cell.prior.as_ref().unwrap();

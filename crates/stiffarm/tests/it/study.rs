@@ -18,11 +18,7 @@ fn group_1(cell: &Cell) -> PostureGroup {
 
 fn options(starts: usize, max_iterations: u64) -> StudyOptions {
     let mut own = StudyOptions::default();
-    own.simulation = {
-        let mut options = SimulationOptions::default();
-        options.runs = 50;
-        options
-    };
+    own.simulation = with(|o: &mut SimulationOptions| o.runs = 50);
     own.starts = starts;
     own.q1_draws = 40;
     own.max_iterations = max_iterations;

@@ -36,9 +36,7 @@ fn measure(cell: &Cell, postures: &[Posture], seed: u64) -> Vec<MeasuredPosture>
 }
 
 fn ordinary() -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = Estimator::Ordinary;
-    options
+    with(|o: &mut IdentifyOptions| o.estimator = Estimator::Ordinary)
 }
 
 fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
@@ -78,9 +76,7 @@ fn every_source_is_the_error_really_made() {
     let cell = cell;
     let postures = group_1();
     let nominal = measure(&cell, &postures, 1);
-    let budget = Fit::new(&cell, &nominal, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let budget = systematic_errors(&Fit::new(&cell, &nominal, &ordinary()).unwrap()).unwrap();
     let made = |cell: &Cell| measure(cell, &postures, 1);
     let seen = |measured: &[MeasuredPosture]| bias(&cell, measured, &ordinary());
 
@@ -156,9 +152,7 @@ fn the_budget_of_the_default_cell() {
     let postures = plan(&cell);
     let measured = measure(&cell, &postures, 1);
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
-        let all = Fit::new(cell, &measured, &ordinary())
-            .and_then(|fit| systematic_errors(&fit))
-            .unwrap();
+        let all = systematic_errors(&Fit::new(cell, &measured, &ordinary()).unwrap()).unwrap();
         let source = source(&all, name);
         source
             .change
@@ -196,9 +190,7 @@ fn the_budget_of_the_default_cell() {
 
     let postures = group_1();
     let measured = measure(&cell, &postures, 1);
-    let all = Fit::new(&cell, &measured, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let all = systematic_errors(&Fit::new(&cell, &measured, &ordinary()).unwrap()).unwrap();
     let k4 = source(&all, "anchor").change[3].unwrap();
     assert!((k4 - 0.039).abs() < 0.002, "{k4}");
     // Parts combine as root sum of squares; sources as well, as far as the readings
@@ -232,12 +224,8 @@ fn measured_wrenches_have_the_sources_that_made_them() {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
         m.wrench = Some(*terms.wrench());
     }
-    let a = Fit::new(&cell, &nominal, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
-    let b = Fit::new(&cell, &along, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let a = systematic_errors(&Fit::new(&cell, &nominal, &ordinary()).unwrap()).unwrap();
+    let b = systematic_errors(&Fit::new(&cell, &along, &ordinary()).unwrap()).unwrap();
     for name in ["force-scale", "anchor", "loading-point"] {
         let other: Vec<f64> = source(&b, name).change.iter().map(|c| c.unwrap()).collect();
         assert_same(&source(&a, name).change, &other, name);
@@ -257,9 +245,7 @@ fn measured_wrenches_have_the_sources_that_made_them() {
             ..m.wrench.unwrap()
         });
     }
-    let c = Fit::new(&sensing, &moments, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let c = systematic_errors(&Fit::new(&sensing, &moments, &ordinary()).unwrap()).unwrap();
     let names: Vec<&str> = c.sources.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(
         names,
@@ -293,14 +279,8 @@ fn the_force_scale_is_in_every_budget() {
     );
     let measured = measure(&cell, &postures, 3);
     for estimator in Estimator::ALL {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
-        let all = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| systematic_errors(&fit))
-            .unwrap();
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+        let all = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
         let force = &all.sources[0];
         assert!(force.name == "force-scale" && force.declared && force.size == 0.02);
         // The prior pulls a little the other way.
@@ -342,14 +322,11 @@ fn the_profile_of_least_squares_is_the_t_interval() {
         let measured = measure(&cell, &postures, seed);
         for estimator in [Estimator::Ordinary, Estimator::Weighted] {
             for noise in [NoiseSource::Estimated, NoiseSource::Known] {
-                let options = {
-                    let mut options = IdentifyOptions::default();
-                    options.estimator = estimator;
-                    options.noise = noise;
-                    options
-                };
-                let found = Fit::new(&cell, &measured, &options)
-                    .and_then(|fit| profile(&fit))
+                let options = with(|o: &mut IdentifyOptions| {
+                    o.estimator = estimator;
+                    o.noise = noise;
+                });
+                let found = profile(&Fit::new(&cell, &measured, &options).unwrap())
                     .unwrap()
                     .unwrap();
                 let difference = found.difference.unwrap();
@@ -377,8 +354,7 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     let mut largest = 0.0_f64;
     for seed in 0..5 {
         let measured = measure(&cell, &plan(&common::default_cell()), 100 + seed);
-        let found = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| profile(&fit))
+        let found = profile(&Fit::new(&cell, &measured, &options).unwrap())
             .unwrap()
             .unwrap();
         largest = largest.max(found.difference.unwrap());
@@ -465,16 +441,10 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     assert!(largest > 1e-4 && largest < 0.1, "{largest}");
     println!("largest difference of two-variance profiles: {largest}");
     for estimator in [Estimator::Huber, Estimator::NonNegative, Estimator::Prior] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
         let measured = measure(&cell, &group_1(), 1);
         assert_eq!(
-            Fit::new(&cell, &measured, &options)
-                .and_then(|fit| profile(&fit))
-                .unwrap(),
+            profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap(),
             None
         );
     }
@@ -489,9 +459,7 @@ fn budgets_and_profiles_of_poor_data() {
     let measured = measure(&cell, &group_1()[..1], 1);
     let options = ordinary();
     let result = identify(&cell, &measured, &options).unwrap();
-    let all = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let all = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     for (j, joint) in result.estimates.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
         assert_eq!(
@@ -500,14 +468,11 @@ fn budgets_and_profiles_of_poor_data() {
         );
         assert!(known || all.sources.iter().all(|s| s.change[j].is_none()));
     }
-    Fit::new(&cell, &measured, &options)
-        .and_then(|fit| profile(&fit))
-        .unwrap();
+    profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     // Without noise the residuals are rounding: no profile to speak of.
     let quiet = quiet_cell();
     let exact = measure(&quiet, &group_1(), 1);
-    let found = Fit::new(&quiet, &exact, &IdentifyOptions::default())
-        .and_then(|fit| profile(&fit))
+    let found = profile(&Fit::new(&quiet, &exact, &IdentifyOptions::default()).unwrap())
         .unwrap()
         .unwrap();
     assert!(
@@ -519,8 +484,8 @@ fn budgets_and_profiles_of_poor_data() {
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);
-    let all = Fit::new(&loose, measure(&cell, &group_1(), 1), &options)
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let all =
+        systematic_errors(&Fit::new(&loose, measure(&cell, &group_1(), 1), &options).unwrap())
+            .unwrap();
     assert!(all.findings.iter().all(|f| !f.sentence.contains("NaN")));
 }

@@ -52,9 +52,7 @@ fn measured(cell: &Cell, sizes: &[f64], seed: u64) -> Vec<MeasuredPosture> {
 }
 
 fn options(estimator: Estimator) -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = estimator;
-    options
+    with(|o: &mut IdentifyOptions| o.estimator = estimator)
 }
 
 /// Values, mean and second moments of the errors' sizes by one dense linear model

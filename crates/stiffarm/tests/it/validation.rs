@@ -26,9 +26,7 @@ fn measure(cell: &Cell, postures: &[Posture], stream: usize) -> Vec<MeasuredPost
 }
 
 fn options(estimator: Estimator) -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = estimator;
-    options
+    with(|o: &mut IdentifyOptions| o.estimator = estimator)
 }
 
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
@@ -227,9 +225,7 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
         options.extra = vec![ExtraTerm::JointTilt(2)];
         options
     };
-    let result = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| cross_validate(&fit, 3, None))
-        .unwrap();
+    let result = cross_validate(&Fit::new(&cell, &measured, &options).unwrap(), 3, None).unwrap();
     for fold in 0..3 {
         let (left, others): (Vec<_>, Vec<_>) = measured
             .iter()

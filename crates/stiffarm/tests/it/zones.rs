@@ -14,10 +14,10 @@ fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
 }
 
 fn held(steps: usize, q: Option<Vec<f64>>) -> ZoneOptions {
-    let mut options = ZoneOptions::default();
-    options.steps = steps;
-    options.q = q;
-    options
+    with(|o: &mut ZoneOptions| {
+        o.steps = steps;
+        o.q = q;
+    })
 }
 
 fn options(steps: usize) -> ZoneOptions {

@@ -276,11 +276,7 @@ fn a_tilting_joint_and_lost_motion_are_further_terms() {
                 *q -= m;
             }
         }
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.extra = vec![term];
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.extra = vec![term]);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert_close(
             &result.estimates.stiffness().unwrap(),
@@ -381,11 +377,7 @@ fn every_estimator_takes_clamped_rows() {
     let postures = postures(&cell, &mut dice, 6);
     let data = simulate_clamped(&cell, &postures, truth, &simulation, 6, 0).unwrap();
     for estimator in Estimator::ALL {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert!(result.estimates.independent_rows);
         let found = result.estimates.stiffness().unwrap();

@@ -188,6 +188,13 @@ pub fn default_cell() -> Cell {
     }
 }
 
+/// The default of a type with changes.
+pub fn with<T: Default>(change: impl FnOnce(&mut T)) -> T {
+    let mut value = T::default();
+    change(&mut value);
+    value
+}
+
 /// Largest difference of two lists relative to the largest reference entry.
 pub fn relative_error(ours: &[f64], reference: &[f64]) -> f64 {
     assert_eq!(ours.len(), reference.len(), "lengths differ");

@@ -83,9 +83,7 @@ pub fn reduced(cell: &Cell, table: &ReadingTable) -> Reduction {
 }
 
 pub fn given(transform: Isometry3<f64>) -> ReduceOptions {
-    let mut options = ReduceOptions::default();
-    options.base_from_tracker = Some(transform);
-    options
+    with(|o: &mut ReduceOptions| o.base_from_tracker = Some(transform))
 }
 
 /// Displacements of the measuring points and wrench under `factor` times the

@@ -25,9 +25,8 @@ fn false_alarms(
     for seed in 0..seeds {
         let truth = truth(cell);
         let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
-        let found = Fit::new(cell, measured.unwrap(), &options(estimator))
-            .and_then(|fit| diagnose(&fit))
-            .unwrap();
+        let found =
+            diagnose(&Fit::new(cell, measured.unwrap(), &options(estimator)).unwrap()).unwrap();
         for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
             *counts.entry((*fault).to_string()).or_default() += 1;
         }
@@ -89,9 +88,7 @@ fn clean_load_states_raise_few_findings() {
         for seed in 0..seeds {
             let measured = in_states(&cell, states, seed, |_, _, _| Vector3::zeros());
             let options = options(Estimator::TwoVariance);
-            let noise = Fit::new(&cell, &measured, &options)
-                .and_then(|fit| noise_test(&fit))
-                .unwrap();
+            let noise = noise_test(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
             let found = Fit::new(&cell, &measured, &options)
                 .and_then(|fit| load_states(&fit, noise.as_ref()))
                 .unwrap()
@@ -120,8 +117,7 @@ fn residuals_are_compared_with_the_noise_in_words() {
     let test = |factor: f64| {
         let mut stated = cell.clone();
         stated.noise.reading_variance /= factor * factor;
-        Fit::new(&stated, &measured, &options(Estimator::Ordinary))
-            .and_then(|fit| noise_test(&fit))
+        noise_test(&Fit::new(&stated, &measured, &options(Estimator::Ordinary)).unwrap())
             .unwrap()
             .unwrap()
     };

@@ -23,9 +23,8 @@ pub fn measured_robot() -> (Cell, Vec<MeasuredPosture>) {
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn what_a_careful_engineer_would_say() {
     let (cell, measured) = measured_robot();
-    let found = Fit::new(&cell, &measured, &IdentifyOptions::default())
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap()).unwrap();
     for finding in &found.findings {
         println!("[{}] {}", finding.code, finding.sentence);
     }

@@ -34,9 +34,7 @@ fn measure(cell: &Cell, seed: u64) -> Vec<MeasuredPosture> {
 }
 
 fn options(estimator: Estimator) -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = estimator;
-    options
+    with(|o: &mut IdentifyOptions| o.estimator = estimator)
 }
 
 fn codes(diagnosis: &Diagnosis) -> Vec<&str> {
@@ -112,9 +110,7 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
     let cell = noisy_cell(0.0);
     let options = options(Estimator::TwoVariance);
     let states = |measured: &[MeasuredPosture]| {
-        let noise = Fit::new(&cell, measured, &options)
-            .and_then(|fit| noise_test(&fit))
-            .unwrap();
+        let noise = noise_test(&Fit::new(&cell, measured, &options).unwrap()).unwrap();
         Fit::new(&cell, measured, &options)
             .and_then(|fit| load_states(&fit, noise.as_ref()))
             .unwrap()
@@ -183,9 +179,7 @@ fn the_tilt_that_is_there_is_found() {
                 d.value += column.fixed_rows::<3>(3 * d.point);
             }
         }
-        let found = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| try_terms(&fit))
-            .unwrap();
+        let found = try_terms(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
         // On this robot joint 1 tilts at the foot of the base.
         assert_eq!(found.trials.len(), 12);
         assert_eq!(
@@ -205,9 +199,7 @@ fn the_tilt_that_is_there_is_found() {
         // With it in the model nothing more is asked for.
         let mut with = options.clone();
         with.extra.push(term);
-        let found = Fit::new(&cell, &measured, &with)
-            .and_then(|fit| try_terms(&fit))
-            .unwrap();
+        let found = try_terms(&Fit::new(&cell, &measured, &with).unwrap()).unwrap();
         assert!(found.trials.len() <= 11 && !found.axis_only);
         assert_eq!(found.finding(), None);
     }
@@ -230,9 +222,8 @@ fn the_linear_model_is_judged_posture_by_posture() {
             .iter()
             .all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05)
     );
-    let said = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let said =
+        diagnose(&Fit::new(&cell, &measured, &options(Estimator::Ordinary)).unwrap()).unwrap();
     let finding = said
         .findings
         .iter()
@@ -247,9 +238,9 @@ fn the_linear_model_is_judged_posture_by_posture() {
     if let Load::Rope { magnitude, .. } = &mut heavy.setup.load {
         *magnitude = 30_000.0;
     }
-    let found = Fit::new(&heavy, measure(&heavy, 1), &options(Estimator::Ordinary))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&heavy, measure(&heavy, 1), &options(Estimator::Ordinary)).unwrap())
+            .unwrap();
     let finding = found
         .findings
         .iter()
@@ -274,9 +265,8 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
         .unwrap();
     assert!(signals[5].torque_rms_nm < 2.0 && signals[1].torque_rms_nm > 100.0);
     assert!(signals[5].to_residual.unwrap() < 1.0 && signals[1].to_residual.unwrap() > 10.0);
-    let found = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &measured, &options(Estimator::TwoVariance)).unwrap()).unwrap();
     let weak: Vec<&str> = found
         .findings
         .iter()
@@ -301,9 +291,8 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     for displacement in limited.iter_mut().flat_map(|m| &mut m.displacements) {
         displacement.value += dice.vector(2e-4);
     }
-    let found = Fit::new(&cell, &limited, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &limited, &options(Estimator::TwoVariance)).unwrap()).unwrap();
     let sentence = weak_sentence(&found);
     assert!(
         sentence.contains("more postures of this kind would not much"),
@@ -318,9 +307,8 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let group = PostureGroup::from_angles("", alike).postures;
     let measured =
         simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
-    let found = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &measured, &options(Estimator::Ordinary)).unwrap()).unwrap();
     assert!(!found.correlated.is_empty() && codes(&found).contains(&"correlated"));
     assert!(found.correlated.iter().all(|p| p.correlation.abs() > 0.9));
 }
@@ -332,17 +320,14 @@ fn diagnoses_of_poor_data() {
     let all = measure(&cell, 1);
     for estimator in Estimator::ALL {
         for count in [1, 2, 3] {
-            Fit::new(&cell, &all[..count], &options(estimator))
-                .and_then(|fit| diagnose(&fit))
-                .unwrap();
+            diagnose(&Fit::new(&cell, &all[..count], &options(estimator)).unwrap()).unwrap();
         }
     }
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let exact = measure(&quiet, 1);
-    let found = Fit::new(&quiet, &exact, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&quiet, &exact, &options(Estimator::TwoVariance)).unwrap()).unwrap();
     assert!(
         found.noise.is_none() && found.outliers.found.is_empty(),
         "{:?}",
@@ -353,9 +338,8 @@ fn diagnoses_of_poor_data() {
     for m in &mut single {
         m.displacements.truncate(1);
     }
-    let found = Fit::new(&cell, &single, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &single, &options(Estimator::TwoVariance)).unwrap()).unwrap();
     assert!(found.outliers.found.is_empty());
     let json = serde_json::to_string(&found).unwrap();
     let back: Diagnosis = serde_json::from_str(&json).unwrap();
@@ -370,8 +354,7 @@ fn sentences() {
     let mut out = String::new();
     let mut tell = |title: &str, cell: &Cell, measured: &[MeasuredPosture]| {
         out += &format!("» {title}\n");
-        for finding in Fit::new(cell, measured, &two)
-            .and_then(|fit| diagnose(&fit))
+        for finding in diagnose(&Fit::new(cell, measured, &two).unwrap())
             .unwrap()
             .findings
         {

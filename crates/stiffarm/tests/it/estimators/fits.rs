@@ -92,12 +92,10 @@ fn tracker_weights_are_least_squares_with_the_trackers_covariance() {
             blocks.push(covariance);
         }
     }
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.weights = Weights::Tracker;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.weights = Weights::Tracker;
+    });
     let ours = identify(&cell, &measured, &options).unwrap();
     let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
     let mut v = DMatrix::zeros(72, 72);
@@ -126,11 +124,7 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let mut spoiled = clean.clone();
     spoiled[2].displacements[1].value += Vector3::new(0.3, -0.2, 1.0);
     let with = |measured: &[MeasuredPosture], estimator| {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
         identify(&cell, measured, &options).unwrap()
     };
     let reference = with(&clean, Estimator::Huber);
@@ -160,11 +154,7 @@ fn the_non_negative_fit_says_nothing_about_a_joint_without_load() {
     let mut cell = reference_cell();
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     let measured = measured(&cell, &[1.0], 1e-5, &mut Dice::new(5));
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::NonNegative;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::NonNegative);
     let found = identify(&cell, &measured, &options).unwrap();
     assert_eq!(found.estimates.undetermined_joints, ["joint 6"]);
     let blind = &found.estimates.joints[5];
@@ -245,14 +235,8 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
             many.push(posture);
         }
     }
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Ordinary;
-        options
-    };
-    let found = Fit::new(&cell, &many, &options)
-        .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
-        .unwrap();
+    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::Ordinary);
+    let found = bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 1, 0.95).unwrap();
     let formula = identify(&cell, &many, &options).unwrap();
     assert_eq!((found.postures, found.skipped), (72, 0));
     assert_eq!(found.degrees_of_freedom, 3 * 72 - 6);
@@ -264,14 +248,11 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         assert!(low < a.stiffness.unwrap() && a.stiffness.unwrap() < high);
     }
     // The same seed, the same numbers; another, others.
-    let again = Fit::new(&cell, &many, &options)
-        .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
-        .unwrap();
+    let again = bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 1, 0.95).unwrap();
     assert_eq!(found, again);
     assert_ne!(
         found.joints,
-        Fit::new(&cell, &many, &options)
-            .and_then(|fit| bootstrap(&fit, 800, 2, 0.95))
+        bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 2, 0.95)
             .unwrap()
             .joints
     );
@@ -283,16 +264,18 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
     let mut cell = honest_cell();
     cell.setup.tool.measuring_points.truncate(1);
     let measured = measured(&cell, &[1.0], 1e-6, &mut Dice::new(4));
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Ordinary;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Ordinary;
+        o.noise = NoiseSource::Known;
+    });
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
-    let found = Fit::new(&cell, &measured[..2], &options)
-        .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
-        .unwrap();
+    let found = bootstrap(
+        &Fit::new(&cell, &measured[..2], &options).unwrap(),
+        600,
+        1,
+        0.95,
+    )
+    .unwrap();
     let share = found.skipped as f64 / 600.0;
     assert!((share - 0.5).abs() < 0.1, "{share}");
     let one = Fit::new(&cell, &measured[..1], &options)

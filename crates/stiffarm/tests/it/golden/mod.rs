@@ -32,9 +32,7 @@ fn slice(m: &DMatrix<f64>) -> &[f64] {
 
 /// Rows independent and alike, as the reference computed.
 fn ordinary() -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = Estimator::Ordinary;
-    options
+    with(|o: &mut IdentifyOptions| o.estimator = Estimator::Ordinary)
 }
 
 #[test]

@@ -22,11 +22,7 @@ fn pointwise(
             wrench,
         })
         .collect();
-    let options = {
-        let mut options = PredictOptions::default();
-        options.stiffness = true;
-        options
-    };
+    let options = with(|o: &mut PredictOptions| o.stiffness = true);
     predict(cell, predictor, &postures, &options, Control::default()).unwrap()
 }
 
