@@ -97,10 +97,7 @@ fn loading_point_on_the_last_axis() {
 #[test]
 fn weight_on_a_floor_mounted_robot() {
     let mut cell = comau();
-    cell.setup.load = Load::Weight {
-        magnitude: 500.0,
-        direction: -Vector3::z(),
-    };
+    cell.setup.load = hanging(500.0);
     cell.limits.rope_length = None;
     let checked = check(&cell).unwrap();
     let finding = the(
@@ -415,7 +412,7 @@ fn a_spindle_is_judged_as_it_is_drawn() {
     let text = include_str!("../cells/comau-shapes.toml");
     let q = vec![0.4, 0.2, -1.5, 0.3, 0.8, 0.5];
     let cell = parse_cell(text, "cell.toml").unwrap();
-    let frames = stiffarm::model::kinematics::Frames::new(&cell.setup.robot, &q);
+    let frames = Frames::new(&cell.setup.robot, &q);
     let flange = frames.flange();
     let (roll, pitch, yaw) = flange.rotation.euler_angles();
     // Its cylinder is 260 mm long and 80 mm thick about the flange's z.

@@ -12,10 +12,6 @@ fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     }
 }
 
-fn prior(cell: &Cell) -> IdentifiedCompliance {
-    IdentifiedCompliance::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
-}
-
 fn with_terms(
     predictor: &IdentifiedCompliance,
     terms: &[(ExtraTerm, f64)],
@@ -146,8 +142,7 @@ fn measured(
     let postures = group.iter().enumerate();
     postures
         .map(|(i, q)| {
-            let at_loading =
-                stiffarm::model::observation::PostureTerms::new(&cell.setup, q, None).unwrap();
+            let at_loading = PostureTerms::new(&cell.setup, q, None).unwrap();
             let points = cell.setup.tool.measuring_points.iter().enumerate();
             MeasuredPosture {
                 posture: Posture {
@@ -221,7 +216,7 @@ fn with_noise_only_the_path_error_falls_fiftyfold() {
     let truth = prior(&cell);
     let mut dice = Dice::new(17);
     // Twelve postures within the cell, measured once.
-    let group: Vec<Vec<f64>> = random_group().into_iter().chain(common::group1()).collect();
+    let group: Vec<Vec<f64>> = random_group().into_iter().chain(group1()).collect();
     let mut factors = Vec::new();
     for _ in 0..50 {
         let measured = measured(&cell, &truth, &group, &mut dice);
@@ -258,15 +253,12 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
         &prior(&cell),
         &[
             (ExtraTerm::BaseTilt, 2e-8),
-            (
-                ExtraTerm::LostMotion(1),
-                0.2 / 60.0_f64 * std::f64::consts::PI / 180.0,
-            ),
+            (ExtraTerm::LostMotion(1), 0.2 / 60.0_f64 * PI / 180.0),
             (ExtraTerm::JointTilt(2), 4e-7),
         ],
     );
     let mut dice = Dice::new(18);
-    let group: Vec<Vec<f64>> = random_group().into_iter().chain(common::group1()).collect();
+    let group: Vec<Vec<f64>> = random_group().into_iter().chain(group1()).collect();
     let measured = measured(&cell, &truth, &group, &mut dice);
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();

@@ -19,20 +19,20 @@ use stiffarm::plan::select::random_group as draw_group;
 
 /// The reference cell with `points` measuring points and two readings for a displacement.
 fn cell(points: usize) -> Cell {
-    let mut cell = reference_cell();
-    cell.setup.tool.measuring_points.truncate(points);
-    cell.noise.readings_per_displacement = 2;
-    cell
+    changed(reference_cell(), |o| {
+        o.setup.tool.measuring_points.truncate(points);
+        o.noise.readings_per_displacement = 2;
+    })
 }
 
 fn postures(count: usize) -> Vec<Posture> {
     let angles = draw_group(&reference_cell(), StartKind::Uniform, count, 5, 0).unwrap();
-    PostureGroup::from_angles("random", angles).postures
+    numbered(angles)
 }
 
 fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
     CoverageCase {
-        options: with(|o: &mut IdentifyOptions| o.estimator = estimator),
+        options: by(estimator),
         world: ErrorModel::default(),
         resamples: None,
         experiments,
@@ -195,17 +195,17 @@ fn the_prior_helps_where_it_is_true_and_harms_where_not() {
 fn tracker_weights_cover_under_the_trackers_noise() {
     let mut cell = cell(4);
     cell.tracker.accuracy = Some(TrackerAccuracy {
-        station: nalgebra::Vector3::new(2.0, -4.0, 1.5),
+        station: Vector3::new(2.0, -4.0, 1.5),
         range: 2e-6,
         range_per_metre: 0.5e-6,
         angle: 1e-5,
     });
     let mut case = case(Estimator::Weighted, runs(2_000) as usize);
     case.world.tracker_errors = true;
-    case.options.weights = stiffarm::estimate::identify::Weights::Tracker;
+    case.options.weights = Weights::Tracker;
     let weighted = count(&cell, &postures(6), &case);
     assert_exact(&weighted, "tracker");
-    case.options.weights = stiffarm::estimate::identify::Weights::Readings;
+    case.options.weights = Weights::Readings;
     let plain = count(&cell, &postures(6), &case);
     assert!(weighted.relative_half_width < plain.relative_half_width);
 }
@@ -237,11 +237,7 @@ fn counts_do_not_depend_on_threads_or_on_later_experiments() {
     let mut bootstrap = case(Estimator::Ordinary, 12);
     bootstrap.resamples = Some(200);
     let with = |threads: usize, case: &CoverageCase| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        let found = pool.install(|| count(&cell(4), &postures, case));
+        let found = on_threads(threads, || count(&cell(4), &postures, case));
         serde_json::to_string(&found).unwrap()
     };
     for case in [&plain, &bootstrap] {
@@ -274,7 +270,7 @@ fn cases_that_make_no_sense_are_refused() {
         found.unwrap_err().code()
     };
     let good = case(Estimator::Ordinary, 10);
-    let six = PostureGroup::from_angles("", random_group()).postures;
+    let six = numbered(random_group());
     let edit = |change: &dyn Fn(&mut CoverageCase)| {
         let mut case = good.clone();
         change(&mut case);
@@ -325,10 +321,7 @@ fn cases_that_make_no_sense_are_refused() {
     blank.prior = None;
     assert_eq!(fails(&blank, &six, &good), Code::MissingKey);
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let stopped = coverage(&cell, &six, &good, control).unwrap_err();
     assert_eq!(stopped.code(), Code::Interrupted);
 }

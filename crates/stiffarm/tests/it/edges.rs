@@ -6,16 +6,20 @@ use stiffarm::estimate::validate::Model as Deflection;
 use stiffarm::plan::characteristic_length::characteristic_length;
 use stiffarm::plan::index::error_bound;
 
-fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
-    PostureGroup::from_angles("", postures.iter().cloned()).postures
-}
-
 /// Exact simulated measurements of the reference cell.
 fn exact_measurements(cell: &Cell, postures: &[Vec<f64>]) -> Vec<MeasuredPosture> {
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let truth = cell.require_prior().unwrap();
-    simulate_measurements(&quiet, &named(postures), truth, Deflection::Linear, 1, 0).unwrap()
+    simulate_measurements(
+        &quiet,
+        &numbered(postures.to_vec()),
+        truth,
+        Deflection::Linear,
+        1,
+        0,
+    )
+    .unwrap()
 }
 
 /// Asserts that every way to a result names `joints` and shows nothing for them.
@@ -102,14 +106,7 @@ fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
     assert_undetermined(&cell, &group1(), &["joint 6"]);
     // No choice of postures helps.
     for index in [Index::ExpectedError, Index::Novel] {
-        let error = select_from(
-            &cell,
-            index,
-            &group1(),
-            Options::default(),
-            Control::default(),
-        )
-        .unwrap_err();
+        let error = local(&cell, index, &group1()).unwrap_err();
         assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
         assert!(error.message().contains("joint 6"), "{error}");
     }
@@ -118,10 +115,7 @@ fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
 #[test]
 fn vertical_load_on_a_floor_mounted_robot_leaves_joint_1_undetermined() {
     let mut cell = reference_cell();
-    cell.setup.load = Load::Weight {
-        magnitude: 500.0,
-        direction: -Vector3::z(),
-    };
+    cell.setup.load = hanging(500.0);
     assert_undetermined(&cell, &group1(), &["joint 1"]);
     // On the wall it works.
     cell.setup.load = Load::Weight {
@@ -142,11 +136,8 @@ fn equal_postures_with_one_point_name_what_they_cannot_tell() {
     cell.setup.tool.measuring_points.truncate(1);
     let postures = vec![group1()[0].clone(); 6];
     let found = evaluate(&cell, "equal", &postures).unwrap();
-    assert!(
-        found.undetermined_joints.len() >= 3,
-        "{:?}",
-        found.undetermined_joints
-    );
+    let undetermined_joints = &found.undetermined_joints;
+    assert!(undetermined_joints.len() >= 3, "{undetermined_joints:?}");
     for index in Index::ALL {
         assert_eq!(
             found.indices.get(index).is_some(),
@@ -202,24 +193,10 @@ fn one_posture_with_one_point_is_answered() {
         result.estimates.undetermined_joints,
         found.undetermined_joints
     );
-    let error = select_from(
-        &cell,
-        Index::D,
-        &one,
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap_err();
+    let error = local(&cell, Index::D, &one).unwrap_err();
     assert_eq!(error.code(), Code::NotIdentifiable);
     // The classical index asks nothing of Ψ.
-    let classical = select_from(
-        &cell,
-        Index::Classical,
-        &one,
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap();
+    let classical = local(&cell, Index::Classical, &one).unwrap();
     assert!((classical.value - 1.2157).abs() < 1e-4);
     // A robot of one joint, too.
     let mut dice = Dice::new(1);
@@ -248,16 +225,7 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         refused(evaluate(&cell, "", &postures).unwrap_err());
         refused(observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap_err());
         refused(PostureTerms::new(&cell.setup, &postures[2], None).unwrap_err());
-        refused(
-            select_from(
-                &cell,
-                Index::Classical,
-                &postures,
-                Options::default(),
-                Control::default(),
-            )
-            .unwrap_err(),
-        );
+        refused(local(&cell, Index::Classical, &postures).unwrap_err());
         refused(
             equilibrium(&cell.setup, &postures[2], &truth, None)
                 .map(|_| ())
@@ -273,7 +241,7 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
             )
             .unwrap_err(),
         );
-        let named = named(&postures);
+        let named = numbered(postures.clone());
         refused(
             simulate_measurements(&cell, &named, &truth, Deflection::Equilibrium, 1, 0)
                 .unwrap_err(),
@@ -323,10 +291,7 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
 #[test]
 fn a_load_that_buckles_the_arm_is_said_so() {
     let mut cell = reference_cell();
-    cell.setup.load = Load::Weight {
-        magnitude: 5e7,
-        direction: -Vector3::z(),
-    };
+    cell.setup.load = hanging(5e7);
     let truth = cell.require_prior().unwrap().to_vec();
     let error = equilibrium(&cell.setup, &group1()[0], &truth, None)
         .map(|_| ())

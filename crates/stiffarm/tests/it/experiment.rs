@@ -16,7 +16,7 @@ fn cell_with_sensor() -> Cell {
 }
 
 fn postures() -> Vec<Posture> {
-    PostureGroup::from_angles("Group 1", group1()).postures
+    numbered(group1())
 }
 
 fn state(posture: &PostureReadings, name: &str) -> StateReadings {
@@ -43,7 +43,7 @@ fn run(cell: &Cell, options: &Experiment) -> ReadingTable {
 fn model(cell: &Cell, q: &[f64]) -> DVector<f64> {
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
     let prior = cell.prior.as_ref().unwrap();
-    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(prior);
     terms.block(&cell.setup.robot) * compliance + terms.known_displacement(&cell.setup.tool)
 }
 
@@ -404,9 +404,7 @@ fn the_force_is_written_as_asked() {
     // Without a sensor: on the robot, base axes, loading point.
     assert_eq!(with(ForceRecord::ForceAndMoment).0, Some(*terms.wrench()));
     let mut at_anchor = cell.clone();
-    let Load::Rope { anchor, .. } = cell.setup.load else {
-        panic!("the reference cell pulls by a rope")
-    };
+    let anchor = *rope_anchor(&mut at_anchor);
     at_anchor.sensor = Some(Sensor {
         mount: Mount::Base,
         pose: Isometry3::translation(anchor.x, anchor.y, anchor.z),

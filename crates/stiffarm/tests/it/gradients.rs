@@ -1,6 +1,7 @@
 //! Values and closed-form gradients of every index against a second, plain
 //! implementation of the whole chain from angles to index over dual numbers.
 
+use crate::common::groups::ln_index;
 use crate::common::model::{
     Model, condition_number, has_sound_svd, inverse_gram_diagonal, inverse_r, singular_values,
 };
@@ -178,7 +179,7 @@ fn difficulty(model: &Model, postures: &[Vec<f64>]) -> (f64, f64) {
         column.normalize_mut();
     }
     let scaled = &psi
-        * DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(
+        * DMatrix::from_diagonal(&DVector::from_iterator(
             model.prior.len(),
             model.prior.iter().map(|k| 1.0 / k),
         ));
@@ -278,16 +279,7 @@ fn compare(n: usize) {
                     worst_value = worst_value.max(error);
                 }
                 // The exact value is that of the evaluation by QR and SVD.
-                let shown = evaluate(&cell, "", &postures)
-                    .unwrap()
-                    .indices
-                    .get(index)
-                    .unwrap();
-                let exact = if index.larger_is_better() {
-                    -shown.ln()
-                } else {
-                    shown.ln()
-                };
+                let exact = ln_index(&cell, index, &postures);
                 assert!(
                     (ours.value() - exact).abs() < 1e-8 * exact.abs().max(1.0),
                     "{what}: exact value"
@@ -379,16 +371,7 @@ fn the_smoothed_index_is_the_log_sum_exp_of_its_parts() {
                 );
             }
             // The value counts given and free postures alike.
-            let shown = evaluate(&cell, "", &postures)
-                .unwrap()
-                .indices
-                .get(index)
-                .unwrap();
-            let exact = if index.larger_is_better() {
-                -shown.ln()
-            } else {
-                shown.ln()
-            };
+            let exact = ln_index(&cell, index, &postures);
             assert!((smoothed.exact - exact).abs() < 1e-8 * exact.abs().max(1.0));
             assert!((function.value(&flat) - exact).abs() < 1e-8 * exact.abs().max(1.0));
         }

@@ -14,17 +14,8 @@ fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
         [25.0, -15.0],
         [40.0, 5.0],
     ];
-    rows.iter()
-        .enumerate()
-        .map(|(i, [q1, q2])| {
-            let [q4, q5, q6] = wrist_deg;
-            let q = [*q1, *q2, -90.0, q4, q5, q6].map(f64::to_radians);
-            Posture {
-                name: (i + 1).to_string(),
-                q: q.to_vec(),
-            }
-        })
-        .collect()
+    let [q4, q5, q6] = wrist_deg;
+    numbered(rows.map(|[q1, q2]| [q1, q2, -90.0, q4, q5, q6].map(f64::to_radians).to_vec()))
 }
 
 fn answer(cell: &Cell, postures: &[Posture], stream: usize) -> Identification {
@@ -152,14 +143,7 @@ fn measured_with(
 fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let cell = reference_cell();
     let postures = random_group(&cell, StartKind::Uniform, 15, 3, 0).unwrap();
-    let postures: Vec<Posture> = postures
-        .into_iter()
-        .enumerate()
-        .map(|(i, q)| Posture {
-            name: (i + 1).to_string(),
-            q,
-        })
-        .collect();
+    let postures = numbered(postures);
     let robot = &cell.setup.robot;
     let extra = [
         ExtraTerm::parse("tilt3", robot).unwrap(),
@@ -169,11 +153,7 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let values = [5e-7, 3e-5];
     let measured = measured_with(&cell, &postures, &extra, &values, 0);
     let plain = IdentifyOptions::default();
-    let with = {
-        let mut options = plain.clone();
-        options.extra = extra;
-        options
-    };
+    let with = changed(plain.clone(), |o| o.extra = extra);
     let found = identify(&cell, &measured, &with).unwrap();
     let tilt = &found.estimates.extra_springs[0];
     assert_eq!(tilt.name, "tilt of joint 3");
@@ -208,17 +188,10 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
 fn the_next_posture_beats_random_ones() {
     let cell = reference_cell();
     let group = random_group(&cell, StartKind::SmallWrist, 6, 3, 0).unwrap();
-    let postures: Vec<Posture> = group
-        .into_iter()
-        .enumerate()
-        .map(|(i, q)| Posture {
-            name: (i + 1).to_string(),
-            q,
-        })
-        .collect();
+    let postures = numbered(group);
     let truth = cell.require_prior().unwrap().to_vec();
     let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 5, 0).unwrap();
-    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::Weighted);
+    let options = by(Estimator::Weighted);
     let result = identify(&cell, &measured, &options).unwrap();
     let fit = Fit::new(&cell, &measured, &options).unwrap();
     let advice = next_posture(&fit, &GlobalOptions::default(), Control::default()).unwrap();

@@ -1,5 +1,6 @@
 //! Several loads, under each of which every posture is measured.
 
+use crate::common::groups::ln_index;
 use crate::common::prelude::*;
 use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::estimate::validate::validate;
@@ -131,17 +132,9 @@ fn the_same_load_twice_is_worth_twice_the_readings() {
         Index::DropOne,
         Index::D,
     ] {
-        let one = evaluate(&alone, "g", &postures)
-            .unwrap()
-            .indices
-            .get(index)
-            .unwrap();
-        let two = evaluate(&twice, "g", &postures)
-            .unwrap()
-            .indices
-            .get(index)
-            .unwrap();
-        assert!((one / two - 2f64.sqrt()).abs() < 1e-9, "{index:?}");
+        let one = ln_index(&alone, index, &postures);
+        let two = ln_index(&twice, index, &postures);
+        assert!((one - two - 0.5 * 2f64.ln()).abs() < 1e-9, "{index:?}");
     }
 }
 
@@ -159,16 +152,10 @@ fn values_and_gradients_of_the_kernel() {
         Index::O1,
     ];
     let group: Vec<Vec<f64>> = q.chunks(6).map(<[f64]>::to_vec).collect();
-    let shown = evaluate(&cell, "g", &group).unwrap();
     for index in indices {
         let mut function = IndexFunction::new(&cell, index, 4).unwrap();
         let value = function.value(&q);
-        let expected = shown.indices.get(index).unwrap().ln();
-        let expected = if index.larger_is_better() {
-            -expected
-        } else {
-            expected
-        };
+        let expected = ln_index(&cell, index, &group);
         assert!(
             (value - expected).abs() < 1e-9,
             "{index:?}: {value} {expected}"
@@ -256,16 +243,16 @@ fn candidates_count_with_every_load() {
 }
 
 /// Readings of the four loads without noise, each between unloaded ones.
-fn readings(cell: &Cell, noise: TrackerNoise) -> stiffarm::Measured {
+fn readings(cell: &Cell, noise: TrackerNoise) -> Measured {
     let mut done = Experiment::as_measured(cell);
     assert_eq!(done.states.len(), 9);
-    done.model = stiffarm::measure::experiment::DisplacementModel::Linear;
+    done.model = DisplacementModel::Linear;
     done.tracker_noise = noise;
     done.drift = Vector3::zeros();
     let truth = cell.prior.clone().unwrap();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let table = experiment(cell, &postures, &truth, &done, 1, 0).unwrap();
-    stiffarm::prepare(cell, table, &Default::default()).unwrap()
+    prepare(cell, table, &Default::default()).unwrap()
 }
 
 #[test]
@@ -282,7 +269,7 @@ fn readings_under_several_loads_give_the_stiffness_back() {
 #[test]
 fn a_state_of_no_load_is_refused() {
     let cell = two_ropes();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     let done = Experiment {
         states: vec![
@@ -433,13 +420,13 @@ fn candidates_that_the_cell_forbids_are_left_out() {
 fn measured_candidates_count_with_the_loads_that_they_were_measured_under() {
     let cell = two_ropes();
     let truth = cell.prior.clone().unwrap();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let mut measured =
         simulate_measurements(&cell, &postures, &truth, Model::Linear, 1, 0).unwrap();
     let mut options = CandidateOptions::default();
     options.limits = false;
     let index = Index::ExpectedError;
-    let value_of = |measured: &[stiffarm::model::measurement::MeasuredPosture]| {
+    let value_of = |measured: &[MeasuredPosture]| {
         let list = Candidate::of_measured(&cell.setup, measured);
         let count = list.len();
         let found =
@@ -478,12 +465,12 @@ fn a_posture_without_one_of_the_loads_is_named() {
     let mut done = Experiment::as_measured(&cell);
     done.tracker_noise = TrackerNoise::None;
     let truth = cell.prior.clone().unwrap();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let mut table = experiment(&cell, &postures, &truth, &done, 1, 0).unwrap();
     table.postures[1]
         .states
         .retain(|state| state.state != "weight");
-    let measured = stiffarm::prepare(&cell, table, &Default::default()).unwrap();
+    let measured = prepare(&cell, table, &Default::default()).unwrap();
     let said: Vec<&str> = measured
         .findings()
         .filter(|f| f.code == "load-case-not-measured")

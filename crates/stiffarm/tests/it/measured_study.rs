@@ -2,7 +2,6 @@
 //! predicted may reach the model, and on the measured FANUC.
 
 use crate::common::prelude::*;
-use stiffarm::PostureGroup;
 use stiffarm::study::{Choice, MeasuredStudy, MeasuredStudyOptions, measured_study};
 
 fn options() -> MeasuredStudyOptions {
@@ -17,7 +16,7 @@ fn options() -> MeasuredStudyOptions {
 fn simulated() -> (Cell, Measured) {
     let cell = Cell::built_in("comau").unwrap();
     let plan = random_group(&cell, StartKind::Uniform, 13, 3, 0).unwrap();
-    let postures = PostureGroup::from_angles("all", plan).postures;
+    let postures = numbered(plan);
     let readings = simulated_readings(&cell, &postures, 1).unwrap();
     let measured = prepare(&cell, readings, &Default::default()).unwrap();
     (cell, measured)

@@ -128,7 +128,7 @@ fn a_full_slot_by_hand() {
     // φ from 0 to π: ∫ sin² = π/2, ∫ sin cos = 0, ∫ sin = 2, ∫ cos = 0, ∫ 1 = π. With
     // N a/(2π) = 2 · 3 mm/(2π) and N/mm all through:
     let share = 2.0 * 3.0 / std::f64::consts::TAU;
-    let (h, pi) = (0.1, std::f64::consts::PI);
+    let (h, pi) = (0.1, PI);
     let force = share
         * Vector3::new(
             -(200.0 * h * pi / 2.0 + 25.0 * 2.0),

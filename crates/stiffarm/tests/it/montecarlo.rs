@@ -23,14 +23,7 @@ fn threshold(comparisons: usize) -> f64 {
 
 /// Hand-picked, random and optimised postures.
 fn groups(cell: &Cell) -> Vec<PostureGroup> {
-    let plan = select_from(
-        cell,
-        Index::ExpectedError,
-        &group1(),
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap();
+    let plan = local(cell, Index::ExpectedError, &group1()).unwrap();
     vec![
         PostureGroup::from_angles("hand-picked", group1()),
         PostureGroup::from_angles("random", random_group()),
@@ -270,13 +263,7 @@ fn noise_grows_with_the_square_root_of_its_variance() {
 fn results_do_not_depend_on_the_number_of_threads() {
     let cell = reference_cell();
     let groups = groups(&cell);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| run(&cell, &groups, 200, 3))
-    };
+    let with = |threads: usize| on_threads(threads, || run(&cell, &groups, 200, 3));
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(4));
@@ -336,31 +323,20 @@ fn simulation_refuses_what_it_cannot_answer() {
     };
     let default = SimulationOptions::default;
     assert_eq!(
-        fails(&cell, {
-            let mut options = default();
-            options.runs = 0;
-            options
-        }),
-        stiffarm::Code::InvalidValue
+        fails(&cell, changed(default(), |o| o.runs = 0)),
+        Code::InvalidValue
     );
     for factors in [vec![], vec![-1.0], vec![f64::NAN]] {
-        let options = {
-            let mut options = default();
-            options.variance_factors = factors;
-            options
-        };
-        assert_eq!(fails(&cell, options), stiffarm::Code::InvalidValue);
+        let options = changed(default(), |o| o.variance_factors = factors);
+        assert_eq!(fails(&cell, options), Code::InvalidValue);
     }
     let blank = Cell {
         prior: None,
         ..cell.clone()
     };
-    assert_eq!(fails(&blank, default()), stiffarm::Code::MissingKey);
+    assert_eq!(fails(&blank, default()), Code::MissingKey);
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     // Stopped at once it still has runs at every level: the first ones.
     let stopped = simulate(&cell, &groups, &default(), control).unwrap();
     let whole = simulate(&cell, &groups, &default(), Control::default()).unwrap();

@@ -22,7 +22,7 @@ fn with_states(force: ForceRecord) -> Experiment {
 }
 
 fn measured(cell: &Cell, q: Vec<Vec<f64>>, done: &Experiment, seed: u64) -> Measured {
-    let postures = PostureGroup::from_angles("", q).postures;
+    let postures = numbered(q);
     let truth = cell.prior.clone().unwrap();
     let table = experiment(cell, &postures, &truth, done, seed, 0).unwrap();
     prepare(cell, table, &ReduceOptions::default()).unwrap()
@@ -49,15 +49,8 @@ fn own(fit: &Fit) -> Vec<f64> {
 #[test]
 fn now_is_what_the_table_of_estimates_says() {
     let cell = default_cell();
-    for estimator in [
-        Estimator::TwoVariance,
-        Estimator::Ordinary,
-        Estimator::Weighted,
-        Estimator::Huber,
-        Estimator::NonNegative,
-        Estimator::Prior,
-    ] {
-        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+    for estimator in Estimator::ALL {
+        let options = by(estimator);
         let measured = measured(&cell, group1(), &with_states(ForceRecord::Load), 4);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         let advice = advice(&fit, 1);
@@ -150,7 +143,7 @@ fn displacements_alone_are_one_state_of_the_cells_load() {
     // Table 4 of the paper: one displacement per point, no readings behind it.
     let cell = reference_cell();
     let done = Experiment::default();
-    let postures: Vec<Posture> = PostureGroup::from_angles("", group1()).postures;
+    let postures: Vec<Posture> = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     let table = experiment(&cell, &postures, &truth, &done, 2, 0).unwrap();
     let plain = reduced(&cell, &table).measured;

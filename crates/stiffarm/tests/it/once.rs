@@ -5,11 +5,7 @@ use std::collections::BTreeSet;
 use stiffarm::estimate::identify::{bootstrap, profile};
 
 fn measured(cell: &Cell) -> Measured {
-    let named = |(i, q): (usize, Vec<f64>)| Posture {
-        name: (i + 1).to_string(),
-        q,
-    };
-    let postures: Vec<Posture> = group1().into_iter().enumerate().map(named).collect();
+    let postures = numbered(group1());
     let truth = cell.require_prior().unwrap().to_vec();
     let done = Experiment::as_measured(cell);
     let table = experiment(cell, &postures, &truth, &done, 3, 0).unwrap();
@@ -45,7 +41,7 @@ fn one_assembly_and_one_fit_per_options_and_data() {
         (&odd, Estimator::TwoVariance),
         (&odd, Estimator::Ordinary),
     ] {
-        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+        let options = by(estimator);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         whole(&fit);
         let journal = fit.journal();
@@ -68,7 +64,7 @@ fn other_options_use_the_same_terms() {
     let measured = measured(&cell);
     let two = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     for estimator in Estimator::ALL {
-        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+        let options = by(estimator);
         let again = two.with(&options).unwrap();
         let alone = identify(&cell, &measured, &options).unwrap();
         assert_eq!(*again.identification().unwrap(), alone, "{estimator:?}");
@@ -95,11 +91,7 @@ fn the_count_of_readings_travels_with_the_measurements() {
     let by_cell = identify(&two, &measured.postures, &known).unwrap();
     assert_eq!(found, by_cell);
     assert_eq!(found.expected_std_m, two.noise.displacement_std());
-    let repeats = {
-        let mut options = known;
-        options.noise = NoiseSource::Repeats;
-        options
-    };
+    let repeats = changed(known, |o| o.noise = NoiseSource::Repeats);
     let fit = Fit::new(&cell, &measured, &repeats).unwrap();
     // Folds see the repeats too.
     cross_validate(&fit, 6, None).unwrap();

@@ -28,7 +28,7 @@ fn quick(postures: usize) -> PlanRequest {
 }
 
 fn given() -> Vec<Posture> {
-    PostureGroup::from_angles("", group1()).postures
+    numbered(group1())
 }
 
 fn names(postures: &[Posture]) -> Vec<&str> {
@@ -373,15 +373,9 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     assert_eq!(found[0].severity, Severity::Caution);
     assert_eq!(found[0].subject, "bounds.q_deg[2]");
     let named = format!("Posture {} has", postures[1].name);
-    assert!(
-        found[0].sentence.starts_with(&named),
-        "{}",
-        found[0].sentence
-    );
+    let said = &found[0].sentence;
+    assert!(said.starts_with(&named), "{said}");
     let named = format!("Posture {} has", postures[2].name);
-    assert!(
-        found[1].sentence.starts_with(&named),
-        "{}",
-        found[1].sentence
-    );
+    let said = &found[1].sentence;
+    assert!(said.starts_with(&named), "{said}");
 }

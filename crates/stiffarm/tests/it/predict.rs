@@ -15,22 +15,13 @@ fn wrench(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
 }
 
 fn at(q: &[f64], wrench: Wrench) -> LoadedPosture {
-    LoadedPosture {
-        name: "1".into(),
-        line: None,
-        q: q.to_vec(),
-        wrench,
-    }
-}
-
-fn prior(cell: &Cell) -> IdentifiedCompliance {
-    IdentifiedCompliance::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
+    LoadedPosture::new("1", q.to_vec(), wrench)
 }
 
 /// Postures of the default cell's tasks and Group 1 [rad].
 fn postures(cell: &Cell) -> Vec<Vec<f64>> {
     let tasks = cell.tasks.iter().map(|task| task.q.clone());
-    tasks.chain(common::group1()).collect()
+    tasks.chain(group1()).collect()
 }
 
 #[test]
@@ -72,7 +63,7 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         assert!(relative_error(k_c.as_slice(), matrix(&golden["k_c"]).as_slice()) < 1e-8);
         let stiffness = cell.require_prior().unwrap();
         let p = terms.measuring_points()[0];
-        let corrected = stiffarm::model::stiffness::linear_displacement(
+        let corrected = linear_displacement(
             &cell.setup,
             &PostureTerms::new(&cell.setup, &q, None).unwrap(),
             &p,
@@ -84,7 +75,7 @@ fn deflection_and_stiffness_are_those_of_the_reference() {
         assert!(relative_error(&corrected.as_slice()[..expected.len()], &expected) < 1e-9);
         // K from the reference's own Jacobian at the tip.
         let jacobian = matrix(&golden["J_measuring_1"]);
-        let mut compliance = nalgebra::DMatrix::zeros(6, 6);
+        let mut compliance = DMatrix::zeros(6, 6);
         for (j, k) in stiffness.iter().enumerate() {
             compliance += jacobian.column(j) * jacobian.column(j).transpose() / *k;
         }
@@ -238,7 +229,7 @@ fn tip_frame_of_the_cell_counts() {
     let q = &cell.tasks[0].q;
     let pose = arm.tip_pose(q);
     let flange = pose * offset.inverse();
-    let frames = stiffarm::model::kinematics::Frames::new(&cell.setup.robot, q);
+    let frames = Frames::new(&cell.setup.robot, q);
     assert!((flange.translation.vector - frames.flange().translation.vector).norm() < 1e-14);
 }
 
@@ -338,7 +329,7 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let found = identify(&cell, &measured, &options).unwrap();
     let plain = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
     let budget = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
-    let with = plain.clone().with_systematic_errors(&budget);
+    let total = plain.clone().with_systematic_errors(&budget);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
     let arm = LoadedArm::new(&cell, &plain).unwrap();
     let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {
@@ -349,14 +340,14 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
         });
         predict(&cell, predictor, &work, &options, Control::default()).unwrap()
     };
-    let point = run(&with, 0.0).points[0].clone();
+    let point = run(&total, 0.0).points[0].clone();
     let band = point.band.unwrap();
     let alone = run(&plain, 0.0).points[0].band.unwrap();
     assert_eq!(band.statistical_m, alone.statistical_m);
     assert!(band.size_m[1] > 0.0 && band.load_m == [0.0; 3]);
     // The force scale alone: 1 % of the deflection, at 1.96.
-    let mut force = with.clone();
-    force.common = with.common.only("force-scale");
+    let mut force = total.clone();
+    force.common = total.common.only("force-scale");
     let scale = run(&force, 0.0).points[0].band.unwrap().size_m[1];
     let expected = 1.959_964 * 0.01 / 1.01 * point.deflection_m;
     assert!(
@@ -365,7 +356,7 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     );
     // What an error of the experiment does to the prediction is what the changed
     // stiffness does; what acts again at work moves the tip the other way.
-    for part in &with.common.parts {
+    for part in &total.common.parts {
         let mut moved = plain.clone();
         moved.values += &part.change;
         let shifted = run(&moved, 0.0).points[0].clone();
@@ -391,7 +382,8 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
         }
     }
     assert_eq!(
-        with.common
+        total
+            .common
             .parts
             .iter()
             .filter(|p| p.at_work.is_some())

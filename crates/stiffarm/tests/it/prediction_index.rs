@@ -46,13 +46,7 @@ fn targets(model: &Model, sizes: [f64; 3]) -> DMatrix<f64> {
     let n = model.joint_count();
     let mut rows = Vec::new();
     for task in &model.tasks {
-        let mut work = model.clone();
-        work.loading_point = task.tip.into();
-        work.measuring_points = vec![task.tip.into()];
-        work.load = Load::Constant {
-            wrench: task.wrench,
-            axes: task.axes,
-        };
+        let work = model.at_work(task);
         let (psi, springs) = (work.psi(&task.q), work.spring_columns(&task.q, sizes));
         for i in 0..3 {
             let fixed = (0..n).map(|j| psi[(i, j)] / model.prior[j]);
@@ -196,7 +190,7 @@ fn value(cell: &Cell, index: Index, list: &[Candidate], group: &[usize]) -> Opti
 
 #[test]
 fn the_best_group_of_a_list_is_the_best_of_all_groups() {
-    let mut cell = stiffarm::files::builtin::cell("comau").unwrap();
+    let mut cell = builtin::cell("comau").unwrap();
     let task = |q: &[f64], force: [f64; 3]| Task {
         name: "task".into(),
         q: q.to_vec(),
@@ -264,7 +258,7 @@ fn the_best_group_of_a_list_is_the_best_of_all_groups() {
 
 #[test]
 fn wrenches_of_their_own_count() {
-    let mut cell = stiffarm::files::builtin::cell("comau").unwrap();
+    let mut cell = builtin::cell("comau").unwrap();
     let list = list(&cell, 9, 12, true);
     // A load that only measurements give: nothing but the candidates' wrenches is known.
     let measured: Vec<Candidate> = list

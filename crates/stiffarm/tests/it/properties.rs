@@ -26,10 +26,6 @@ fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Mod
         })
 }
 
-fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
-    PostureGroup::from_angles("", postures.iter().cloned()).postures
-}
-
 /// Condition number of the column-scaled Ψ; infinite where it loses rank.
 fn condition(psi: &DMatrix<f64>) -> f64 {
     Factor::new(psi)
@@ -65,7 +61,7 @@ proptest! {
             let sensor = SeriesCompliance::from_stiffness(origin, [3e7; 3], [5e6, 7e6, 9e6]).unwrap();
             cell.setup.tool.series_compliance = Some(sensor);
         }
-        let postures = named(&dice.postures(model.joint_count(), count));
+        let postures = numbered(dice.postures(model.joint_count(), count));
         let exact = simulate_measurements(&cell, &postures, &model.prior, Deflection::Linear, 1, 0).unwrap();
         let result = identify(&cell, &exact, &IdentifyOptions::default()).unwrap();
         // A joint that the load passes by is a finding, not a property of the solver.
@@ -93,14 +89,7 @@ proptest! {
         let plain = model.psi(&q);
         prop_assert!(relative_error(psi.as_slice(), plain.as_slice()) < 1e-12);
         let by_psi = psi * h;
-        let measured = MeasuredPosture {
-            posture: Posture { name: "1".to_string(), q },
-            state: "loaded".to_string(),
-            wrench: None,
-            common_readings: [0.0; 2],
-            servo_deflection: None,
-            displacements: Vec::new(),
-        };
+        let measured = MeasuredPosture::new(numbered([q]).remove(0), Vec::new());
         let direct = calculated_displacements(&cell, &measured, &model.prior, Deflection::Linear).unwrap();
         let direct: Vec<f64> = direct.iter().flat_map(|v| v.iter().copied()).collect();
         prop_assert!(relative_error(by_psi.as_slice(), &direct) < 1e-11);
@@ -286,7 +275,7 @@ proptest! {
         match &mut moved.setup.load {
             Load::Rope { anchor, .. } => *anchor = (pose * nalgebra::Point3::from(*anchor)).coords,
             Load::Weight { direction, .. } => *direction = pose.rotation * *direction,
-            Load::Constant { wrench, axes: stiffarm::model::load::Axes::Base } => {
+            Load::Constant { wrench, axes: Axes::Base } => {
                 *wrench = Wrench {
                     force: pose.rotation * wrench.force,
                     moment: pose.rotation * wrench.moment,
@@ -295,7 +284,7 @@ proptest! {
             _ => {}
         }
         for task in &mut moved.tasks {
-            if task.axes == stiffarm::model::load::Axes::Base {
+            if task.axes == Axes::Base {
                 task.wrench = Wrench {
                     force: pose.rotation * task.wrench.force,
                     moment: pose.rotation * task.wrench.moment,
@@ -362,7 +351,7 @@ proptest! {
     ) {
         let n = model.joint_count();
         let cell = model.cell();
-        let postures = named(&dice.postures(n, count));
+        let postures = numbered(dice.postures(n, count));
         let mut measured = simulate_measurements(&cell, &postures, &model.prior, Deflection::Linear, 7, 3).unwrap();
         // Points go missing here and are read twice there.
         for posture in &mut measured {

@@ -88,9 +88,9 @@ fn wrong_sets_are_refused() {
     let free = RegisterOptions::default();
     let good = pairs(5, 1);
     let change = |of: &dyn Fn(usize, &mut PointPair)| {
-        let mut changed = good.clone();
-        changed.iter_mut().enumerate().for_each(|(i, p)| of(i, p));
-        changed
+        changed(good.clone(), |o| {
+            o.iter_mut().enumerate().for_each(|(i, p)| of(i, p))
+        })
     };
     let mut out = String::new();
     let mut add = |title: &str, pairs: &[PointPair], options: &RegisterOptions| {
@@ -448,9 +448,7 @@ fn two_swapped_points_are_named() {
             match register(&pairs) {
                 Ok(found) => {
                     let subject = format!("p{}, p{}", i.min(j) + 1, i.max(j) + 1);
-                    let is = |f: &stiffarm::findings::Finding| {
-                        f.code == "swapped-points" && f.subject == subject
-                    };
+                    let is = |f: &Finding| f.code == "swapped-points" && f.subject == subject;
                     match found.findings.iter().any(is) {
                         true => named += 1,
                         false => other += 1,

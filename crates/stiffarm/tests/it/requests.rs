@@ -231,7 +231,7 @@ fn a_registration_leaves_out_pairs_by_name() {
 #[test]
 fn postures_come_back_from_their_poses() {
     let cell = default_cell();
-    let postures = PostureGroup::from_angles("", group1()).postures;
+    let postures = numbered(group1());
     let request = poses::Request {
         point: poses::PosePoint::Tip,
         ..poses::Request::new(&cell, None).unwrap()

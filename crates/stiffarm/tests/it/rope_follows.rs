@@ -49,23 +49,10 @@ fn own(cell: &Cell, q: &[f64], factor: f64) -> Wrench {
 }
 
 fn state(q: &[f64], wrench: Option<Wrench>) -> MeasuredPosture {
+    let posture = numbered([q.to_vec()]).remove(0);
     MeasuredPosture {
-        posture: Posture {
-            name: "1".to_string(),
-            q: q.to_vec(),
-        },
-        state: "loaded".to_string(),
         wrench,
-        common_readings: [0.0; 2],
-        servo_deflection: None,
-        displacements: Vec::new(),
-    }
-}
-
-fn magnitude(cell: &Cell) -> f64 {
-    match cell.setup.load {
-        Load::Rope { magnitude, .. } => magnitude,
-        _ => panic!("no rope"),
+        ..MeasuredPosture::new(posture, Vec::new())
     }
 }
 
@@ -80,7 +67,7 @@ fn a_load_state_of_the_rope_pulls_towards_the_anchor() {
             let measured = state(&q, Some(wrench));
             let ours =
                 calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
-            let pull = rope(&cell, magnitude(&cell) * factor);
+            let pull = rope(&cell, cell.setup.load.size().unwrap() * factor);
             for (point, ours) in cell.setup.tool.measuring_points.iter().zip(&ours) {
                 let exact = by_iteration(&cell, &q, &point.position, &pull);
                 assert!((exact - ours).norm() < 1e-12, "{exact} {ours}");
@@ -90,7 +77,7 @@ fn a_load_state_of_the_rope_pulls_towards_the_anchor() {
             // What `identify` says of the linear model.
             let shares = second_order_shares(&cell, &[measured], stiffness).unwrap();
             let terms = PostureTerms::new(&cell.setup, &q, Some(&wrench)).unwrap();
-            let compliance = DVector::from_iterator(6, stiffness.iter().map(|k| 1.0 / k));
+            let compliance = compliance_of(stiffness);
             let linear = terms.block(&cell.setup.robot) * compliance;
             let differences = cell.setup.tool.measuring_points.iter().enumerate();
             let largest = differences
@@ -119,16 +106,10 @@ fn a_prediction_under_the_cells_load_follows_it() {
                 axes: Axes::Tool,
             };
         }
-        let predictor =
-            IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
+        let predictor = prior(&cell);
         let tip = cell.work.tip(&cell.setup.tool).translation.vector;
         for q in group1() {
-            let posture = LoadedPosture {
-                name: "1".into(),
-                line: None,
-                q: q.clone(),
-                wrench: own(&cell, &q, 1.0),
-            };
+            let posture = LoadedPosture::new("1", q.clone(), own(&cell, &q, 1.0));
             let options = with(|o: &mut PredictOptions| o.load_at = LoadPoint::LoadingPoint);
             let found = predict(
                 &cell,

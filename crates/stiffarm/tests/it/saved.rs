@@ -10,11 +10,11 @@ use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::work::compensate::{CompensateOptions, compensate};
 
 fn cell() -> Cell {
-    common::default_cell()
+    default_cell()
 }
 
 fn measured(cell: &Cell) -> Vec<MeasuredPosture> {
-    let postures = PostureGroup::from_angles("Group 1", common::group1()).postures;
+    let postures = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     simulate_measurements(cell, &postures, &truth, Model::Linear, 5, 0).unwrap()
 }
@@ -120,7 +120,7 @@ fn the_largest_displacement_is_that_of_a_point() {
         let force = Vector3::new(0.0, 0.0, -factor * force);
         vec![LoadedPosture::new(
             "a",
-            common::group1()[0].clone(),
+            group1()[0].clone(),
             Wrench::force(force),
         )]
     };
@@ -166,8 +166,7 @@ fn another_layout_leaves_the_seal_whole() {
 
 #[test]
 fn every_estimator_writes_what_can_be_read() {
-    use Estimator::{Huber, NonNegative, Ordinary, Prior, TwoVariance, Weighted};
-    for estimator in [Ordinary, Weighted, TwoVariance, Huber, NonNegative, Prior] {
+    for estimator in Estimator::ALL {
         for noise in [NoiseSource::Estimated, NoiseSource::Known] {
             let mut options = IdentifyOptions::default();
             options.estimator = estimator;
@@ -306,7 +305,7 @@ fn an_undetermined_joint_matters_where_the_load_bends_it() {
     assert_eq!(predictor.doubts[0].code, "stiffness-undetermined");
     assert!(predictor.doubts[0].sentence.contains("joint 6"));
     let force = Wrench::force([100.0, -200.0, -300.0]);
-    let work = [LoadedPosture::new("a", common::group1()[1].clone(), force)];
+    let work = [LoadedPosture::new("a", group1()[1].clone(), force)];
     let mut bend = |tip: [f64; 3]| {
         cell.work.tip = Some(Isometry3::translation(tip[0], tip[1], tip[2]));
         predict(
@@ -348,7 +347,7 @@ fn a_compliance_below_zero_is_a_broad_one() {
     let joint = &mut found.estimates.joints[4];
     joint.compliance = Some(own);
     joint.stiffness = None;
-    joint.verdict = stiffarm::estimate::identify::Verdict::LowerBoundOnly;
+    joint.verdict = Verdict::LowerBoundOnly;
     for row in 0..6 {
         let free = if row == 4 {
             Some(error * error)
@@ -358,14 +357,14 @@ fn a_compliance_below_zero_is_a_broad_one() {
         found.estimates.covariance[4][row] = free;
         found.estimates.covariance[row][4] = free;
     }
-    let open = stiffarm::IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+    let open = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
     assert_eq!(open.doubts.len(), 1);
     assert_eq!(open.doubts[0].code, "stiffness-open");
     assert_eq!(open.doubts[0].severity, Severity::Caution);
     assert!(open.doubts[0].sentence.contains("joint 5"));
     let closed = fit.compliance().unwrap();
     let force = Wrench::force([100.0, -200.0, -300.0]);
-    let work = [LoadedPosture::new("a", common::group1()[1].clone(), force)];
+    let work = [LoadedPosture::new("a", group1()[1].clone(), force)];
     let bend = |predictor| {
         predict(
             &cell,

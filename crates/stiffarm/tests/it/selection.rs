@@ -11,7 +11,7 @@ use stiffarm::model::dexterity;
 use stiffarm::plan::characteristic_length::characteristic_length;
 
 fn select(cell: &Cell, index: Index, start: &[Vec<f64>]) -> Selection {
-    select_from(cell, index, start, Options::default(), Control::default()).unwrap()
+    local(cell, index, start).unwrap()
 }
 
 /// Mean over the joints of the expected deviation at level 2, in percent.
@@ -133,11 +133,8 @@ fn selections_within_bounds_are_optimal_and_as_good_as_known() {
             plan.termination,
             mean_deviation(&cell, &plan.group),
         );
-        assert!(
-            plan.value <= limit,
-            "{index:?}: {} above {limit}",
-            plan.value
-        );
+        let value = plan.value;
+        assert!(value <= limit, "{index:?}: {value} above {limit}");
         assert_eq!(plan.termination, Termination::Converged, "{index:?}");
         assert!(
             stationarity < 5e-3,
@@ -325,7 +322,7 @@ fn random_groups_meet_bounds_limits_and_their_kind() {
     let mut impossible = cell.clone();
     impossible.limits.rope_length = Some([50.0, 60.0]);
     let error = random_group(&impossible, StartKind::Uniform, 1, 5, 0).unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::InvalidValue);
+    assert_eq!(error.code(), Code::InvalidValue);
 }
 
 #[test]
@@ -341,15 +338,8 @@ fn a_start_outside_bounds_and_limits_is_led_inside() {
     // Limits that contradict each other are an error, not a plan.
     let mut impossible = cell;
     impossible.limits.rope_length = Some([8.0, 9.0]);
-    let error = select_from(
-        &impossible,
-        Index::D,
-        &start,
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::InvalidValue);
+    let error = local(&impossible, Index::D, &start).unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
 }
 
 #[test]
@@ -358,10 +348,7 @@ fn a_stopped_search_says_so_and_gives_its_best() {
     let cell = reference_cell();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 40;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let plan = select_from(
         &cell,
         Index::ExpectedError,

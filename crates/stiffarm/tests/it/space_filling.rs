@@ -200,10 +200,7 @@ fn a_stopped_search_gives_the_postures_so_far() {
     let after = |most: usize| {
         asked.store(0, std::sync::atomic::Ordering::Relaxed);
         let stop = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) > most;
-        let control = Control {
-            stop: Some(&stop),
-            progress: None,
-        };
+        let control = stopped_by(&stop);
         select::space_filling(&cell, 40, 1, control)
     };
     assert_eq!(after(10).unwrap_err().code(), Code::Interrupted);

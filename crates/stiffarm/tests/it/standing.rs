@@ -8,7 +8,7 @@ use stiffarm::estimate::standing::{is_better, standing};
 fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
     let cell = builtin::cell("comau").unwrap();
     let group = random_group(&cell, StartKind::Uniform, 12, seed, 0).unwrap();
-    let postures = PostureGroup::from_angles("plan", group).postures;
+    let postures = numbered(group);
     let truth = cell.prior.clone().unwrap();
     let measured =
         simulate_measurements(&cell, &postures[..count], &truth, Model::Linear, seed, 0).unwrap();
@@ -144,7 +144,7 @@ fn a_plan_promises_what_identify_prints_of_it() {
 fn nothing_is_promised_without_a_load_or_a_prior() {
     let (fit, plan) = fitted(6, 1);
     let mut cell = fit.cell().clone();
-    cell.setup.load = stiffarm::model::load::Load::Measured;
+    cell.setup.load = Load::Measured;
     assert!(forecast(&cell, &plan).is_err());
     let mut cell = fit.cell().clone();
     cell.prior = None;

@@ -16,7 +16,7 @@ fn block(cell: &Cell, task: &Task) -> DMatrix<f64> {
     let robot = &cell.setup.robot;
     let frames = Frames::new(robot, &task.q);
     let turn = match task.axes {
-        Axes::Base => nalgebra::UnitQuaternion::identity(),
+        Axes::Base => UnitQuaternion::identity(),
         Axes::Tool => frames.flange().rotation,
     };
     let jacobian = frames.jacobian(&frames.point(&task.tip));
@@ -96,7 +96,7 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
 fn the_predicted_shift_is_the_deflection_of_the_task() {
     let cell = reference_cell();
     let stiffness = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(6, stiffness.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(stiffness);
     for task in &cell.tasks {
         let shift = task.block(&cell.setup.robot).unwrap() * &compliance;
         let setup = task.setup(&cell.setup.robot);

@@ -8,7 +8,7 @@ use stiffarm::estimate::validate::{Validation, validate};
 const FALSE_ALARM: f64 = 1e-6;
 
 fn group(angles: Vec<Vec<f64>>) -> Vec<Posture> {
-    PostureGroup::from_angles("group", angles).postures
+    numbered(angles)
 }
 
 /// Postures named apart from those of the identification.
@@ -23,10 +23,6 @@ fn held_out(angles: Vec<Vec<f64>>) -> Vec<Posture> {
 fn measure(cell: &Cell, postures: &[Posture], stream: usize) -> Vec<MeasuredPosture> {
     let truth = cell.require_prior().unwrap();
     simulate_measurements(cell, postures, truth, Model::Linear, 5, stream).unwrap()
-}
-
-fn options(estimator: Estimator) -> IdentifyOptions {
-    with(|o: &mut IdentifyOptions| o.estimator = estimator)
 }
 
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
@@ -47,11 +43,7 @@ fn bands_hold_as_many_readings_as_they_say() {
     let independent = reference_cell();
     let mut common = independent.clone();
     common.noise.posture_common_std = 2.0 * common.noise.displacement_std();
-    let known = {
-        let mut options = options(Estimator::Weighted);
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let known = changed(by(Estimator::Weighted), |o| o.noise = NoiseSource::Known);
     // Shares of single components, one of each experiment, are independent.
     let binomial = Binomial::new(0.95, runs as u64).unwrap();
     let (least, most) = (
@@ -59,14 +51,10 @@ fn bands_hold_as_many_readings_as_they_say() {
         binomial.inverse_cdf(1.0 - FALSE_ALARM),
     );
     for (cell, options, what) in [
-        (&independent, &options(Estimator::Ordinary), "ordinary"),
+        (&independent, &by(Estimator::Ordinary), "ordinary"),
         (&independent, &known, "known noise"),
         (&common, &known, "known noise with shifts"),
-        (
-            &common,
-            &options(Estimator::Weighted),
-            "weighted with shifts",
-        ),
+        (&common, &by(Estimator::Weighted), "weighted with shifts"),
     ] {
         let (mut one, mut all) = (0, 0);
         for run in 0..runs {
@@ -88,7 +76,7 @@ fn bands_hold_as_many_readings_as_they_say() {
     // Both variances estimated: conservative by its degrees of freedom.
     let (mut one, runs) = (0, runs / 5);
     for run in 0..runs {
-        let result = validated(&common, &options(Estimator::TwoVariance), run);
+        let result = validated(&common, &by(Estimator::TwoVariance), run);
         one += u64::from(result.points[run % 24].band.as_ref().unwrap().inside[run % 3]);
     }
     println!("two variances: {one} of {runs}");
@@ -104,7 +92,7 @@ fn a_band_is_that_of_the_dense_formula() {
     let fit = identify(
         &cell,
         measure(&cell, &group(random_group()), 0),
-        &options(Estimator::TwoVariance),
+        &by(Estimator::TwoVariance),
     )
     .unwrap();
     let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
@@ -166,7 +154,7 @@ fn readings_that_the_fit_does_not_explain_are_said_to_lie_outside() {
     let fit = identify(
         &cell,
         measure(&cell, &group(random_group()), 0),
-        &options(Estimator::Ordinary),
+        &by(Estimator::Ordinary),
     )
     .unwrap();
     let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
@@ -193,7 +181,7 @@ fn leaving_out_one_posture_is_what_the_identification_says_it_is() {
         Estimator::Ordinary,
         Estimator::Huber,
     ] {
-        let options = options(estimator);
+        let options = by(estimator);
         let count = measured.len();
         let result = Fit::new(&cell, &measured, &options)
             .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
@@ -220,11 +208,9 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
     let mut angles = group1();
     angles.extend(random_group());
     let measured = measure(&cell, &group(angles), 4);
-    let options = {
-        let mut options = options(Estimator::Ordinary);
-        options.extra = vec![ExtraTerm::JointTilt(2)];
-        options
-    };
+    let options = changed(by(Estimator::Ordinary), |o| {
+        o.extra = vec![ExtraTerm::JointTilt(2)]
+    });
     let result = cross_validate(&Fit::new(&cell, &measured, &options).unwrap(), 3, None).unwrap();
     for fold in 0..3 {
         let (left, others): (Vec<_>, Vec<_>) = measured
@@ -260,7 +246,7 @@ fn a_posture_that_alone_sees_a_joint_is_named() {
     // All but one posture under a wrench that leaves joint 1 dark.
     let mut measured = measure(&cell, &group(random_group()), 6);
     let truth = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(6, truth.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(truth);
     for m in measured.iter_mut().skip(1) {
         let wrench = Wrench::force(Vector3::new(0.0, 0.0, -500.0));
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, Some(&wrench)).unwrap();
@@ -272,7 +258,7 @@ fn a_posture_that_alone_sees_a_joint_is_named() {
         }
     }
     let count = measured.len();
-    let result = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
+    let result = Fit::new(&cell, &measured, &by(Estimator::Ordinary))
         .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
         .unwrap();
     assert_eq!(result.unpredicted, ["1"]);
@@ -312,22 +298,15 @@ fn further_terms_and_servo_give_are_predicted() {
         doubts: Vec::new(),
     };
     let result = validate_with(&cell, &predictor, &measured, Model::Linear, None).unwrap();
-    assert!(
-        result.deviation_max_m < 1e-15,
-        "{:e}",
-        result.deviation_max_m
-    );
+    let deviation_max_m = result.deviation_max_m;
+    assert!(deviation_max_m < 1e-15, "{deviation_max_m:e}");
     assert!(result.band.is_none() && result.points[0].band.is_none());
     let error = validate_with(&cell, &predictor, &measured, Model::Equilibrium, None).unwrap_err();
     assert_eq!(error.code(), Code::Unsupported);
     let without = validate(&cell, truth, &measured, Model::Linear, None).unwrap();
     assert!(without.deviation_max_m > 1e-5);
     // And through an identification.
-    let options = {
-        let mut options = options(Estimator::Ordinary);
-        options.extra = extra;
-        options
-    };
+    let options = changed(by(Estimator::Ordinary), |o| o.extra = extra);
     let fit = identify(&cell, &measured, &options).unwrap();
     let found = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
     for (a, b) in found.values.iter().zip(predictor.values.iter()) {
@@ -339,7 +318,7 @@ fn further_terms_and_servo_give_are_predicted() {
 fn wrong_requests_are_refused() {
     let cell = reference_cell();
     let measured = measure(&cell, &group(random_group()), 0);
-    let plain = options(Estimator::Ordinary);
+    let plain = by(Estimator::Ordinary);
     for folds in [0, 1, measured.len() + 1] {
         let error = Fit::new(&cell, &measured, &plain)
             .and_then(|fit| cross_validate(&fit, folds, None))

@@ -163,17 +163,10 @@ fn the_best_zone_is_dexterous_untouched_and_in_one_piece() {
     for mut cell in [reference_cell(), default_cell()] {
         // Near the anchor the arm is most dexterous and the rope turns most: they do not meet.
         assert_eq!(zones(&cell, &options(31)).unwrap().best, None);
-        cell.setup.load = Load::Weight {
-            magnitude: 500.0,
-            direction: -Vector3::z(),
-        };
+        cell.setup.load = hanging(500.0);
         let found = zones(&cell, &options(31)).unwrap();
         let best = found.best.clone().unwrap();
-        let sorted = |map: &ZoneMap| {
-            let mut values = values(map);
-            values.sort_by(f64::total_cmp);
-            values
-        };
+        let sorted = |map: &ZoneMap| changed(values(map), |o| o.sort_by(f64::total_cmp));
         let dexterity = sorted(&found.inverse_condition);
         // As many postures as the upper quarter holds.
         let above = dexterity

@@ -26,9 +26,7 @@ const GOOD_DEFAULT: [[f64; 6]; 6] = [
 fn plan(cell: &Cell, start: &[[f64; 6]; 6]) -> Vec<Vec<f64>> {
     let start = start.map(|q| q.map(f64::to_radians));
     let index = Index::ExpectedError;
-    select_from(cell, index, &start, Options::default(), Control::default())
-        .unwrap()
-        .group
+    local(cell, index, &start).unwrap().group
 }
 
 fn certificate(cell: &Cell, index: Index, postures: &[Vec<f64>]) -> Certificate {
@@ -216,17 +214,11 @@ fn faults_are_named() {
     assert_eq!(dark.code(), Code::NotIdentifiable);
     assert_eq!(dark.message(), "No design can determine joint 6.");
     let dark = changed(&|c| {
-        c.setup.load = Load::Weight {
-            magnitude: 500.0,
-            direction: -Vector3::z(),
-        };
+        c.setup.load = hanging(500.0);
     });
     assert_eq!(dark.message(), "No design can determine joint 1.");
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let stopped = certify(&cell, a, &postures, &options, control).unwrap_err();
     assert_eq!(stopped.code(), Code::Interrupted);
 }
@@ -236,10 +228,7 @@ fn a_stop_keeps_the_bound_so_far() {
     let cell = reference_cell();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let mut options = CertificateOptions::default();
     options.samples = 256;
     let index = Index::ExpectedError;
@@ -255,14 +244,12 @@ fn a_stop_keeps_the_bound_so_far() {
 fn the_number_of_threads_changes_nothing() {
     let cell = default_cell();
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
         let mut options = CertificateOptions::default();
         options.samples = 256;
         let index = Index::ExpectedError;
-        pool.install(|| certify(&cell, index, &group1(), &options, Control::default()).unwrap())
+        on_threads(threads, || {
+            certify(&cell, index, &group1(), &options, Control::default()).unwrap()
+        })
     };
     let one = with(1);
     assert_eq!(one, with(2));
@@ -296,7 +283,7 @@ proptest! {
 options.samples = 512;
         let found = certify(&cell, index, &group(0), &options, Control::default());
         // Narrow bounds may leave a joint undetermined to rounding.
-        prop_assume!(found.as_ref().err().map(stiffarm::Error::code) != Some(Code::NotIdentifiable));
+        prop_assume!(found.as_ref().err().map(Error::code) != Some(Code::NotIdentifiable));
         let found = found.unwrap();
         prop_assert!(found.residual <= 1e-4, "{found:?}");
         let mut best = f64::INFINITY;

@@ -62,11 +62,8 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
         );
         let finding = &result.findings[0];
         assert_eq!(finding.code, "wrench-sign");
-        assert!(
-            finding.sentence.contains("sign or model fault"),
-            "{}",
-            finding.sentence
-        );
+        let said = &finding.sentence;
+        assert!(said.contains("sign or model fault"), "{said}");
     }
 }
 
@@ -206,38 +203,25 @@ fn wrong_input_is_refused() {
         refusal(&with(|c| c.motor.truncate(5)), plain()).0,
         Code::Dimension
     );
-    let noise = |noise| {
-        let mut options = plain();
-        options.noise = noise;
-        options
-    };
+    let noise = |noise| changed(plain(), |o| o.noise = noise);
     assert_eq!(
         refusal(&data, noise(NoiseSource::Known)).0,
         Code::MissingKey
     );
     assert_eq!(
-        refusal(&data, {
-            let mut options = noise(NoiseSource::Repeats);
-            options.estimator = Estimator::Weighted;
-            options
-        })
+        refusal(
+            &data,
+            changed(noise(NoiseSource::Repeats), |o| o.estimator =
+                Estimator::Weighted)
+        )
         .0,
         Code::Conflict
     );
     assert_eq!(
-        refusal(&data, {
-            let mut options = plain();
-            options.weights = Weights::Tracker;
-            options
-        })
-        .0,
+        refusal(&data, changed(plain(), |o| o.weights = Weights::Tracker)).0,
         Code::Conflict
     );
-    let extra = |extra| {
-        let mut options = plain();
-        options.extra = extra;
-        options
-    };
+    let extra = |extra| changed(plain(), |o| o.extra = extra);
     assert_eq!(
         refusal(&data, extra(vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt])).0,
         Code::Duplicate

@@ -18,24 +18,8 @@ const FALSE_ALARM: f64 = 1e-6;
 
 /// A seven-joint Panda with Franka's rows, loaded at the flange.
 fn panda() -> Cell {
-    let rows = [
-        [0.0, 0.0, 0.333],
-        [-std::f64::consts::FRAC_PI_2, 0.0, 0.0],
-        [std::f64::consts::FRAC_PI_2, 0.0, 0.316],
-        [std::f64::consts::FRAC_PI_2, 0.0825, 0.0],
-        [-std::f64::consts::FRAC_PI_2, -0.0825, 0.384],
-        [std::f64::consts::FRAC_PI_2, 0.0, 0.0],
-        [std::f64::consts::FRAC_PI_2, 0.088, 0.107],
-    ]
-    .map(|[alpha, a, d]| DhRow {
-        alpha,
-        a,
-        d,
-        offset: 0.0,
-    });
-    let base = Isometry3::identity();
     let mut cell = reference_cell();
-    cell.setup.robot = Robot::from_dh("Panda", DhConvention::Modified, &rows, base).unwrap();
+    cell.setup.robot = common::set_ups::panda();
     cell.prior = Some(vec![1.4e4, 2e4, 1.2e4, 1.1e4, 9e3, 8e3, 7e3]);
     cell
 }
@@ -215,11 +199,7 @@ fn a_posture_at_a_singularity_gives_what_the_flange_holds() {
         1e-9,
         "singular",
     );
-    let finding = result
-        .findings
-        .iter()
-        .find(|f| f.code == "near-singular")
-        .unwrap();
+    let finding = the(&result.findings, "near-singular");
     assert_eq!(finding.subject, "2");
     // Alone it separates neither joint 4 nor joint 6 … but tells what it can.
     let alone: Vec<ClampedPosture> = data.into_iter().filter(|c| c.posture.name == "2").collect();
@@ -308,7 +288,7 @@ fn a_known_series_compliance_is_not_the_joints() {
     let truth = plain.require_prior().unwrap();
     let mut cell = plain.clone();
     cell.setup.tool.series_compliance = Some(
-        stiffarm::model::tool::SeriesCompliance::from_stiffness(
+        SeriesCompliance::from_stiffness(
             Vector3::new(0.0, 0.0, 0.05),
             [1e8, 1e8, 2e8],
             [3e5, 3e5, 4e5],
@@ -377,7 +357,7 @@ fn every_estimator_takes_clamped_rows() {
     let postures = postures(&cell, &mut dice, 6);
     let data = simulate_clamped(&cell, &postures, truth, &simulation, 6, 0).unwrap();
     for estimator in Estimator::ALL {
-        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+        let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert!(result.estimates.independent_rows);
         let found = result.estimates.stiffness().unwrap();

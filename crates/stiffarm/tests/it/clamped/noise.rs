@@ -91,7 +91,7 @@ fn states_against_one_reference_weigh_as_dense_least_squares() {
         .lu()
         .solve(&(system.psi.transpose() * precision * &system.delta))
         .unwrap();
-    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::Weighted);
+    let options = by(Estimator::Weighted);
     let result = identify_clamped(&cell, &data, None, &options).unwrap();
     for (joint, h) in result.estimates.joints.iter().zip(expected.iter()) {
         assert!((joint.compliance.unwrap() / h - 1.0).abs() < 1e-9);
@@ -114,7 +114,7 @@ fn huber_finds_a_state_that_does_not_fit() {
         *q *= 3.0;
     }
     let error = |estimator| {
-        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+        let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         let found = result.estimates.stiffness().unwrap();
         let worst = found

@@ -5,7 +5,8 @@
 pub(crate) use crate::common;
 pub use crate::common::random::Dice;
 pub use crate::common::runs::{most, runs, slack, standard_error};
-pub use crate::common::{cases, default_cell, group1, reference_cell, relative_error, with};
+pub use crate::common::set_ups::*;
+pub use crate::common::{cases, default_cell, group1, reference_cell, relative_error};
 pub use nalgebra::{
     DMatrix, DVector, Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6,
 };

@@ -1,5 +1,6 @@
 //! Simulated experiments and what their reduction should give.
 
+use super::set_ups::{changed, compliance_of, numbered, with};
 use super::{group1, reference_cell};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
 use stiffarm::findings::Finding;
@@ -12,14 +13,14 @@ use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{MeasuredPosture, Reading, ReadingTable};
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::NamedPoint;
 
 /// What the controllers give way per torque \[rad/(N·m)\].
 pub const GIVE: [f64; 6] = [2e-8, 1e-8, 3e-8, 5e-8, 4e-8, 6e-8];
 
 pub fn postures() -> Vec<Posture> {
-    PostureGroup::from_angles("group 1", group1()).postures
+    numbered(group1())
 }
 
 pub fn pose(x: f64, y: f64, z: f64, turn: [f64; 3]) -> Isometry3<f64> {
@@ -96,9 +97,7 @@ pub fn truth(
 ) -> (Vec<Vector3<f64>>, Wrench) {
     let robot = &cell.setup.robot;
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
-    let prior = cell.prior.as_ref().unwrap();
-    let compliance = DVector::from_iterator(6, prior.iter().map(|k| factor / k));
-    let mut moved = terms.block(robot) * compliance;
+    let mut moved = terms.block(robot) * compliance_of(cell.require_prior().unwrap()) * factor;
     if let Some(give) = give {
         let torque = robot
             .coupling()
@@ -116,12 +115,8 @@ pub fn truth(
 
 /// Planned angles of a measured posture.
 pub fn planned(m: &MeasuredPosture) -> Vec<f64> {
-    let list = postures();
-    list.iter()
-        .find(|p| p.name == m.posture.name)
-        .unwrap()
-        .q
-        .clone()
+    let mut list = postures().into_iter();
+    list.find(|p| p.name == m.posture.name).unwrap().q
 }
 
 /// Largest error of the displacements of `measured` over the largest displacement.
@@ -162,11 +157,8 @@ pub fn wrench_error(
 }
 
 pub fn found<'a>(reduction: &'a Reduction, code: &str) -> Vec<&'a Finding> {
-    reduction
-        .findings
-        .iter()
-        .filter(|f| f.code == code)
-        .collect()
+    let findings = reduction.findings.iter();
+    findings.filter(|f| f.code == code).collect()
 }
 
 pub fn codes(reduction: &Reduction) -> Vec<&str> {
@@ -205,8 +197,8 @@ pub fn full_table(cell: &Cell, seed: u64) -> ReadingTable {
 }
 
 pub fn sensor_cell() -> Cell {
-    let mut cell = reference_cell();
-    cell.sensor = Some(sensor());
-    cell.noise.reading_variance = 1e-10;
-    cell
+    changed(reference_cell(), |cell| {
+        cell.sensor = Some(sensor());
+        cell.noise.reading_variance = 1e-10;
+    })
 }

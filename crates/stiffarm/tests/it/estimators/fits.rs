@@ -6,26 +6,23 @@ use super::*;
 /// errors of size `sigma`, all against one unloaded reading.
 fn measured(cell: &Cell, loads: &[f64], sigma: f64, dice: &mut Dice) -> Vec<MeasuredPosture> {
     let prior = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(prior);
     let mut out = Vec::new();
-    for posture in named(&random_group()) {
+    for posture in numbered(random_group()) {
         let force = PostureTerms::new(&cell.setup, &posture.q, None).unwrap();
         for load in loads {
             let wrench = Wrench::force(force.wrench().force * *load);
             let terms = PostureTerms::new(&cell.setup, &posture.q, Some(&wrench)).unwrap();
             let exact = terms.block(&cell.setup.robot) * &compliance;
+            let points = 0..cell.setup.tool.point_count();
+            let displacements = points.map(|a| {
+                let error = dice.vector(sigma * 3f64.sqrt());
+                Displacement::new(a, exact.fixed_rows::<3>(3 * a) + error)
+            });
             out.push(MeasuredPosture {
-                posture: posture.clone(),
                 state: format!("load {load}"),
                 wrench: Some(wrench),
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: (0..cell.setup.tool.point_count())
-                    .map(|a| {
-                        let error = dice.vector(sigma * 3f64.sqrt());
-                        Displacement::new(a, exact.fixed_rows::<3>(3 * a) + error)
-                    })
-                    .collect(),
+                ..MeasuredPosture::new(posture.clone(), displacements.collect())
             });
         }
     }
@@ -114,7 +111,7 @@ fn tracker_weights_are_least_squares_with_the_trackers_covariance() {
     // Without the tracker's covariance there is nothing to weigh by.
     measured[0].displacements[0].covariance = None;
     let error = identify(&cell, &measured, &options).unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::MissingKey);
+    assert_eq!(error.code(), Code::MissingKey);
 }
 
 #[test]
@@ -124,7 +121,7 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let mut spoiled = clean.clone();
     spoiled[2].displacements[1].value += Vector3::new(0.3, -0.2, 1.0);
     let with = |measured: &[MeasuredPosture], estimator| {
-        let options = with(|o: &mut IdentifyOptions| o.estimator = estimator);
+        let options = by(estimator);
         identify(&cell, measured, &options).unwrap()
     };
     let reference = with(&clean, Estimator::Huber);
@@ -154,7 +151,7 @@ fn the_non_negative_fit_says_nothing_about_a_joint_without_load() {
     let mut cell = reference_cell();
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     let measured = measured(&cell, &[1.0], 1e-5, &mut Dice::new(5));
-    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::NonNegative);
+    let options = by(Estimator::NonNegative);
     let found = identify(&cell, &measured, &options).unwrap();
     assert_eq!(found.estimates.undetermined_joints, ["joint 6"]);
     let blind = &found.estimates.joints[5];
@@ -235,7 +232,7 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
             many.push(posture);
         }
     }
-    let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::Ordinary);
+    let options = by(Estimator::Ordinary);
     let found = bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 1, 0.95).unwrap();
     let formula = identify(&cell, &many, &options).unwrap();
     assert_eq!((found.postures, found.skipped), (72, 0));
@@ -281,15 +278,15 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
     let one = Fit::new(&cell, &measured[..1], &options)
         .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
         .unwrap_err();
-    assert_eq!(one.code(), stiffarm::Code::TooFewData);
+    assert_eq!(one.code(), Code::TooFewData);
     for confidence in [0.0, 1.0, f64::NAN] {
         let error = Fit::new(&cell, &measured, &options)
             .and_then(|fit| bootstrap(&fit, 600, 1, confidence))
             .unwrap_err();
-        assert_eq!(error.code(), stiffarm::Code::InvalidValue);
+        assert_eq!(error.code(), Code::InvalidValue);
     }
     let few = Fit::new(&cell, &measured, &options)
         .and_then(|fit| bootstrap(&fit, 199, 1, 0.95))
         .unwrap_err();
-    assert_eq!(few.code(), stiffarm::Code::InvalidValue);
+    assert_eq!(few.code(), Code::InvalidValue);
 }

@@ -42,14 +42,8 @@ fn same_matrix(ours: &DMatrix<f64>, theirs: &DMatrix<f64>) -> f64 {
     worst
 }
 
-fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
-    PostureGroup::from_angles("", postures.iter().cloned()).postures
-}
-
 fn honest_cell() -> Cell {
-    let mut cell = reference_cell();
-    cell.noise.readings_per_displacement = 2;
-    cell
+    changed(reference_cell(), |o| o.noise.readings_per_displacement = 2)
 }
 
 /// A random system of `postures` blocks with up to four displacements each,

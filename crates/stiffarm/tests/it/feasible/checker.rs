@@ -113,9 +113,8 @@ impl<'a> Checker<'a> {
     }
 
     pub fn names(&self, (i, j): (usize, usize)) -> [&str; 2] {
-        let mut names = [&*self.pieces[i].name, &*self.pieces[j].name];
-        names.sort_unstable();
-        names
+        let names = [&*self.pieces[i].name, &*self.pieces[j].name];
+        changed(names, |names| names.sort_unstable())
     }
 
     fn reached(&self, serial: &[f64]) -> Reached {

@@ -181,11 +181,8 @@ pub fn leave_out(
     number: u64,
 ) -> Result<(), String> {
     let kept_apart = case.clearance.shapes.unwrap_or(20.0) * 1e-3;
-    let sorted = |(a, b): (&str, &str)| {
-        let mut names = [a.to_string(), b.to_string()];
-        names.sort_unstable();
-        names
-    };
+    let sorted =
+        |(a, b): (&str, &str)| changed([a.to_string(), b.to_string()], |o| o.sort_unstable());
     let dropped: Vec<[String; 2]> = cell.scene.dropped_pairs().map(sorted).collect();
     let mut kept = Vec::new();
     let mut dice = Dice::new(80_000 + number);

@@ -30,11 +30,6 @@ fn slice(m: &DMatrix<f64>) -> &[f64] {
     m.as_slice()
 }
 
-/// Rows independent and alike, as the reference computed.
-fn ordinary() -> IdentifyOptions {
-    with(|o: &mut IdentifyOptions| o.estimator = Estimator::Ordinary)
-}
-
 #[test]
 fn terms_of_single_postures() {
     let cell = reference_cell();
@@ -222,28 +217,19 @@ fn identification_of_noisy_displacements() {
     let cell = reference_cell();
     let golden = &reference()["identification"];
     let displacements = numbers(&golden["displacements_m"]);
-    let measured: Vec<MeasuredPosture> = random_group()
+    let measured: Vec<MeasuredPosture> = numbered(random_group())
         .into_iter()
         .zip(displacements.chunks_exact(12))
-        .enumerate()
-        .map(|(i, (q, rows))| MeasuredPosture {
-            posture: Posture {
-                name: (i + 1).to_string(),
-                q,
-            },
-            state: "loaded".to_string(),
-            wrench: None,
-            common_readings: [0.0; 2],
-            servo_deflection: None,
-            displacements: rows
-                .chunks_exact(3)
+        .map(|(posture, rows)| {
+            let points = rows.chunks_exact(3).map(Vector3::from_column_slice);
+            let displacements = points
                 .enumerate()
-                .map(|(point, v)| Displacement::new(point, Vector3::from_column_slice(v)))
-                .collect(),
+                .map(|(point, v)| Displacement::new(point, v));
+            MeasuredPosture::new(posture, displacements.collect())
         })
         .collect();
     assert_eq!(measured.len(), 6);
-    let result = identify(&cell, &measured, &ordinary()).unwrap();
+    let result = identify(&cell, &measured, &by(Estimator::Ordinary)).unwrap();
     assert_eq!(
         (result.estimates.rows, result.estimates.degrees_of_freedom),
         (72, 66)
@@ -282,11 +268,7 @@ fn identification_of_noisy_displacements() {
     );
 
     // The same with the size of the noise known: the errors scale by σ/s.
-    let options = {
-        let mut options = ordinary();
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = changed(by(Estimator::Ordinary), |o| o.noise = NoiseSource::Known);
     let known = identify(&cell, &measured, &options).unwrap();
     let ratio = cell.noise.displacement_std() / variance.sqrt();
     for (known, error) in known.estimates.joints.iter().zip(&errors) {

@@ -29,16 +29,12 @@ fn options() -> MapOptions {
     options
 }
 
-fn prior(cell: &Cell) -> IdentifiedCompliance {
-    IdentifiedCompliance::from_stiffness(cell, cell.prior.as_ref().unwrap()).unwrap()
-}
-
 /// The prior with a covariance of 2 % per joint.
 fn unsure(cell: &Cell) -> IdentifiedCompliance {
     let mut predictor = prior(cell);
     let variances = predictor.values.map(|h| (0.02 * h).powi(2));
     predictor.spread = Some(Spread {
-        covariance: nalgebra::DMatrix::from_diagonal(&variances),
+        covariance: DMatrix::from_diagonal(&variances),
         sigma: 1e-5,
         shift: 0.0,
         degrees_of_freedom: None,

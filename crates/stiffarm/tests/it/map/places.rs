@@ -214,11 +214,7 @@ fn a_free_tool_axis_takes_the_best_turn() {
             other => panic!("{other:?}"),
         })
         .collect();
-    let options = {
-        let mut options = place_options();
-        options.refinements = 0;
-        options
-    };
+    let options = changed(place_options(), |o| o.refinements = 0);
     let found = search(&cell, &free, &options);
     let fixed = search(&cell, &points, &options);
     let rms = |p: &Placement| p.best.as_ref().unwrap().deflection_rms_m.unwrap();
@@ -243,13 +239,11 @@ fn long_paths_are_searched_thinned_and_judged_whole() {
         moment: Vector3::zeros(),
         axes: ForceAxes::Base,
     });
-    let options = {
-        let mut options = place_options();
-        options.steps = [3, 3, 1];
-        options.yaws = vec![0.0];
-        options.refinements = 0;
-        options
-    };
+    let options = changed(place_options(), |o| {
+        o.steps = [3, 3, 1];
+        o.yaws = vec![0.0];
+        o.refinements = 0;
+    });
     let found = search(&cell, &points, &options);
     assert_eq!(found.point_count, 1200);
     assert!(found.searched_points <= 200, "{}", found.searched_points);

@@ -93,10 +93,7 @@ fn a_given_transform_that_is_wrong_is_named() {
     let result = reduce(&cell, &table, &given(turned)).unwrap();
     let finding = found(&result, "given-registration")[0];
     assert_eq!(finding.severity, Severity::Caution);
-    assert!(
-        finding.sentence.contains("5.00 mrad"),
-        "{}",
-        finding.sentence
-    );
+    let said = &finding.sentence;
+    assert!(said.contains("5.00 mrad"), "{said}");
     assert!(result.registration.unwrap().rms_m > 1e-3);
 }

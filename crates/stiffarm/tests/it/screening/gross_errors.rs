@@ -103,7 +103,15 @@ fn repeats_that_stray_and_reflectors_that_move() {
     let mut said = Vec::new();
     let mut options = options(14);
     options.states.iter_mut().for_each(|s| s.repeats = 3);
-    let three = experiment(&cell(), &named(group1()), &truth(&cell()), &options, 14, 0).unwrap();
+    let three = experiment(
+        &cell(),
+        &numbered(group1()),
+        &truth(&cell()),
+        &options,
+        14,
+        0,
+    )
+    .unwrap();
     assert!(screen(&cell(), &three, None).unwrap().findings.is_empty());
     let mut table = three.clone();
     // Third round of point 2.
@@ -118,8 +126,15 @@ fn repeats_that_stray_and_reflectors_that_move() {
     said.push(sentences(&sanity));
     // Of two repeats nobody can say which.
     options.states.iter_mut().for_each(|s| s.repeats = 2);
-    let mut table =
-        experiment(&cell(), &named(group1()), &truth(&cell()), &options, 14, 0).unwrap();
+    let mut table = experiment(
+        &cell(),
+        &numbered(group1()),
+        &truth(&cell()),
+        &options,
+        14,
+        0,
+    )
+    .unwrap();
     table.postures[1].states[0].readings[5].position.y += 1e-3;
     let sanity = screen(&cell(), &table, None).unwrap();
     let found = only(&sanity);
@@ -173,7 +188,7 @@ fn a_reading_off_by_a_millimetre_in_words() {
 fn of_three_points_one_is_said_to_be_off_by_its_size() {
     let mut three = cell();
     three.setup.tool.measuring_points.pop();
-    let mut table = simulated(&three, &named(group1()), 21);
+    let mut table = simulated(&three, &numbered(group1()), 21);
     let readings = &mut table.postures[1].states[1].readings;
     let along = (readings[0].position - readings[1].position).normalize();
     readings[1].position += along * 1e-3;

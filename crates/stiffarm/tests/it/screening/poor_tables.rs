@@ -47,7 +47,7 @@ fn a_transform_that_is_given() {
 fn too_few_readings_are_said_to_be_too_few() {
     let mut few = cell();
     few.setup.tool.measuring_points.truncate(1);
-    let table = simulated(&few, &named(group1()[..2].to_vec()), 18);
+    let table = simulated(&few, &numbered(group1()[..2].to_vec()), 18);
     let sanity = screen(&few, &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!(
@@ -122,11 +122,8 @@ fn mangled_tables_are_survived() {
             }
             let sanity = screen(&cell(), &table, None).unwrap();
             for finding in &sanity.findings {
-                assert!(
-                    !finding.sentence.contains("NaN") && !finding.sentence.contains("inf "),
-                    "{}",
-                    finding.sentence
-                );
+                let said = &finding.sentence;
+                assert!(!said.contains("NaN") && !said.contains("inf "), "{said}");
             }
             sanity.findings.len()
         })

@@ -162,7 +162,7 @@ fn mirrored_tracker_axes() {
     // A tool that is not flat shows the mirror image in its own shape.
     let mut deep = cell();
     deep.setup.tool.measuring_points[2].position.z += 0.12;
-    let mut table = simulated(&deep, &named(group1()), 7);
+    let mut table = simulated(&deep, &numbered(group1()), 7);
     each_position(&mut table, |p| p.swap_rows(0, 1));
     let sanity = screen(&deep, &table, None).unwrap();
     assert_eq!(only(&sanity).cause, Cause::MirroredFrame);
@@ -194,7 +194,7 @@ fn exchanged_columns_are_told_by_where_the_tracker_stands() {
         base_from_tracker: Isometry3::new(Vector3::new(3.0, 1.0, 0.5), Vector3::z() * 0.1),
         ..options(7)
     };
-    let table = experiment(&cell(), &named(group1()), &truth(&cell()), &level, 7, 0).unwrap();
+    let table = experiment(&cell(), &numbered(group1()), &truth(&cell()), &level, 7, 0).unwrap();
     let sanity = screen(&cell(), &exchanged(&table, 0, 1), None).unwrap();
     assert_eq!(only(&sanity).axis_slips, ["whether x and y are exchanged"]);
     let mut flipped = table.clone();
@@ -223,14 +223,10 @@ fn force_sign_reversed() {
     }
     // Without a sensor the cell's own load is at fault.
     wrong.sensor = None;
-    let Load::Rope { anchor, .. } = &mut wrong.setup.load else {
-        panic!("the default cell pulls by a rope")
-    };
+    let anchor = *rope_anchor(&mut wrong);
     let pushed = Load::Constant {
-        wrench: stiffarm::model::load::Wrench::force(
-            -(*anchor - Vector3::new(1.7, 0.0, 1.8)).normalize() * 500.0,
-        ),
-        axes: stiffarm::model::load::Axes::Base,
+        wrench: Wrench::force(-(anchor - Vector3::new(1.7, 0.0, 1.8)).normalize() * 500.0),
+        axes: Axes::Base,
     };
     wrong.setup.load = pushed;
     let mut table = table;
@@ -315,7 +311,15 @@ fn a_load_of_another_size() {
         ],
         ..options(10)
     };
-    let still = experiment(&cell(), &named(group1()), &truth(&cell()), &unloaded, 10, 1).unwrap();
+    let still = experiment(
+        &cell(),
+        &numbered(group1()),
+        &truth(&cell()),
+        &unloaded,
+        10,
+        1,
+    )
+    .unwrap();
     for (now, then) in table.postures[4]
         .states
         .iter_mut()
@@ -345,7 +349,7 @@ fn a_load_of_another_size() {
 fn axis_three_uncoupled_or_a_joint_turned_round() {
     let table = group1_table(11);
     let mut said = Vec::new();
-    let with = |change: &dyn Fn(&mut nalgebra::DMatrix<f64>)| {
+    let with = |change: &dyn Fn(&mut DMatrix<f64>)| {
         let mut wrong = cell();
         let mut coupling = wrong.setup.robot.coupling().clone();
         change(&mut coupling);
@@ -368,7 +372,7 @@ fn axis_three_uncoupled_or_a_joint_turned_round() {
         said.push(sentences(&sanity));
     }
     // A newcomer's chain: no signs, no coupling.
-    let wrong = with(&|c| *c = nalgebra::DMatrix::identity(6, 6));
+    let wrong = with(&|c| *c = DMatrix::identity(6, 6));
     let sanity = screen(&wrong, &table, None).unwrap();
     let found = only(&sanity);
     assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
