@@ -16,14 +16,13 @@ fn with_terms(
     predictor: &IdentifiedCompliance,
     terms: &[(ExtraTerm, f64)],
 ) -> IdentifiedCompliance {
-    let mut out = predictor.clone();
     let values = predictor.values.iter().copied();
-    let all: Vec<f64> = values
-        .chain(terms.iter().map(|(_, value)| *value))
-        .collect();
-    out.values = DVector::from_vec(all);
-    out.extra = terms.iter().map(|(term, _)| *term).collect();
-    out
+    let all = values.chain(terms.iter().map(|(_, value)| *value));
+    IdentifiedCompliance {
+        values: DVector::from_vec(all.collect()),
+        extra: terms.iter().map(|(term, _)| *term).collect(),
+        ..predictor.clone()
+    }
 }
 
 /// Shift and turn from one pose to another.
@@ -144,31 +143,24 @@ fn measured(
         .map(|(i, q)| {
             let at_loading = PostureTerms::new(&cell.setup, q, None).unwrap();
             let points = cell.setup.tool.measuring_points.iter().enumerate();
-            MeasuredPosture {
-                posture: Posture {
-                    name: format!("P{}", i + 1),
-                    q: q.clone(),
-                },
-                state: "loaded".to_string(),
-                wrench: None,
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: points
-                    .map(|(point, measuring)| {
-                        let mut view = cell.clone();
-                        view.work.tip = Some(Isometry3::from_parts(
-                            measuring.position.into(),
-                            UnitQuaternion::identity(),
-                        ));
-                        let arm = LoadedArm::new(&view, truth)
-                            .unwrap()
-                            .loaded_at(cell.setup.tool.loading_point);
-                        let bent = arm.deflect(q, at_loading.wrench()).unwrap();
-                        let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
-                        Displacement::new(point, shift + dice.noise(sigma))
-                    })
-                    .collect(),
-            }
+            let displacements = points.map(|(point, measuring)| {
+                let mut view = cell.clone();
+                view.work.tip = Some(Isometry3::from_parts(
+                    measuring.position.into(),
+                    UnitQuaternion::identity(),
+                ));
+                let arm = LoadedArm::new(&view, truth)
+                    .unwrap()
+                    .loaded_at(cell.setup.tool.loading_point);
+                let bent = arm.deflect(q, at_loading.wrench()).unwrap();
+                let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
+                Displacement::new(point, shift + dice.noise(sigma))
+            });
+            let posture = Posture {
+                name: format!("P{}", i + 1),
+                q: q.clone(),
+            };
+            MeasuredPosture::new(posture, displacements.collect())
         })
         .collect()
 }
@@ -302,22 +294,11 @@ fn limits_are_respected_and_named() {
         .collect();
     let mut narrow = cell.clone();
     narrow.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
-    let at = |q: &[f64]| {
-        [LoadedPosture {
-            name: "7".into(),
-            line: Some(8),
-            q: q.to_vec(),
-            wrench,
-        }]
-    };
+    let options = CompensateOptions::default();
     let run = |q: &[f64]| {
-        compensate(
-            &narrow,
-            &predictor,
-            &at(q),
-            &CompensateOptions::default(),
-            Control::default(),
-        )
+        let mut work = LoadedPosture::new("7", q.to_vec(), wrench);
+        work.line = Some(8);
+        compensate(&narrow, &predictor, &[work], &options, Control::default())
     };
     let error = run(&q).unwrap_err();
     assert_eq!(error.place().line, Some(8));

@@ -271,46 +271,28 @@ fn cases_that_make_no_sense_are_refused() {
     };
     let good = case(Estimator::Ordinary, 10);
     let six = numbered(random_group());
-    let edit = |change: &dyn Fn(&mut CoverageCase)| {
-        let mut case = good.clone();
-        change(&mut case);
-        fails(&cell, &six, &case)
+    let refused = |code: Code, change: &dyn Fn(&mut CoverageCase)| {
+        assert_eq!(fails(&cell, &six, &changed(good.clone(), change)), code);
     };
-    assert_eq!(edit(&|c| c.experiments = 0), Code::InvalidValue);
-    assert_eq!(edit(&|c| c.world.load_states.clear()), Code::InvalidValue);
-    assert_eq!(
-        edit(&|c| c.world.load_states = vec![1.0, 0.0]),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        edit(&|c| c.world.common_ratio = f64::NAN),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        edit(&|c| c.world.lost_motion_rad = -1.0),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        edit(&|c| c.world.stiffness_factors = vec![1.0]),
-        Code::Dimension
-    );
-    assert_eq!(
-        edit(&|c| c.world.stiffness_factors = vec![0.0; 6]),
-        Code::InvalidValue
-    );
-    assert_eq!(edit(&|c| c.world.truth = Truth::Drawn), Code::Conflict);
-    assert_eq!(edit(&|c| c.world.tracker_errors = true), Code::MissingKey);
-    assert_eq!(
-        edit(&|c| c.options.noise = NoiseSource::Repeats),
-        Code::TooFewData
-    );
-    assert_eq!(
-        edit(&|c| {
-            c.world.load_states = vec![0.5, 1.0];
-            c.world.model_errors.force_scale = 0.01;
-        }),
-        Code::Conflict
-    );
+    let invalid = |change: &dyn Fn(&mut CoverageCase)| refused(Code::InvalidValue, change);
+    invalid(&|c| c.experiments = 0);
+    invalid(&|c| c.world.load_states.clear());
+    invalid(&|c| c.world.load_states = vec![1.0, 0.0]);
+    invalid(&|c| c.world.common_ratio = f64::NAN);
+    invalid(&|c| c.world.lost_motion_rad = -1.0);
+    invalid(&|c| c.world.stiffness_factors = vec![0.0; 6]);
+    refused(Code::Dimension, &|c| {
+        c.world.stiffness_factors = vec![1.0];
+    });
+    refused(Code::Conflict, &|c| c.world.truth = Truth::Drawn);
+    refused(Code::MissingKey, &|c| c.world.tracker_errors = true);
+    refused(Code::TooFewData, &|c| {
+        c.options.noise = NoiseSource::Repeats;
+    });
+    refused(Code::Conflict, &|c| {
+        c.world.load_states = vec![0.5, 1.0];
+        c.world.model_errors.force_scale = 0.01;
+    });
     // One posture with one point has three rows: the joints are named.
     let mut single = cell.clone();
     single.setup.tool.measuring_points.truncate(1);

@@ -7,7 +7,7 @@
 use crate::common::prelude::*;
 use crate::common::random_group;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
-use stiffarm::estimate::simulate::{LevelResult, Simulation};
+use stiffarm::estimate::simulate::{GroupSimulation, LevelResult, Simulation};
 
 /// Probability of a false alarm in all comparisons of one test together.
 const FALSE_ALARM: f64 = 1e-3;
@@ -39,6 +39,22 @@ fn run(cell: &Cell, groups: &[PostureGroup], runs: usize, seed: u64) -> Simulati
     simulate(cell, groups, &options, Control::default()).unwrap()
 }
 
+/// Every joint at every level of every group.
+fn cases(groups: &[GroupSimulation]) -> Vec<(&str, &LevelResult, usize)> {
+    let levels = groups
+        .iter()
+        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)));
+    let joints =
+        levels.flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)));
+    joints.collect()
+}
+
+/// z of the mean deviation of the compliance, whose closed form is exact.
+fn compliance_z(level: &LevelResult, joint: usize) -> f64 {
+    let difference = level.compliance_mean_deviation[joint] - level.expected_deviation[joint];
+    difference / level.compliance_standard_error[joint]
+}
+
 /// Relative standard error of k behind an expected deviation.
 fn relative_error(level: &LevelResult, joint: usize) -> f64 {
     level.expected_deviation[joint] / std::f64::consts::FRAC_2_PI.sqrt()
@@ -60,15 +76,7 @@ fn many_runs_meet_the_closed_forms() {
     let cell = reference_cell();
     let groups = groups(&cell);
     let simulation = run(&cell, &groups, count, 2021);
-    let all: Vec<(&str, &LevelResult, usize)> = simulation
-        .groups
-        .iter()
-        .flat_map(|g| {
-            g.levels
-                .iter()
-                .flat_map(move |l| (0..6).map(move |j| (g.name.as_str(), l, j)))
-        })
-        .collect();
+    let all = cases(&simulation.groups);
     assert_eq!(all.len(), 3 * 6 * 6);
     let limit = threshold(all.len());
     let (mut flagged, mut within_5) = (0, 0);
@@ -79,8 +87,7 @@ fn many_runs_meet_the_closed_forms() {
         let error = relative_error(level, j);
 
         // On Ĥ the closed form is exact.
-        let z =
-            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
+        let z = compliance_z(level, j);
         assert!(z.abs() < limit, "{what}: z = {z} on the compliance");
         on_h = on_h.max(z.abs());
 
@@ -148,30 +155,18 @@ fn the_closed_form_holds_on_random_cells() {
         }
     }
     assert!(compared.len() >= 12, "{} cells", compared.len());
-    let cases: Vec<(&str, &LevelResult, usize)> = compared
-        .iter()
-        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)))
-        .flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)))
-        .collect();
+    let cases = cases(&compared);
     let limit = threshold(2 * cases.len());
     let mut largest = 0.0_f64;
     for (name, level, j) in cases {
+        let what = format!("{name}, joint {}", j + 1);
         let expected = level.expected_deviation[j];
-        let z =
-            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
-        assert!(
-            z.abs() < limit,
-            "{name}, joint {}: z = {z} on the compliance",
-            j + 1
-        );
+        let z = compliance_z(level, j);
+        assert!(z.abs() < limit, "{what}: z = {z} on the compliance");
         largest = largest.max(z.abs());
         if relative_error(level, j) < 0.05 {
             let z = (level.mean_deviation[j] - expected) / level.standard_error[j];
-            assert!(
-                z.abs() < limit,
-                "{name}, joint {}: z = {z} on the stiffness",
-                j + 1
-            );
+            assert!(z.abs() < limit, "{what}: z = {z} on the stiffness");
         }
     }
     println!(
@@ -194,12 +189,8 @@ fn the_median_holds_where_the_mean_does_not_exist() {
     for level in &simulation.groups[0].levels {
         for j in 0..6 {
             let z = median_z(level, j, count);
-            assert!(
-                z.abs() < limit,
-                "factor {}, joint {}: z = {z}",
-                level.variance_factor,
-                j + 1
-            );
+            let factor = level.variance_factor;
+            assert!(z.abs() < limit, "factor {factor}, joint {}: {z}", j + 1);
         }
         // Joint 4 has a standard error of a third and more: the mean is far off the closed form.
         assert!(relative_error(level, 3) > 0.3 && level.beyond_first_order[3]);
@@ -216,14 +207,9 @@ fn a_shift_common_to_a_posture_is_simulated_and_weighted() {
     let limit = threshold(36);
     for level in &simulation.groups[0].levels {
         for j in 0..6 {
-            let difference = level.compliance_mean_deviation[j] - level.expected_deviation[j];
-            let z = difference / level.compliance_standard_error[j];
-            assert!(
-                z.abs() < limit,
-                "factor {}, joint {}: z = {z}",
-                level.variance_factor,
-                j + 1
-            );
+            let z = compliance_z(level, j);
+            let factor = level.variance_factor;
+            assert!(z.abs() < limit, "factor {factor}, joint {}: {z}", j + 1);
         }
     }
 }
@@ -267,11 +253,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(4));
-    assert_ne!(
-        one,
-        run(&cell, &groups, 200, 4),
-        "another seed, other numbers"
-    );
+    assert_ne!(one, run(&cell, &groups, 200, 4), "another seed");
 }
 
 #[test]

@@ -220,51 +220,26 @@ fn an_earlier_version_is_told_apart_and_what_does_not_fit_is_refused() {
     let without = changed("/result/sealed", Value::Null);
     let error = read_text(&sealed_anew(without)).unwrap_err();
     assert_eq!(error.place().key.as_deref(), Some("result.sealed"));
-    let names = ["a", "b", "c", "d", "e", "f"];
-    for (pointer, value, key) in [
-        (
-            "/result/sealed/springs",
-            json!(names),
-            "result.sealed.springs",
-        ),
-        ("/result/sealed/values/0", json!("soft"), "result.sealed"),
-        ("/result/sealed/values", json!([1e-6]), "result.sealed"),
-        ("/result/sealed/extra", json!([]), "result.sealed"),
-        (
-            "/result/sealed/extra/0",
-            json!({"joint_tilt": 77}),
-            "result.sealed",
-        ),
-        ("/result/sealed/undetermined", json!([9]), "result.sealed"),
-        (
-            "/result/sealed/spread/covariance",
-            json!([[1.0]]),
-            "result.sealed",
-        ),
-        (
-            "/result/sealed/spread/covariance/2",
-            json!([1.0]),
-            "result.sealed",
-        ),
-        (
-            "/result/sealed/spread/confidence",
-            json!(95),
-            "result.sealed",
-        ),
-        ("/result/sealed/common/mean", json!([0.0]), "result.sealed"),
-        (
-            "/result/sealed/common/parts/0/change",
-            json!([]),
-            "result.sealed",
-        ),
-        ("/command", json!("predict"), "command"),
-    ] {
+    for [pointer, value, key] in table(
+        r#"
+        /result/sealed/springs | ["a", "b", "c", "d", "e", "f"] | result.sealed.springs
+        /result/sealed/values/0 | "soft" | result.sealed
+        /result/sealed/values | [1e-6] | result.sealed
+        /result/sealed/extra | [] | result.sealed
+        /result/sealed/extra/0 | {"joint_tilt": 77} | result.sealed
+        /result/sealed/undetermined | [9] | result.sealed
+        /result/sealed/spread/covariance | [[1.0]] | result.sealed
+        /result/sealed/spread/covariance/2 | [1.0] | result.sealed
+        /result/sealed/spread/confidence | 95 | result.sealed
+        /result/sealed/common/mean | [0.0] | result.sealed
+        /result/sealed/common/parts/0/change | [] | result.sealed
+        /command | "predict" | command
+        "#,
+    ) {
+        let value = serde_json::from_str(value).unwrap();
         let error = read_text(&sealed_anew(changed(pointer, value))).expect_err(pointer);
-        assert_eq!(
-            error.place().key.as_deref(),
-            Some(key),
-            "{pointer}: {error}"
-        );
+        let place = error.place();
+        assert_eq!(place.key.as_deref(), Some(key), "{pointer}: {error}");
         assert_eq!(error.code(), Code::ResultFile, "{pointer}: {error}");
     }
     let error = read(&changed("/format", json!(2))).unwrap_err();
@@ -395,30 +370,17 @@ fn lists_by_hand() {
     let k = [1e6, 2e6, 3e6, 1e5, 1e5, 1e5];
     let saved = read(&json!({"stiffness_nm_per_rad": k})).unwrap();
     assert_eq!(saved.predictor.spread, None);
-    for (value, key) in [
-        (
-            json!({"stiffness_nm_per_rad": k, "confidence": 0.9}),
-            "confidence",
-        ),
-        (
-            json!({"stiffness_nm_per_rad": [1e6]}),
-            "stiffness_nm_per_rad",
-        ),
-        (json!({"stiffness_nm_per_rad": 3}), "stiffness_nm_per_rad"),
-        (
-            json!({"stiffness_nm_per_rad": [1e6, 1e6, -1, 1, 1, 1]}),
-            "stiffness_nm_per_rad[2]",
-        ),
-        (
-            json!({"stiffness_nm_per_rad": [1e6, 1e6, 1e300, 1, 1, 1]}),
-            "stiffness_nm_per_rad[2]",
-        ),
-        (
-            json!({"stiffness_nm_per_rad": [null, 1e6, 1, 1, 1, 1]}),
-            "stiffness_nm_per_rad[0]",
-        ),
-    ] {
-        let error = read(&value).unwrap_err();
+    for [text, key] in table(
+        r#"
+        {"stiffness_nm_per_rad": [1e6, 2e6, 3e6, 1e5, 1e5, 1e5], "confidence": 0.9} | confidence
+        {"stiffness_nm_per_rad": [1e6]} | stiffness_nm_per_rad
+        {"stiffness_nm_per_rad": 3} | stiffness_nm_per_rad
+        {"stiffness_nm_per_rad": [1e6, 1e6, -1, 1, 1, 1]} | stiffness_nm_per_rad[2]
+        {"stiffness_nm_per_rad": [1e6, 1e6, 1e300, 1, 1, 1]} | stiffness_nm_per_rad[2]
+        {"stiffness_nm_per_rad": [null, 1e6, 1, 1, 1, 1]} | stiffness_nm_per_rad[0]
+        "#,
+    ) {
+        let error = read_text(text).unwrap_err();
         assert_eq!(error.place().key.as_deref(), Some(key), "{error}");
     }
     let error = read(&json!({"joints": [{"stiffness": 1e6}]})).unwrap_err();

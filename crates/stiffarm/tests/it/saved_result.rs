@@ -114,19 +114,15 @@ fn what_is_no_result_is_refused() {
         (error.code(), error.place().line),
         (Code::ResultFile, Some(2))
     );
-    for (text, said) in [
-        ("[]", "not a result of stiffarm"),
-        ("{\"format\": 3}", "format 3"),
-        (
-            "{\"format\": 1, \"command\": \"study\"}",
-            "lacks one of the keys",
-        ),
-        (
-            "{\"error\": {\"message\": \"No.\"}}",
-            "holds the error of a command",
-        ),
-        ("{\"format\": 1, \"format\": 1}", "format"),
-    ] {
+    for [text, said] in table(
+        r#"
+        [] | not a result of stiffarm
+        {"format": 3} | format 3
+        {"format": 1, "command": "study"} | lacks one of the keys
+        {"error": {"message": "No."}} | holds the error of a command
+        {"format": 1, "format": 1} | format
+        "#,
+    ) {
         let error = refused(text);
         assert_eq!(error.code(), Code::ResultFile);
         assert!(error.message().contains(said), "{}", error.message());

@@ -25,14 +25,15 @@ fn measure(cell: &Cell, postures: &[Posture], stream: usize) -> Vec<MeasuredPost
     simulate_measurements(cell, postures, truth, Model::Linear, 5, stream).unwrap()
 }
 
+/// What predicts after an identification at the random group.
+fn predictor(cell: &Cell, options: &IdentifyOptions, stream: usize) -> IdentifiedCompliance {
+    let measured = measure(cell, &group(random_group()), stream);
+    let fit = identify(cell, measured, options).unwrap();
+    IdentifiedCompliance::from_identification(cell, &fit).unwrap()
+}
+
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
-    let fit = identify(
-        cell,
-        measure(cell, &group(random_group()), 2 * stream),
-        options,
-    )
-    .unwrap();
-    let predictor = IdentifiedCompliance::from_identification(cell, &fit).unwrap();
+    let predictor = predictor(cell, options, 2 * stream);
     let measured = measure(cell, &held_out(group1()), 2 * stream + 1);
     validate_with(cell, &predictor, &measured, Model::Linear, None).unwrap()
 }
@@ -89,13 +90,7 @@ fn a_band_is_that_of_the_dense_formula() {
     let mut cell = reference_cell();
     cell.noise.readings_per_displacement = 2;
     cell.noise.posture_common_std = 1.5e-5;
-    let fit = identify(
-        &cell,
-        measure(&cell, &group(random_group()), 0),
-        &by(Estimator::TwoVariance),
-    )
-    .unwrap();
-    let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
+    let predictor = predictor(&cell, &by(Estimator::TwoVariance), 0);
     let spread = predictor.spread.clone().unwrap();
     // Two load states, the second with half of the load, against one reference.
     let mut measured = measure(&cell, &held_out(group1()), 1);
@@ -151,13 +146,7 @@ fn a_band_is_that_of_the_dense_formula() {
 #[test]
 fn readings_that_the_fit_does_not_explain_are_said_to_lie_outside() {
     let cell = reference_cell();
-    let fit = identify(
-        &cell,
-        measure(&cell, &group(random_group()), 0),
-        &by(Estimator::Ordinary),
-    )
-    .unwrap();
-    let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
+    let predictor = predictor(&cell, &by(Estimator::Ordinary), 0);
     let mut measured = measure(&cell, &held_out(group1()), 1);
     let codes = |measured: &[MeasuredPosture]| -> Vec<String> {
         let result = validate_with(&cell, &predictor, measured, Model::Linear, None).unwrap();

@@ -149,3 +149,13 @@ pub fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSou
     let found = budget.sources.iter().find(|s| s.name == name);
     found.unwrap_or_else(|| panic!("no source {name}"))
 }
+
+/// The rows of a table with ` | ` between its columns.
+pub fn table<const N: usize>(text: &str) -> Vec<[&str; N]> {
+    fn row<const N: usize>(line: &str) -> [&str; N] {
+        let columns: Vec<&str> = line.split(" | ").map(str::trim).collect();
+        columns.try_into().unwrap_or_else(|_| panic!("{line}"))
+    }
+    let lines = text.lines().filter(|line| !line.trim().is_empty());
+    lines.map(row).collect()
+}

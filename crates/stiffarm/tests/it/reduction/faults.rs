@@ -2,9 +2,6 @@
 
 use super::*;
 
-/// Spoils a table.
-type Change = Box<dyn Fn(&mut ReadingTable)>;
-
 #[test]
 fn faults_of_a_table_are_errors() {
     let cell = sensor_cell();
@@ -14,67 +11,45 @@ fn faults_of_a_table_are_errors() {
         change(&mut table);
         reduce(&cell, &table, &ReduceOptions::default()).unwrap_err()
     };
-    let cases: Vec<(Code, Change)> = vec![
-        (Code::TooFewData, Box::new(|t| t.postures.clear())),
-        (
-            Code::Duplicate,
-            Box::new(|t| t.postures[1].posture.name = "1".to_string()),
-        ),
-        (
-            Code::Duplicate,
-            Box::new(|t| t.postures[1].states[1].state = "unloaded".to_string()),
-        ),
-        (
-            Code::Dimension,
-            Box::new(|t| t.postures[1].posture.q.truncate(5)),
-        ),
-        (
-            Code::Dimension,
-            Box::new(|t| t.postures[1].states[0].angles = Some(vec![0.0; 7])),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| t.postures[1].states[0].readings[2].position.y = f64::NAN),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| t.postures[1].states[0].readings[2].time = Some(f64::INFINITY)),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| t.postures[1].states[0].load = Some(f64::NAN)),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| {
-                t.postures[1].states[0].wrench = Some(Wrench::force(Vector3::repeat(f64::NAN)))
-            }),
-        ),
-        (
-            Code::UnknownName,
-            Box::new(|t| t.postures[1].states[0].readings[2].target = ReadingTarget::Point(4)),
-        ),
-        (
-            Code::MissingKey,
-            Box::new(|t| t.postures[1].states[1].wrench = None),
-        ),
-        (
-            Code::TooFewData,
-            Box::new(|t| t.postures.iter_mut().for_each(|p| p.states.truncate(1))),
-        ),
-        (
-            Code::TooFewData,
-            Box::new(|t| {
-                for state in t.postures.iter_mut().flat_map(|p| &mut p.states) {
-                    state.readings.clear();
-                }
-            }),
-        ),
-    ];
-    for (i, (code, change)) in cases.iter().enumerate() {
-        let error = error(change);
-        assert_eq!(error.code(), *code, "case {i}: {error}");
-    }
+    let refused = |code: Code, change: fn(&mut ReadingTable)| {
+        let error = error(&change);
+        assert_eq!(error.code(), code, "{error}");
+    };
+    refused(Code::TooFewData, |t| t.postures.clear());
+    refused(Code::Duplicate, |t| {
+        t.postures[1].posture.name = "1".to_string();
+    });
+    refused(Code::Duplicate, |t| {
+        t.postures[1].states[1].state = "unloaded".to_string();
+    });
+    refused(Code::Dimension, |t| t.postures[1].posture.q.truncate(5));
+    refused(Code::Dimension, |t| {
+        t.postures[1].states[0].angles = Some(vec![0.0; 7]);
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].readings[2].position.y = f64::NAN;
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].readings[2].time = Some(f64::INFINITY);
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].load = Some(f64::NAN);
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].wrench = Some(Wrench::force(Vector3::repeat(f64::NAN)));
+    });
+    refused(Code::UnknownName, |t| {
+        t.postures[1].states[0].readings[2].target = ReadingTarget::Point(4);
+    });
+    refused(Code::MissingKey, |t| t.postures[1].states[1].wrench = None);
+    refused(Code::TooFewData, |t| {
+        t.postures.iter_mut().for_each(|p| p.states.truncate(1));
+    });
+    refused(Code::TooFewData, |t| {
+        for state in t.postures.iter_mut().flat_map(|p| &mut p.states) {
+            state.readings.clear();
+        }
+    });
     let mut table = good.clone();
     table.postures[1].states[1].wrench = None;
     table.postures[1].states[1].readings[0].line = 17;

@@ -88,6 +88,13 @@ fn only(sanity: &Screening) -> &Suspicion {
     &sanity.suspicions[0]
 }
 
+/// What screening says of a table with one fault, and that fault.
+fn alone(cell: &Cell, table: &ReadingTable) -> (Screening, Suspicion) {
+    let sanity = screen(cell, table, None).unwrap();
+    let found = only(&sanity).clone();
+    (sanity, found)
+}
+
 fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: usize) {
     for (p, posture) in table.postures.iter_mut().enumerate() {
         for (s, state) in posture.states.iter_mut().enumerate() {
