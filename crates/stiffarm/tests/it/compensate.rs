@@ -277,23 +277,15 @@ fn limits_are_respected_and_named() {
     let cell = default_cell();
     let predictor = prior(&cell);
     let mut q = cell.tasks[1].q.clone();
-    let joints = cell.setup.robot.joints();
     let wrench = Wrench::force(Vector3::new(0.0, 0.0, -800.0));
     let arm = LoadedArm::new(&cell, &predictor).unwrap();
     // Which way the command goes, found first without the limit.
     let free = command(&arm, &q, &wrench).unwrap().q;
     let high = free[1] > q[1];
-    let limits: Vec<[f64; 2]> = joints
-        .iter()
-        .enumerate()
-        .map(|(j, joint)| match (j, high) {
-            (1, true) => [joint.limits[0], q[1]],
-            (1, false) => [q[1], joint.limits[1]],
-            _ => joint.limits,
-        })
-        .collect();
+    let [least, most] = cell.setup.robot.joints()[1].limits;
+    let limits = if high { [least, q[1]] } else { [q[1], most] };
     let mut narrow = cell.clone();
-    narrow.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
+    limit_joint(&mut narrow, 1, limits);
     let options = CompensateOptions::default();
     let run = |q: &[f64]| {
         let mut work = LoadedPosture::new("7", q.to_vec(), wrench);

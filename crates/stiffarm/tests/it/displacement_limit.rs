@@ -44,10 +44,6 @@ fn keeps(cell: &Cell, group: &[Vec<f64>], [low, high]: [f64; 2]) {
     }
 }
 
-fn rounds(rounds: u64) -> GlobalOptions {
-    with(|o: &mut GlobalOptions| o.rounds = Some(rounds))
-}
-
 const RANGE: [f64; 2] = [5e-4, 1e-3];
 
 #[test]

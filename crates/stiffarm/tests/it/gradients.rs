@@ -3,7 +3,8 @@
 
 use crate::common::groups::ln_index;
 use crate::common::model::{
-    Model, condition_number, has_sound_svd, inverse_gram_diagonal, inverse_r, singular_values,
+    Model, condition_number, duals, has_sound_svd, inverse_gram_diagonal, inverse_r,
+    singular_values,
 };
 use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
@@ -234,17 +235,7 @@ fn compare(n: usize) {
         let cell = model.cell();
         let flat: Vec<f64> = postures.concat();
         let references: Vec<Reference<'_>> = (0..flat.len())
-            .map(|k| {
-                let dual: Vec<Dual64> = flat
-                    .iter()
-                    .enumerate()
-                    .map(|(i, v)| Dual64::new(*v, if i == k { 1.0 } else { 0.0 }))
-                    .collect();
-                Reference::new(
-                    &model,
-                    &dual.chunks_exact(n).map(<[_]>::to_vec).collect::<Vec<_>>(),
-                )
-            })
+            .map(|k| Reference::new(&model, &duals(&flat, n, k)))
             .collect();
         for index in Index::ALL {
             if index == Index::Prediction {

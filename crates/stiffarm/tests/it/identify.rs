@@ -171,16 +171,11 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
         let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.5, "{joint:?}");
     }
-    let without = Fit::new(&cell, &measured, &plain)
-        .and_then(|fit| fit.leave_one_out())
-        .unwrap()
-        .rms_m
-        .unwrap();
-    let better = Fit::new(&cell, &measured, &with)
-        .and_then(|fit| fit.leave_one_out())
-        .unwrap()
-        .rms_m
-        .unwrap();
+    let rms = |options: &IdentifyOptions| {
+        let fit = Fit::new(&cell, &measured, options).unwrap();
+        fit.leave_one_out().unwrap().rms_m.unwrap()
+    };
+    let (without, better) = (rms(&plain), rms(&with));
     assert!(better < 0.5 * without, "{better} {without}");
 }
 
@@ -210,10 +205,8 @@ fn the_next_posture_beats_random_ones() {
     let own = error(advice.angles.clone());
     assert!((own / advice.expected_error - 1.0).abs() < 1e-9);
     for i in 0..50 {
-        let other = random_group(&cell, StartKind::Uniform, 1, 8, i)
-            .unwrap()
-            .concat();
-        assert!(own <= error(other), "random posture {i}");
+        let other = random_group(&cell, StartKind::Uniform, 1, 8, i).unwrap();
+        assert!(own <= error(other.concat()), "random posture {i}");
     }
     for (before, after) in advice.before.iter().zip(&advice.after) {
         assert!(after.unwrap() <= before.unwrap() * (1.0 + 1e-12));

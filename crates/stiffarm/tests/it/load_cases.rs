@@ -185,8 +185,7 @@ fn values_and_gradients_of_the_kernel() {
 fn a_plan_keeps_the_limits_under_every_load_and_is_certified() {
     let mut cell = two_ropes();
     cell.limits.rope_length = Some([1.0, 2.2]);
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(3);
+    let options = rounds(3);
     let plan = select(&cell, Index::ExpectedError, 4, &options, Control::default()).unwrap();
     for q in &plan.group {
         for own in cell.cases() {
@@ -348,12 +347,7 @@ fn simulation_validation_and_what_is_common_to_all_readings() {
         ]
     );
     assert_eq!(parts("loading-point"), ["x", "y", "z"]);
-    let next = next_posture(
-        &fit,
-        &with(|o: &mut GlobalOptions| o.rounds = Some(1)),
-        Control::default(),
-    )
-    .unwrap();
+    let next = next_posture(&fit, &rounds(1), Control::default()).unwrap();
     assert!(next.expected_error < fit_error(&next.before));
     // As many displacements as the posture it is measured like has under both loads.
     assert_eq!(next.displacements, 2 * cell.setup.tool.point_count());

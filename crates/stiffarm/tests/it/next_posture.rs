@@ -28,9 +28,8 @@ fn measured(cell: &Cell, q: Vec<Vec<f64>>, done: &Experiment, seed: u64) -> Meas
     prepare(cell, table, &ReduceOptions::default()).unwrap()
 }
 
-fn advice(fit: &Fit, rounds: u64) -> NextPosture {
-    let mut search = GlobalOptions::default();
-    search.rounds = Some(rounds);
+fn advice(fit: &Fit, count: u64) -> NextPosture {
+    let search = rounds(count);
     next_posture(fit, &search, Control::default()).unwrap()
 }
 

@@ -19,8 +19,7 @@ fn whole(fit: &Fit) {
     systematic_errors(fit).unwrap();
     diagnose(fit).unwrap();
     bootstrap(fit, 200, 1, 0.95).unwrap();
-    let mut search = GlobalOptions::default();
-    search.rounds = Some(1);
+    let search = rounds(1);
     next_posture(fit, &search, Control::default()).unwrap();
     let count = fit.measured().postures.len() / 3;
     cross_validate(fit, count, None).unwrap();

@@ -51,8 +51,7 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
     assert_eq!(stages, words);
 
     let result = &planned.result;
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(1);
+    let options = rounds(1);
     let alone = select(
         &planned.cell,
         request.index,

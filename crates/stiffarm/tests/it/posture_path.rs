@@ -217,9 +217,7 @@ fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
     assert!(run(&cell, &[], &options).is_err());
     // Joints that cannot get there.
     let mut held = cell.clone();
-    let mut limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
-    limits[0] = [1.2, 1.6];
-    held.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
+    limit_joint(&mut held, 0, [1.2, 1.6]);
     let error = run(&held, &poses(&circle(8)), &options).unwrap_err();
     assert_eq!(error.code(), Code::OutsideLimits);
     assert!(error.message().contains("joint 1"), "{error}");

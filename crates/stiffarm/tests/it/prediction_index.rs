@@ -2,7 +2,7 @@
 //! solves the mixed-model equations by orthogonalisation instead of kriging, and against
 //! all groups of a list.
 
-use crate::common::model::{Model, inverse_r};
+use crate::common::model::{Model, duals, inverse_r};
 use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
 use stiffarm::model::cell::Task;
@@ -104,26 +104,14 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
         let (own, source) = cell.elastic_sizes().unwrap();
         let found = evaluate(&cell, "", &postures).unwrap().indices;
         assert_eq!(found.prediction_sizes, Some(source));
+        let shown = found.prediction.unwrap();
         let sizes = [own.shift, own.turn, own.coupling];
         let flat = postures.concat();
         let mut function = IndexFunction::new(&cell, Index::Prediction, POSTURES).unwrap();
         let mut gradient = vec![0.0; flat.len()];
         let ours = function.smoothed(&flat, 1.0, &mut gradient);
-        let shown = evaluate(&cell, "", &postures)
-            .unwrap()
-            .indices
-            .prediction
-            .unwrap();
         let found: Vec<Dual64> = (0..flat.len())
-            .map(|k| {
-                let dual: Vec<Dual64> = flat
-                    .iter()
-                    .enumerate()
-                    .map(|(i, v)| Dual64::new(*v, if i == k { 1.0 } else { 0.0 }))
-                    .collect();
-                let postures: Vec<_> = dual.chunks_exact(n).map(<[_]>::to_vec).collect();
-                ln_index(&model, &postures, sizes)
-            })
+            .map(|k| ln_index(&model, &duals(&flat, n, k), sizes))
             .collect();
         for value in [
             ours.exact,

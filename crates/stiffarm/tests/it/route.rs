@@ -20,8 +20,7 @@ fn degrees(q: &[f64]) -> Vec<f64> {
 #[test]
 fn a_plan_on_its_limits_is_rounded_to_the_inside_of_them() {
     let cell = builtin::cell("comau-shapes").unwrap();
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(1);
+    let options = rounds(1);
     let found = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
     let typed = rounded(&cell, &found.group, 0.01).unwrap();
     let mut margins = cell.posture_margins().unwrap();

@@ -1,7 +1,7 @@
 //! Servo deflection against the reference that a displacement is taken against.
 
 use crate::common::prelude::*;
-use crate::common::readings::{GIVE, postures, reduced, states, take, tracker_pose};
+use crate::common::readings::{GIVE, keep, postures, reduced, states, take, tracker_pose};
 
 /// Angle by which the controller stands elsewhere in the two references \[rad\].
 const OFF: [f64; 6] = [2e-6, -3e-6, 2.5e-6, 4e-6, -3e-6, 5e-6];
@@ -94,8 +94,7 @@ fn a_point_that_one_reference_lacks_has_another_reference() {
     let mut table = table(&cell, states(&between), 0.0);
     for posture in &mut table.postures {
         let last = posture.states.last_mut().unwrap();
-        last.readings
-            .retain(|r| r.target != ReadingTarget::Point(1));
+        keep(last, |t| *t != ReadingTarget::Point(1));
     }
     let error = error(&cell, &table);
     assert!(error < 1e-6, "{error}");

@@ -79,8 +79,7 @@ fn a_goal_is_reached_ahead_or_out_of_reach() {
 #[test]
 fn a_far_better_posture_is_worth_naming_and_an_equal_one_is_not() {
     let (fit, _) = fitted(5, 2);
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(1);
+    let options = rounds(1);
     let best = next_posture(&fit, &options, Control::default()).unwrap();
     // The best itself as the planned one: no reason to leave the plan.
     let same = planned_errors(&fit, std::slice::from_ref(&best.angles)).unwrap();

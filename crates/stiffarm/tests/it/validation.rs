@@ -32,6 +32,16 @@ fn predictor(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Identifie
     IdentifiedCompliance::from_identification(cell, &fit).unwrap()
 }
 
+fn folded(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+    folds: usize,
+    tolerance: Option<f64>,
+) -> stiffarm::Result<Validation> {
+    cross_validate(&Fit::new(cell, measured, options)?, folds, tolerance)
+}
+
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
     let predictor = predictor(cell, options, 2 * stream);
     let measured = measure(cell, &held_out(group1()), 2 * stream + 1);
@@ -172,21 +182,14 @@ fn leaving_out_one_posture_is_what_the_identification_says_it_is() {
     ] {
         let options = by(estimator);
         let count = measured.len();
-        let result = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
-            .unwrap();
-        let same = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| fit.leave_one_out())
-            .unwrap();
+        let result = folded(&cell, &measured, &options, count, Some(1.0)).unwrap();
+        let fit = Fit::new(&cell, &measured, &options).unwrap();
+        let same = fit.leave_one_out().unwrap();
         assert!((result.component_rms_m / same.rms_m.unwrap() - 1.0).abs() < 1e-12);
         assert_eq!((result.folds, result.passed), (Some(count), Some(true)));
         assert!(result.unpredicted.is_empty());
-        let labels: Vec<&str> = result
-            .points
-            .iter()
-            .take(5)
-            .map(|p| p.label.as_str())
-            .collect();
+        let labels = result.points.iter().take(5).map(|p| p.label.as_str());
+        let labels: Vec<&str> = labels.collect();
         assert_eq!(labels, ["1-1", "1-2", "1-3", "1-4", "2-1"]);
     }
 }
@@ -200,7 +203,7 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
     let options = changed(by(Estimator::Ordinary), |o| {
         o.extra = vec![ExtraTerm::JointTilt(2)]
     });
-    let result = cross_validate(&Fit::new(&cell, &measured, &options).unwrap(), 3, None).unwrap();
+    let result = folded(&cell, &measured, &options, 3, None).unwrap();
     for fold in 0..3 {
         let (left, others): (Vec<_>, Vec<_>) = measured
             .iter()
@@ -247,9 +250,7 @@ fn a_posture_that_alone_sees_a_joint_is_named() {
         }
     }
     let count = measured.len();
-    let result = Fit::new(&cell, &measured, &by(Estimator::Ordinary))
-        .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
-        .unwrap();
+    let result = folded(&cell, &measured, &by(Estimator::Ordinary), count, Some(1.0)).unwrap();
     assert_eq!(result.unpredicted, ["1"]);
     assert_eq!(result.points.len(), 4 * (count - 1));
     assert_eq!(result.passed, Some(false));
@@ -309,14 +310,10 @@ fn wrong_requests_are_refused() {
     let measured = measure(&cell, &group(random_group()), 0);
     let plain = by(Estimator::Ordinary);
     for folds in [0, 1, measured.len() + 1] {
-        let error = Fit::new(&cell, &measured, &plain)
-            .and_then(|fit| cross_validate(&fit, folds, None))
-            .unwrap_err();
+        let error = folded(&cell, &measured, &plain, folds, None).unwrap_err();
         assert_eq!(error.code(), Code::InvalidValue);
     }
-    let error = Fit::new(&cell, &measured, &plain)
-        .and_then(|fit| cross_validate(&fit, 2, Some(f64::NAN)))
-        .unwrap_err();
+    let error = folded(&cell, &measured, &plain, 2, Some(f64::NAN)).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     let mut dark = measured.clone();
     for m in &mut dark {

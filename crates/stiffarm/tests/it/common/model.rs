@@ -468,3 +468,10 @@ pub fn condition_number<T: Scalar>(normalised_jacobian: &DMatrix<T>) -> T {
         .fold(T::from(0.0), |s, v| s + v);
     (square * inverse_trace).sqrt() / 6.0
 }
+
+/// Postures of `n` angles as dual numbers, with the derivative by angle `k` of them all.
+pub fn duals(flat: &[f64], n: usize, k: usize) -> Vec<Vec<Dual64>> {
+    let dual = |(i, v): (usize, &f64)| Dual64::new(*v, if i == k { 1.0 } else { 0.0 });
+    let all: Vec<Dual64> = flat.iter().enumerate().map(dual).collect();
+    all.chunks_exact(n).map(<[_]>::to_vec).collect()
+}

@@ -11,7 +11,9 @@ use stiffarm::measure::reduction::{ReduceOptions, Reduction, reduce};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::{MeasuredPosture, Reading, ReadingTable};
+use stiffarm::model::measurement::{
+    MeasuredPosture, Reading, ReadingTable, ReadingTarget, StateReadings,
+};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::NamedPoint;
@@ -81,6 +83,11 @@ pub fn take(cell: &Cell, options: &Experiment, seed: u64) -> ReadingTable {
 
 pub fn reduced(cell: &Cell, table: &ReadingTable) -> Reduction {
     reduce(cell, table, &ReduceOptions::default()).unwrap()
+}
+
+/// Reduced with the tracker where it is said to stand.
+pub fn reduced_by(cell: &Cell, table: &ReadingTable, transform: Isometry3<f64>) -> Reduction {
+    reduce(cell, table, &given(transform)).unwrap()
 }
 
 pub fn given(transform: Isometry3<f64>) -> ReduceOptions {
@@ -156,6 +163,18 @@ pub fn wrench_error(
     errors.fold(0.0, f64::max)
 }
 
+/// Asserts that the displacements are those of `factor` times the load, to rounding of coordinates.
+#[track_caller]
+pub fn assert_displaced(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    factor: impl Fn(&str) -> f64,
+    give: Option<[f64; 6]>,
+) {
+    let error = displacement_error(cell, measured, factor, give);
+    assert!(error < 1e-11, "{error:e}");
+}
+
 pub fn found<'a>(reduction: &'a Reduction, code: &str) -> Vec<&'a Finding> {
     let findings = reduction.findings.iter();
     findings.filter(|f| f.code == code).collect()
@@ -168,6 +187,16 @@ pub fn codes(reduction: &Reduction) -> Vec<&str> {
 pub fn readings(table: &mut ReadingTable) -> impl Iterator<Item = &mut Reading> {
     let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
     states.flat_map(|s| &mut s.readings)
+}
+
+/// Keeps the readings of these targets in one state.
+pub fn keep(state: &mut StateReadings, which: impl Fn(&ReadingTarget) -> bool) {
+    state.readings.retain(|r| which(&r.target));
+}
+
+/// A measuring point, no reflector of the base.
+pub fn is_point(target: &ReadingTarget) -> bool {
+    matches!(target, ReadingTarget::Point(_))
 }
 
 /// An experiment with everything in it, as a table with noise.

@@ -159,3 +159,16 @@ pub fn table<const N: usize>(text: &str) -> Vec<[&str; N]> {
     let lines = text.lines().filter(|line| !line.trim().is_empty());
     lines.map(row).collect()
 }
+
+/// A global search of so many rounds.
+pub fn rounds(rounds: u64) -> GlobalOptions {
+    with(|o: &mut GlobalOptions| o.rounds = Some(rounds))
+}
+
+/// Gives a joint of the cell's robot other limits.
+pub fn limit_joint(cell: &mut Cell, joint: usize, limits: [f64; 2]) {
+    let robot = &cell.setup.robot;
+    let mut all: Vec<[f64; 2]> = robot.joints().iter().map(|j| j.limits).collect();
+    all[joint] = limits;
+    cell.setup.robot = robot.clone().with_limits(&all).unwrap();
+}

@@ -1,6 +1,7 @@
 //! Estimators on measured displacements.
 
 use super::*;
+use stiffarm::estimate::identify::Identification;
 
 /// Exact displacements of the reference cell under fractions of its load, plus
 /// errors of size `sigma`, all against one unloaded reading.
@@ -128,14 +129,10 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let robust = with(&spoiled, Estimator::Huber);
     let plain = with(&spoiled, Estimator::Ordinary);
     for j in 0..6 {
-        let shift = |found: &stiffarm::estimate::identify::Identification| {
-            let error = reference.estimates.joints[j]
-                .compliance_standard_error
-                .unwrap();
-            (found.estimates.joints[j].compliance.unwrap()
-                - reference.estimates.joints[j].compliance.unwrap())
-            .abs()
-                / error
+        let shift = |found: &Identification| {
+            let [own, other] = [found, &reference].map(|f| &f.estimates.joints[j]);
+            let moved = own.compliance.unwrap() - other.compliance.unwrap();
+            moved.abs() / other.compliance_standard_error.unwrap()
         };
         assert!(shift(&robust) < 2.0, "joint {}: {}", j + 1, shift(&robust));
         assert!(shift(&plain) > 20.0 * shift(&robust));
@@ -233,7 +230,8 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         }
     }
     let options = by(Estimator::Ordinary);
-    let found = bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 1, 0.95).unwrap();
+    let fit = Fit::new(&cell, &many, &options).unwrap();
+    let found = bootstrap(&fit, 800, 1, 0.95).unwrap();
     let formula = identify(&cell, &many, &options).unwrap();
     assert_eq!((found.postures, found.skipped), (72, 0));
     assert_eq!(found.degrees_of_freedom, 3 * 72 - 6);
@@ -245,14 +243,9 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         assert!(low < a.stiffness.unwrap() && a.stiffness.unwrap() < high);
     }
     // The same seed, the same numbers; another, others.
-    let again = bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 1, 0.95).unwrap();
-    assert_eq!(found, again);
-    assert_ne!(
-        found.joints,
-        bootstrap(&Fit::new(&cell, &many, &options).unwrap(), 800, 2, 0.95)
-            .unwrap()
-            .joints
-    );
+    assert_eq!(found, bootstrap(&fit, 800, 1, 0.95).unwrap());
+    let other = bootstrap(&fit, 800, 2, 0.95).unwrap();
+    assert_ne!(found.joints, other.joints);
 }
 
 #[test]
@@ -265,28 +258,19 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
         o.estimator = Estimator::Ordinary;
         o.noise = NoiseSource::Known;
     });
+    let refused = |measured: &[MeasuredPosture], resamples, confidence, code| {
+        let fit = Fit::new(&cell, measured, &options).unwrap();
+        let error = bootstrap(&fit, resamples, 1, confidence).unwrap_err();
+        assert_eq!(error.code(), code);
+    };
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
-    let found = bootstrap(
-        &Fit::new(&cell, &measured[..2], &options).unwrap(),
-        600,
-        1,
-        0.95,
-    )
-    .unwrap();
+    let two = Fit::new(&cell, &measured[..2], &options).unwrap();
+    let found = bootstrap(&two, 600, 1, 0.95).unwrap();
     let share = found.skipped as f64 / 600.0;
     assert!((share - 0.5).abs() < 0.1, "{share}");
-    let one = Fit::new(&cell, &measured[..1], &options)
-        .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
-        .unwrap_err();
-    assert_eq!(one.code(), Code::TooFewData);
+    refused(&measured[..1], 600, 0.95, Code::TooFewData);
     for confidence in [0.0, 1.0, f64::NAN] {
-        let error = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| bootstrap(&fit, 600, 1, confidence))
-            .unwrap_err();
-        assert_eq!(error.code(), Code::InvalidValue);
+        refused(&measured, 600, confidence, Code::InvalidValue);
     }
-    let few = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| bootstrap(&fit, 199, 1, 0.95))
-        .unwrap_err();
-    assert_eq!(few.code(), Code::InvalidValue);
+    refused(&measured, 199, 0.95, Code::InvalidValue);
 }

@@ -111,9 +111,7 @@ fn allowed(cell: &Cell, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, Status> 
 fn each_node_has_the_allowed_posture_that_bends_least() {
     let mut cell = default_cell();
     // The whole turns of the wrist leave no pose to the joint limits alone.
-    let mut limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
-    limits[1] = [-0.4, 0.6];
-    cell.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
+    limit_joint(&mut cell, 1, [-0.4, 0.6]);
     let predictor = prior(&cell);
     let arm = LoadedArm::new(&cell, &predictor).unwrap();
     let options = changed(options(), |o| {

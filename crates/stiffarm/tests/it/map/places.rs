@@ -184,10 +184,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
     assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
     assert!((found.gain.unwrap() - 1.0).abs() < 1e-12);
     // Within ±200° there is no way.
-    let limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
-    let mut narrow = limits.clone();
-    narrow[5] = [-190_f64.to_radians(), 190_f64.to_radians()];
-    cell.setup.robot = cell.setup.robot.clone().with_limits(&narrow).unwrap();
+    limit_joint(&mut cell, 5, [-190_f64.to_radians(), 190_f64.to_radians()]);
     let found = search(&cell, &points, &options);
     assert_eq!(
         found.given.status,

@@ -105,9 +105,9 @@ fn postures_and_points_without_reference_are_named() {
     let mut table = take(&cell, &Experiment::default(), 1);
     table.postures[0].states.remove(0);
     table.postures[1].states.remove(1);
-    table.postures[2].states[0]
-        .readings
-        .retain(|r| r.target != ReadingTarget::Point(3));
+    keep(&mut table.postures[2].states[0], |t| {
+        *t != ReadingTarget::Point(3)
+    });
     let result = reduced(&cell, &table);
     assert_eq!(result.measured.len(), 4);
     let points: Vec<usize> = result.measured[0]
@@ -207,27 +207,23 @@ fn findings_in_words() {
     show("one base reflector", &cell, &few, &none);
 
     let mut gap = table.clone();
-    gap.postures[0].states[3]
-        .readings
-        .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
+    keep(&mut gap.postures[0].states[3], is_point);
     gap.postures[1].states.pop();
     gap.postures[2].states.remove(0);
     gap.postures[2].states.pop();
-    gap.postures[4].states[0]
-        .readings
-        .retain(|r| r.target != ReadingTarget::Point(1));
-    gap.postures[4].states[3]
-        .readings
-        .retain(|r| r.target != ReadingTarget::Point(1));
+    keep(&mut gap.postures[4].states[0], |t| {
+        *t != ReadingTarget::Point(1)
+    });
+    keep(&mut gap.postures[4].states[3], |t| {
+        *t != ReadingTarget::Point(1)
+    });
     gap.postures[5].states.truncate(1);
     show("gaps", &cell, &gap, &none);
 
     let mut line = table.clone();
     line.postures.truncate(1);
     for state in &mut line.postures[0].states {
-        state
-            .readings
-            .retain(|r| r.target == ReadingTarget::Point(0));
+        keep(state, |t| *t == ReadingTarget::Point(0));
     }
     show("one point of one posture", &cell, &line, &none);
 
