@@ -4,6 +4,7 @@
 //!
 //! `cargo run --release -p stiffarm --example race -- --seconds 10 --seed 1 --threads 2 [--no-costs]`
 
+use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use stiffarm::Control;
 use stiffarm::files::builtin;
@@ -104,14 +105,14 @@ fn rate(function: &IndexFunction, bounds: &[[f64; 2]], gradient: bool, threads: 
     done as f64 / begin.elapsed().as_secs_f64()
 }
 
-fn run() -> Result<String, String> {
+fn run() -> Result<Value, String> {
     let asked = arguments()?;
     let text = |error: stiffarm::Error| error.to_string();
     let cell = builtin::cell("comau-reference")
         .and_then(with_characteristic_length)
         .map_err(text)?;
     let function = IndexFunction::new(&cell, Index::Novel, 6).map_err(text)?;
-    let rates: Vec<String> = [
+    let rates: Vec<Value> = [
         ("value", false, 1),
         ("value+gradient", true, 1),
         ("value", false, asked.threads),
@@ -120,7 +121,7 @@ fn run() -> Result<String, String> {
     .into_iter()
     .map(|(what, gradient, threads)| {
         let rate = rate(&function, &cell.bounds, gradient, threads);
-        format!("{{\"what\": \"{what}\", \"threads\": {threads}, \"per_second\": {rate:.1}}}")
+        json!({"what": what, "threads": threads, "per_second": rate})
     })
     .collect();
 
@@ -140,21 +141,19 @@ fn run() -> Result<String, String> {
         &options,
         Control::default(),
         &mut |round| {
-            trace.push(format!(
-                "{{\"seconds\": {:.4}, \"evaluations\": {}, \"value\": {}}}",
-                begin.elapsed().as_secs_f64(),
-                round.evaluations,
-                round.value.unwrap_or(f64::MAX)
-            ));
+            trace.push(json!({
+                "seconds": begin.elapsed().as_secs_f64(),
+                "evaluations": round.evaluations,
+                "value": round.value.unwrap_or(f64::MAX),
+            }));
         },
     )
     .map_err(text)?;
-    trace.push(format!(
-        "{{\"seconds\": {:.4}, \"evaluations\": {}, \"value\": {}}}",
-        begin.elapsed().as_secs_f64(),
-        selection.evaluations,
-        selection.value
-    ));
+    trace.push(json!({
+        "seconds": begin.elapsed().as_secs_f64(),
+        "evaluations": selection.evaluations,
+        "value": selection.value,
+    }));
     let mut costs = Vec::new();
     for index in [Index::Novel, Index::ExpectedError] {
         for count in [6, 10, 20, 50] {
@@ -176,36 +175,27 @@ fn run() -> Result<String, String> {
                 &mut |_| {},
             )
             .map_err(text)?;
-            costs.push(format!(
-                "{{\"index\": \"{}\", \"postures\": {count}, \"value_us\": {value:.3}, \"gradient_us\": {gradient:.3}, \
-                 \"selection_seconds\": {:.3}, \"evaluations\": {}, \"value\": {}}}",
-                index.as_str(),
-                begin.elapsed().as_secs_f64(),
-                selection.evaluations,
-                selection.value
-            ));
+            costs.push(json!({
+                "index": index.as_str(),
+                "postures": count,
+                "value_us": value,
+                "gradient_us": gradient,
+                "selection_seconds": begin.elapsed().as_secs_f64(),
+                "evaluations": selection.evaluations,
+                "value": selection.value,
+            }));
         }
     }
-    let best: Vec<String> = selection
-        .group
-        .iter()
-        .map(|q| {
-            q.iter()
-                .map(|a| rad_to_shortest_deg(*a))
-                .collect::<Vec<f64>>()
-        })
-        .map(|q| format!("{q:?}"))
-        .collect();
-    Ok(format!(
-        "{{\"version\": \"{}\", \"threads\": {}, \"rates\": [{}], \"trace\": [{}], \"best_group_deg\": [{}], \
-         \"cost_against_n\": [{}]}}",
-        env!("CARGO_PKG_VERSION"),
-        asked.threads,
-        rates.join(", "),
-        trace.join(", "),
-        best.join(", "),
-        costs.join(", ")
-    ))
+    let degrees = |q: &Vec<f64>| q.iter().map(|a| rad_to_shortest_deg(*a)).collect();
+    let best: Vec<Vec<f64>> = selection.group.iter().map(degrees).collect();
+    Ok(json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "threads": asked.threads,
+        "rates": rates,
+        "trace": trace,
+        "best_group_deg": best,
+        "cost_against_n": costs,
+    }))
 }
 
 fn main() -> std::process::ExitCode {

@@ -1,9 +1,15 @@
 //! Faults of scale, planted one at a time, and whether they are named.
 
-use super::experiments::{Dice, Kind, Sound, scale_loads};
+use super::experiments::Kind::{self, RopeAlone, RopeLoads, Sensor, WeightLoads};
+use super::experiments::{Dice, Sound, scale_loads};
 use stiffarm::findings::Severity;
 use stiffarm::measure::screening::{Cause, Evidence, Suspicion, screen, screen_displacements};
 use stiffarm::model::load::Load;
+
+use Plant::{
+    Anchor, Angles, Coordinates, Entry, Forces, LoadingPoint, Moments, Posture, Prior, Table,
+    TableAndCell, Tool,
+};
 
 /// N in a kilogram-force and in a pound-force.
 const KG: f64 = 9.806_65;
@@ -61,79 +67,51 @@ const fn fault(name: &'static str, kind: Kind, plant: Plant) -> Fault {
 pub const FAULTS: [Fault; 33] = [
     fault(
         "kg for N, table and cell alike",
-        Kind::RopeLoads,
-        Plant::TableAndCell(KG),
+        RopeLoads,
+        TableAndCell(KG),
     ),
     fault(
         "kg for N, the cell's load alone",
-        Kind::RopeAlone,
-        Plant::TableAndCell(KG),
+        RopeAlone,
+        TableAndCell(KG),
     ),
     fault(
         "kg for N, displacements",
         Kind::Displacements,
-        Plant::TableAndCell(KG),
+        TableAndCell(KG),
     ),
-    fault("kg for N, load_n", Kind::RopeLoads, Plant::Table(KG)),
-    fault(
-        "kg for N, load_n of weights",
-        Kind::WeightLoads,
-        Plant::Table(KG),
-    ),
-    fault("kg for N, sensor", Kind::Sensor, Plant::Table(KG)),
-    fault(
-        "kg for N, sensor's forces alone",
-        Kind::Sensor,
-        Plant::Forces(KG),
-    ),
-    fault("kg for N, load cases", Kind::Cases, Plant::TableAndCell(KG)),
+    fault("kg for N, load_n", RopeLoads, Table(KG)),
+    fault("kg for N, load_n of weights", WeightLoads, Table(KG)),
+    fault("kg for N, sensor", Sensor, Table(KG)),
+    fault("kg for N, sensor's forces alone", Sensor, Forces(KG)),
+    fault("kg for N, load cases", Kind::Cases, TableAndCell(KG)),
     fault(
         "lbf for N, table and cell alike",
-        Kind::RopeLoads,
-        Plant::TableAndCell(LBF),
+        RopeLoads,
+        TableAndCell(LBF),
     ),
-    fault("lbf for N, load_n", Kind::RopeLoads, Plant::Table(LBF)),
-    fault("lbf for N, sensor", Kind::Sensor, Plant::Table(LBF)),
+    fault("lbf for N, load_n", RopeLoads, Table(LBF)),
+    fault("lbf for N, sensor", Sensor, Table(LBF)),
     fault(
         "kN for N, table and cell alike",
-        Kind::WeightLoads,
-        Plant::TableAndCell(1e3),
+        WeightLoads,
+        TableAndCell(1e3),
     ),
-    fault("kN for N, load_n", Kind::RopeLoads, Plant::Table(1e3)),
-    fault("kN for N, sensor", Kind::Sensor, Plant::Table(1e3)),
-    fault("one load, 50 for 500", Kind::RopeLoads, Plant::Entry(10.0)),
-    fault("one load, 5000 for 500", Kind::RopeLoads, Plant::Entry(0.1)),
-    fault(
-        "one weight, 50 for 500",
-        Kind::WeightLoads,
-        Plant::Entry(10.0),
-    ),
-    fault("one load in kg", Kind::RopeLoads, Plant::Entry(KG)),
-    fault(
-        "one posture's loads in lbf",
-        Kind::RopeLoads,
-        Plant::Posture(LBF),
-    ),
-    fault(
-        "one posture's sensor in kg",
-        Kind::Sensor,
-        Plant::Posture(KG),
-    ),
-    fault("moments in N·mm", Kind::Sensor, Plant::Moments(1e3)),
-    fault(
-        "coordinates in m",
-        Kind::RopeLoads,
-        Plant::Coordinates(1e3, true),
-    ),
-    fault(
-        "coordinates in inches",
-        Kind::Sensor,
-        Plant::Coordinates(INCH, true),
-    ),
+    fault("kN for N, load_n", RopeLoads, Table(1e3)),
+    fault("kN for N, sensor", Sensor, Table(1e3)),
+    fault("one load, 50 for 500", RopeLoads, Entry(10.0)),
+    fault("one load, 5000 for 500", RopeLoads, Entry(0.1)),
+    fault("one weight, 50 for 500", WeightLoads, Entry(10.0)),
+    fault("one load in kg", RopeLoads, Entry(KG)),
+    fault("one posture's loads in lbf", RopeLoads, Posture(LBF)),
+    fault("one posture's sensor in kg", Sensor, Posture(KG)),
+    fault("moments in N·mm", Sensor, Moments(1e3)),
+    fault("coordinates in m", RopeLoads, Coordinates(1e3, true)),
+    fault("coordinates in inches", Sensor, Coordinates(INCH, true)),
     fault(
         "coordinates of one state in inches",
-        Kind::RopeLoads,
-        Plant::Coordinates(INCH, false),
+        RopeLoads,
+        Coordinates(INCH, false),
     ),
     fault(
         "displacements in m",
@@ -155,20 +133,16 @@ pub const FAULTS: [Fault; 33] = [
         Kind::Displacements,
         Plant::Displacements(INCH, false),
     ),
-    fault("tool points in inches", Kind::RopeLoads, Plant::Tool(INCH)),
-    fault("anchor in m", Kind::RopeLoads, Plant::Anchor(1e3)),
-    fault("angles in radians", Kind::RopeLoads, Plant::Angles(RADIAN)),
-    fault("prior in N·m/deg", Kind::RopeLoads, Plant::Prior(RADIAN)),
+    fault("tool points in inches", RopeLoads, Tool(INCH)),
+    fault("anchor in m", RopeLoads, Anchor(1e3)),
+    fault("angles in radians", RopeLoads, Angles(RADIAN)),
+    fault("prior in N·m/deg", RopeLoads, Prior(RADIAN)),
     fault("load cases exchanged", Kind::Cases, Plant::Cases(true)),
 ];
 
 /// Faults beside the list.
 pub const OTHERS: [Fault; 5] = [
-    fault(
-        "loading point in m",
-        Kind::RopeLoads,
-        Plant::LoadingPoint(1e3),
-    ),
+    fault("loading point in m", RopeLoads, LoadingPoint(1e3)),
     fault(
         "load cases of one posture exchanged",
         Kind::Cases,
@@ -177,14 +151,14 @@ pub const OTHERS: [Fault; 5] = [
     fault(
         "angles of displacements in radians",
         Kind::Displacements,
-        Plant::Angles(RADIAN),
+        Angles(RADIAN),
     ),
     fault(
         "prior in N·m per minute of arc",
-        Kind::Sensor,
-        Plant::Prior(60.0 * RADIAN),
+        Sensor,
+        Prior(60.0 * RADIAN),
     ),
-    fault("prior in N·mm/rad", Kind::RopeLoads, Plant::Prior(1e-3)),
+    fault("prior in N·mm/rad", RopeLoads, Prior(1e-3)),
 ];
 
 /// What must be found.

@@ -1,17 +1,16 @@
 //! A constraint of the caller's own on the postures of a plan.
 
-use stiffarm::plan::index::Index;
+use crate::common::prelude::*;
 use stiffarm::plan::planned::{PlanRequest, plan};
 use stiffarm::plan::select::Accept;
-use stiffarm::{Cell, Code, Control};
 
 fn request(accept: Accept) -> PlanRequest {
-    let mut request = PlanRequest::default();
-    request.index = Index::ExpectedError;
-    request.rounds = Some(2);
-    request.certificate = false;
-    request.accept = Some(accept);
-    request
+    with(|o: &mut PlanRequest| {
+        o.index = Index::ExpectedError;
+        o.rounds = Some(2);
+        o.certificate = false;
+        o.accept = Some(accept);
+    })
 }
 
 /// The wrist turned away from the cabinet: what limits of a cell cannot say.

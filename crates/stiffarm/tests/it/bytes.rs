@@ -1,16 +1,11 @@
 //! Whatever bytes come in: no panic, no endless loop, and what is accepted
 //! holds finite numbers only.
 
-use crate::common::cases;
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::{parse_cell, parse_cell_bytes, template};
+use stiffarm::files::cell::{parse_cell_bytes, template};
 use stiffarm::files::table::{read_displacements, read_measurements, read_postures};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::measurement::Measurements;
-use stiffarm::model::measurement::{MeasuredPosture, ReadingTable};
-use stiffarm::model::posture::Posture;
 
 fn finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> bool {
     values.into_iter().all(|value| value.is_finite())

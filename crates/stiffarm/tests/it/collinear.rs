@@ -1,50 +1,23 @@
 //! Joints that carry no load, and joints that the data tell apart only together,
 //! on a light arm of seven joints.
 
-use crate::common;
-
-use common::random::Dice;
-use common::reference_cell;
-use nalgebra::{DVector, Isometry3, Vector3};
-use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{
-    CollinearSet, Fit, Identification, IdentifyOptions, Verdict, identify, implausible_scale,
-};
-use stiffarm::model::cell::{Cell, Limits};
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use crate::common::prelude::*;
+use stiffarm::estimate::identify::{CollinearSet, Identification, implausible_scale};
 
 /// Alternating axes as a KUKA LBR iiwa 14 has them, one reflector, a weight that
 /// hangs beside axis 7 by `beside` \[m\].
 fn cell(beside: f64) -> Cell {
-    let quarter = std::f64::consts::FRAC_PI_2;
+    let quarter = FRAC_PI_2;
     let turns = [-quarter, quarter, quarter, -quarter, -quarter, quarter, 0.0];
     let lengths = [0.36, 0.0, 0.42, 0.0, 0.4, 0.0, 0.126];
-    let rows: Vec<DhRow> = turns
+    let rows: Vec<[f64; 4]> = turns
         .iter()
         .zip(lengths)
-        .map(|(alpha, d)| DhRow {
-            alpha: *alpha,
-            a: 0.0,
-            d,
-            offset: 0.0,
-        })
+        .map(|(alpha, d)| [*alpha, 0.0, d, 0.0])
         .collect();
     let mut cell = reference_cell();
-    cell.setup.robot = Robot::from_dh(
-        "seven joints",
-        DhConvention::Standard,
-        &rows,
-        Isometry3::identity(),
-    )
-    .unwrap();
-    cell.setup.load = Load::Weight {
-        magnitude: 120.0,
-        direction: -Vector3::z(),
-    };
+    cell.setup.robot = chain("seven joints", DhConvention::Standard, &rows);
+    cell.setup.load = hanging(120.0);
     cell.setup.tool.loading_point = Vector3::new(0.0, beside, 0.06);
     cell.setup.tool.measuring_points.truncate(1);
     cell.setup.tool.measuring_points[0].position = Vector3::new(0.03, 0.02, 0.08);
@@ -63,7 +36,7 @@ fn cell(beside: f64) -> Cell {
 fn measured(cell: &Cell, spread: f64) -> Vec<MeasuredPosture> {
     let mut dice = Dice::new(3);
     let prior = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(7, prior.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(prior);
     let sigma = cell.noise.displacement_std();
     let mut out = Vec::new();
     for p in 0..8 {
@@ -78,16 +51,14 @@ fn measured(cell: &Cell, spread: f64) -> Vec<MeasuredPosture> {
             // Out of the plane: along y of joint 2's axis.
             let across = terms.frames().axes()[1] * (3e-7 * force);
             let shift = moved.fixed_rows::<3>(0) + across + dice.noise(sigma);
+            let posture = Posture {
+                name: (p + 1).to_string(),
+                q: q.clone(),
+            };
             out.push(MeasuredPosture {
-                posture: Posture {
-                    name: (p + 1).to_string(),
-                    q: q.clone(),
-                },
                 state: format!("{force} N"),
                 wrench: Some(wrench),
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: vec![Displacement::new(0, shift)],
+                ..MeasuredPosture::new(posture, vec![Displacement::new(0, shift)])
             });
         }
     }
@@ -134,27 +105,18 @@ fn a_joint_without_load_has_no_interval_and_collinear_joints_are_named() {
     let unloaded: Vec<_> = unloaded.collect();
     let names: Vec<&str> = unloaded.iter().map(|f| f.subject.as_str()).collect();
     assert_eq!(names, ["joint 1", "joint 3", "joint 5", "joint 7"]);
-    assert!(
-        unloaded[0].sentence.contains("no torque on joint 1"),
-        "{}",
-        unloaded[0].sentence
-    );
-    assert!(
-        unloaded[2].sentence.contains("e-3 N·m RMS on joint 5"),
-        "{}",
-        unloaded[2].sentence
-    );
+    let said = &unloaded[0].sentence;
+    assert!(said.contains("no torque on joint 1"), "{said}");
+    let said = &unloaded[2].sentence;
+    assert!(said.contains("e-3 N·m RMS on joint 5"), "{said}");
 }
 
 #[test]
 fn postures_that_differ_separate_the_same_joints() {
     let cell = cell(5e-5);
     let result = found(&cell, 0.9);
-    assert!(
-        result.estimates.collinear.is_empty(),
-        "{:?}",
-        result.estimates.collinear
-    );
+    let collinear = &result.estimates.collinear;
+    assert!(collinear.is_empty(), "{collinear:?}");
     let prior = cell.require_prior().unwrap();
     for j in [1, 3, 5] {
         let joint = &result.estimates.joints[j];
@@ -169,17 +131,10 @@ fn units_are_suspected_where_the_joints_are_known() {
     // The six-axis cell with displacements in micrometres taken for millimetres.
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap();
-    let postures = stiffarm::model::posture::PostureGroup::from_angles("", common::group1());
-    let model = stiffarm::estimate::validate::Model::Linear;
-    let mut measured = stiffarm::estimate::validate::simulate_measurements(
-        &cell,
-        &postures.postures,
-        truth,
-        model,
-        1,
-        0,
-    )
-    .unwrap();
+    let postures = PostureGroup::from_angles("", group1());
+    let model = Model::Linear;
+    let mut measured =
+        simulate_measurements(&cell, &postures.postures, truth, model, 1, 0).unwrap();
     for displacement in measured.iter_mut().flat_map(|m| &mut m.displacements) {
         displacement.value *= 1e3;
     }

@@ -1,24 +1,9 @@
 //! Commands that make up for the deflection: that the loaded tip arrives, and
 //! what is left when the truth differs from the model.
 
-use crate::common;
-
-use common::random::Dice;
-use common::{default_cell, random_group};
-use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use stiffarm::Control;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions, identify};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::ExtraTerm;
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::Posture;
-use stiffarm::model::tool::SeriesCompliance;
+use crate::common::prelude::*;
+use crate::common::random_group;
 use stiffarm::work::compensate::{CompensateOptions, command, compensate};
-use stiffarm::work::predict::LoadedArm;
 
 fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     Wrench {
@@ -27,22 +12,17 @@ fn load(dice: &mut Dice, force: f64, moment: f64) -> Wrench {
     }
 }
 
-fn prior(cell: &Cell) -> IdentifiedCompliance {
-    IdentifiedCompliance::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
-}
-
 fn with_terms(
     predictor: &IdentifiedCompliance,
     terms: &[(ExtraTerm, f64)],
 ) -> IdentifiedCompliance {
-    let mut out = predictor.clone();
     let values = predictor.values.iter().copied();
-    let all: Vec<f64> = values
-        .chain(terms.iter().map(|(_, value)| *value))
-        .collect();
-    out.values = DVector::from_vec(all);
-    out.extra = terms.iter().map(|(term, _)| *term).collect();
-    out
+    let all = values.chain(terms.iter().map(|(_, value)| *value));
+    IdentifiedCompliance {
+        values: DVector::from_vec(all.collect()),
+        extra: terms.iter().map(|(term, _)| *term).collect(),
+        ..predictor.clone()
+    }
 }
 
 /// Shift and turn from one pose to another.
@@ -161,34 +141,26 @@ fn measured(
     let postures = group.iter().enumerate();
     postures
         .map(|(i, q)| {
-            let at_loading =
-                stiffarm::model::observation::PostureTerms::new(&cell.setup, q, None).unwrap();
+            let at_loading = PostureTerms::new(&cell.setup, q, None).unwrap();
             let points = cell.setup.tool.measuring_points.iter().enumerate();
-            MeasuredPosture {
-                posture: Posture {
-                    name: format!("P{}", i + 1),
-                    q: q.clone(),
-                },
-                state: "loaded".to_string(),
-                wrench: None,
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: points
-                    .map(|(point, measuring)| {
-                        let mut view = cell.clone();
-                        view.work.tip = Some(Isometry3::from_parts(
-                            measuring.position.into(),
-                            UnitQuaternion::identity(),
-                        ));
-                        let arm = LoadedArm::new(&view, truth)
-                            .unwrap()
-                            .loaded_at(cell.setup.tool.loading_point);
-                        let bent = arm.deflect(q, at_loading.wrench()).unwrap();
-                        let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
-                        Displacement::new(point, shift + dice.noise(sigma))
-                    })
-                    .collect(),
-            }
+            let displacements = points.map(|(point, measuring)| {
+                let mut view = cell.clone();
+                view.work.tip = Some(Isometry3::from_parts(
+                    measuring.position.into(),
+                    UnitQuaternion::identity(),
+                ));
+                let arm = LoadedArm::new(&view, truth)
+                    .unwrap()
+                    .loaded_at(cell.setup.tool.loading_point);
+                let bent = arm.deflect(q, at_loading.wrench()).unwrap();
+                let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
+                Displacement::new(point, shift + dice.noise(sigma))
+            });
+            let posture = Posture {
+                name: format!("P{}", i + 1),
+                q: q.clone(),
+            };
+            MeasuredPosture::new(posture, displacements.collect())
         })
         .collect()
 }
@@ -236,7 +208,7 @@ fn with_noise_only_the_path_error_falls_fiftyfold() {
     let truth = prior(&cell);
     let mut dice = Dice::new(17);
     // Twelve postures within the cell, measured once.
-    let group: Vec<Vec<f64>> = random_group().into_iter().chain(common::group1()).collect();
+    let group: Vec<Vec<f64>> = random_group().into_iter().chain(group1()).collect();
     let mut factors = Vec::new();
     for _ in 0..50 {
         let measured = measured(&cell, &truth, &group, &mut dice);
@@ -273,15 +245,12 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
         &prior(&cell),
         &[
             (ExtraTerm::BaseTilt, 2e-8),
-            (
-                ExtraTerm::LostMotion(1),
-                0.2 / 60.0_f64 * std::f64::consts::PI / 180.0,
-            ),
+            (ExtraTerm::LostMotion(1), 0.2 / 60.0_f64 * PI / 180.0),
             (ExtraTerm::JointTilt(2), 4e-7),
         ],
     );
     let mut dice = Dice::new(18);
-    let group: Vec<Vec<f64>> = random_group().into_iter().chain(common::group1()).collect();
+    let group: Vec<Vec<f64>> = random_group().into_iter().chain(group1()).collect();
     let measured = measured(&cell, &truth, &group, &mut dice);
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();
@@ -289,9 +258,7 @@ fn with_other_elements_in_the_truth_the_factor_falls_and_the_diagnosis_says_so()
     let (before, after) = errors(&cell, &truth, &model, &work(&cell, &mut dice, 60));
     println!("factor {:.1}", before / after);
     assert!(before / after < 30.0 && before / after > 1.0);
-    let diagnosis = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let diagnosis = diagnose(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     for finding in &diagnosis.findings {
         println!(
             "{:?} {}: {}",
@@ -310,39 +277,20 @@ fn limits_are_respected_and_named() {
     let cell = default_cell();
     let predictor = prior(&cell);
     let mut q = cell.tasks[1].q.clone();
-    let joints = cell.setup.robot.joints();
     let wrench = Wrench::force(Vector3::new(0.0, 0.0, -800.0));
     let arm = LoadedArm::new(&cell, &predictor).unwrap();
     // Which way the command goes, found first without the limit.
     let free = command(&arm, &q, &wrench).unwrap().q;
     let high = free[1] > q[1];
-    let limits: Vec<[f64; 2]> = joints
-        .iter()
-        .enumerate()
-        .map(|(j, joint)| match (j, high) {
-            (1, true) => [joint.limits[0], q[1]],
-            (1, false) => [q[1], joint.limits[1]],
-            _ => joint.limits,
-        })
-        .collect();
+    let [least, most] = cell.setup.robot.joints()[1].limits;
+    let limits = if high { [least, q[1]] } else { [q[1], most] };
     let mut narrow = cell.clone();
-    narrow.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
-    let at = |q: &[f64]| {
-        [LoadedPosture {
-            name: "7".into(),
-            line: Some(8),
-            q: q.to_vec(),
-            wrench,
-        }]
-    };
+    limit_joint(&mut narrow, 1, limits);
+    let options = CompensateOptions::default();
     let run = |q: &[f64]| {
-        compensate(
-            &narrow,
-            &predictor,
-            &at(q),
-            &CompensateOptions::default(),
-            Control::default(),
-        )
+        let mut work = LoadedPosture::new("7", q.to_vec(), wrench);
+        work.line = Some(8);
+        compensate(&narrow, &predictor, &[work], &options, Control::default())
     };
     let error = run(&q).unwrap_err();
     assert_eq!(error.place().line, Some(8));
@@ -371,18 +319,18 @@ fn warns_where_a_correction_is_less_than_its_uncertainty_or_beyond_the_data() {
     let (sure, codes) = run(&model, CompensateOptions::default());
     assert_eq!(codes, ["correction-beyond-uncertainty"]);
     assert_eq!(sure.beyond_uncertainty, Some(10));
-    let (_, codes) = run(&model, {
-        let mut options = CompensateOptions::default();
-        options.load_uncertainty = 0.6;
-        options.measured_up_to = Some(1e-5);
-        options
-    });
+    let (_, codes) = run(
+        &model,
+        with(|o: &mut CompensateOptions| {
+            o.load_uncertainty = 0.6;
+            o.measured_up_to = Some(1e-5);
+        }),
+    );
     assert_eq!(codes, ["correction-within-uncertainty", "beyond-measured"]);
-    let (forced, codes) = run(&model, {
-        let mut options = CompensateOptions::default();
-        options.loaded_up_to = Some(1.0);
-        options
-    });
+    let (forced, codes) = run(
+        &model,
+        with(|o: &mut CompensateOptions| o.loaded_up_to = Some(1.0)),
+    );
     assert_eq!(codes[1], "beyond-load");
     assert!(forced.objections().any(|f| f.code == "beyond-load"));
     model.spread = None;

@@ -3,47 +3,36 @@
 //!
 //! Seeds are fixed, so a failure is a change in behaviour and not bad luck.
 
-use crate::common;
 #[path = "../../examples/coverage/page.rs"]
 mod page;
 
-use common::runs::{runs, slack};
-use common::{random_group, reference_cell};
-use stiffarm::Code;
-use stiffarm::Control;
+use crate::common::prelude::*;
+use crate::common::random_group;
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
     records,
 };
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use stiffarm::estimate::simulate::ModelErrors;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::TrackerAccuracy;
 use stiffarm::model::measurement::ReadingScatter;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::plan::select::{StartKind, random_group as draw_group};
+use stiffarm::plan::select::random_group as draw_group;
 
 /// The reference cell with `points` measuring points and two readings for a displacement.
 fn cell(points: usize) -> Cell {
-    let mut cell = reference_cell();
-    cell.setup.tool.measuring_points.truncate(points);
-    cell.noise.readings_per_displacement = 2;
-    cell
+    changed(reference_cell(), |o| {
+        o.setup.tool.measuring_points.truncate(points);
+        o.noise.readings_per_displacement = 2;
+    })
 }
 
 fn postures(count: usize) -> Vec<Posture> {
     let angles = draw_group(&reference_cell(), StartKind::Uniform, count, 5, 0).unwrap();
-    PostureGroup::from_angles("random", angles).postures
+    numbered(angles)
 }
 
 fn case(estimator: Estimator, experiments: usize) -> CoverageCase {
     CoverageCase {
-        options: {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        },
+        options: by(estimator),
         world: ErrorModel::default(),
         resamples: None,
         experiments,
@@ -206,17 +195,17 @@ fn the_prior_helps_where_it_is_true_and_harms_where_not() {
 fn tracker_weights_cover_under_the_trackers_noise() {
     let mut cell = cell(4);
     cell.tracker.accuracy = Some(TrackerAccuracy {
-        station: nalgebra::Vector3::new(2.0, -4.0, 1.5),
+        station: Vector3::new(2.0, -4.0, 1.5),
         range: 2e-6,
         range_per_metre: 0.5e-6,
         angle: 1e-5,
     });
     let mut case = case(Estimator::Weighted, runs(2_000) as usize);
     case.world.tracker_errors = true;
-    case.options.weights = stiffarm::estimate::identify::Weights::Tracker;
+    case.options.weights = Weights::Tracker;
     let weighted = count(&cell, &postures(6), &case);
     assert_exact(&weighted, "tracker");
-    case.options.weights = stiffarm::estimate::identify::Weights::Readings;
+    case.options.weights = Weights::Readings;
     let plain = count(&cell, &postures(6), &case);
     assert!(weighted.relative_half_width < plain.relative_half_width);
 }
@@ -248,11 +237,7 @@ fn counts_do_not_depend_on_threads_or_on_later_experiments() {
     let mut bootstrap = case(Estimator::Ordinary, 12);
     bootstrap.resamples = Some(200);
     let with = |threads: usize, case: &CoverageCase| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        let found = pool.install(|| count(&cell(4), &postures, case));
+        let found = on_threads(threads, || count(&cell(4), &postures, case));
         serde_json::to_string(&found).unwrap()
     };
     for case in [&plain, &bootstrap] {
@@ -285,47 +270,29 @@ fn cases_that_make_no_sense_are_refused() {
         found.unwrap_err().code()
     };
     let good = case(Estimator::Ordinary, 10);
-    let six = PostureGroup::from_angles("", random_group()).postures;
-    let edit = |change: &dyn Fn(&mut CoverageCase)| {
-        let mut case = good.clone();
-        change(&mut case);
-        fails(&cell, &six, &case)
+    let six = numbered(random_group());
+    let refused = |code: Code, change: &dyn Fn(&mut CoverageCase)| {
+        assert_eq!(fails(&cell, &six, &changed(good.clone(), change)), code);
     };
-    assert_eq!(edit(&|c| c.experiments = 0), Code::InvalidValue);
-    assert_eq!(edit(&|c| c.world.load_states.clear()), Code::InvalidValue);
-    assert_eq!(
-        edit(&|c| c.world.load_states = vec![1.0, 0.0]),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        edit(&|c| c.world.common_ratio = f64::NAN),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        edit(&|c| c.world.lost_motion_rad = -1.0),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        edit(&|c| c.world.stiffness_factors = vec![1.0]),
-        Code::Dimension
-    );
-    assert_eq!(
-        edit(&|c| c.world.stiffness_factors = vec![0.0; 6]),
-        Code::InvalidValue
-    );
-    assert_eq!(edit(&|c| c.world.truth = Truth::Drawn), Code::Conflict);
-    assert_eq!(edit(&|c| c.world.tracker_errors = true), Code::MissingKey);
-    assert_eq!(
-        edit(&|c| c.options.noise = NoiseSource::Repeats),
-        Code::TooFewData
-    );
-    assert_eq!(
-        edit(&|c| {
-            c.world.load_states = vec![0.5, 1.0];
-            c.world.model_errors.force_scale = 0.01;
-        }),
-        Code::Conflict
-    );
+    let invalid = |change: &dyn Fn(&mut CoverageCase)| refused(Code::InvalidValue, change);
+    invalid(&|c| c.experiments = 0);
+    invalid(&|c| c.world.load_states.clear());
+    invalid(&|c| c.world.load_states = vec![1.0, 0.0]);
+    invalid(&|c| c.world.common_ratio = f64::NAN);
+    invalid(&|c| c.world.lost_motion_rad = -1.0);
+    invalid(&|c| c.world.stiffness_factors = vec![0.0; 6]);
+    refused(Code::Dimension, &|c| {
+        c.world.stiffness_factors = vec![1.0];
+    });
+    refused(Code::Conflict, &|c| c.world.truth = Truth::Drawn);
+    refused(Code::MissingKey, &|c| c.world.tracker_errors = true);
+    refused(Code::TooFewData, &|c| {
+        c.options.noise = NoiseSource::Repeats;
+    });
+    refused(Code::Conflict, &|c| {
+        c.world.load_states = vec![0.5, 1.0];
+        c.world.model_errors.force_scale = 0.01;
+    });
     // One posture with one point has three rows: the joints are named.
     let mut single = cell.clone();
     single.setup.tool.measuring_points.truncate(1);
@@ -336,10 +303,7 @@ fn cases_that_make_no_sense_are_refused() {
     blank.prior = None;
     assert_eq!(fails(&blank, &six, &good), Code::MissingKey);
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let stopped = coverage(&cell, &six, &good, control).unwrap_err();
     assert_eq!(stopped.code(), Code::Interrupted);
 }

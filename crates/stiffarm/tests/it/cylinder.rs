@@ -1,47 +1,23 @@
 //! A cylinder or screw that loads the robot: what pushes is a rope with its force turned round, in
 //! statics, readings and identification.
 
-use crate::common;
-
-use common::readings::{named, states};
-use common::{default_cell, group1, reference_cell, relative_error};
-use nalgebra::{DVector, Vector3};
-use stiffarm::estimate::identify::{IdentifyOptions, identify};
-use stiffarm::findings::{Finding, Severity};
-use stiffarm::measure::experiment::{DisplacementModel, Experiment, ForceRecord, experiment};
-use stiffarm::measure::reduction::{ReduceOptions, reduce};
-use stiffarm::measure::screening::screen;
-use stiffarm::model::cell::{Cell, LimitKind};
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::model::stiffness::{equilibrium, rope_correction};
-use stiffarm::plan::select::{DesignedLoad, LoadDesign};
+use crate::common::prelude::*;
+use crate::common::readings::{named, states};
+use stiffarm::model::stiffness::rope_correction;
+use stiffarm::plan::select::DesignedLoad;
 
 /// The reference cell with a cylinder of 700 N between loading point and anchor.
 fn cylinder(pushes: bool) -> Cell {
-    let mut cell = reference_cell();
-    let Load::Rope { magnitude, .. } = &mut cell.setup.load else {
-        panic!("the reference cell has a rope");
-    };
-    *magnitude = if pushes { -700.0 } else { 700.0 };
-    cell
-}
-
-fn anchor(cell: &Cell) -> Vector3<f64> {
-    match cell.setup.load {
-        Load::Rope { anchor, .. } => anchor,
-        _ => panic!("no anchor"),
-    }
+    changed(reference_cell(), |cell| {
+        *rope_force(cell) = if pushes { -700.0 } else { 700.0 };
+    })
 }
 
 #[test]
 fn force_and_torques_are_those_of_the_line() {
     for pushes in [false, true] {
-        let cell = cylinder(pushes);
-        let anchor = anchor(&cell);
+        let mut cell = cylinder(pushes);
+        let anchor = *rope_anchor(&mut cell);
         for q in group1() {
             let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
             let p = *terms.loading_point();
@@ -125,7 +101,7 @@ fn silent(force: ForceRecord) -> Experiment {
 fn a_pushed_experiment_gives_the_stiffness_back() {
     for force in [ForceRecord::Load, ForceRecord::Force] {
         let cell = cylinder(true);
-        let postures = PostureGroup::from_angles("", group1()).postures;
+        let postures = numbered(group1());
         let truth = cell.require_prior().unwrap().to_vec();
         let table = experiment(&cell, &postures, &truth, &silent(force), 1, 0).unwrap();
         if force == ForceRecord::Load {
@@ -147,11 +123,8 @@ fn a_pushed_experiment_gives_the_stiffness_back() {
 #[test]
 fn readings_of_a_push_raise_no_alarm_and_a_reversed_one_does() {
     let mut cell = default_cell();
-    cell.setup.load = cell.setup.load.clone();
-    if let Load::Rope { magnitude, .. } = &mut cell.setup.load {
-        *magnitude = -*magnitude;
-    }
-    let postures = PostureGroup::from_angles("", group1()).postures;
+    *rope_force(&mut cell) *= -1.0;
+    let postures = numbered(group1());
     let truth = cell.require_prior().unwrap().to_vec();
     let serious = |f: &&Finding| f.severity == Severity::Serious;
     for sensor in [false, true] {
@@ -171,9 +144,7 @@ fn readings_of_a_push_raise_no_alarm_and_a_reversed_one_does() {
         assert_eq!(reduced.findings.iter().find(serious), None);
         // A cell that says the cylinder pulls is contradicted by either.
         let mut pulls = cell.clone();
-        if let Load::Rope { magnitude, .. } = &mut pulls.setup.load {
-            *magnitude = magnitude.abs();
-        }
+        *rope_force(&mut pulls) *= -1.0;
         let said = match sensor {
             true => {
                 reduce(&pulls, &table, &ReduceOptions::default())
@@ -191,11 +162,8 @@ fn a_design_chooses_the_size_and_keeps_the_way() {
     let cell = cylinder(true);
     let mut design = LoadDesign::default();
     design.magnitude = Some(900.0);
-    let chosen = design.prepare(&cell).unwrap();
-    let Load::Rope { magnitude, .. } = chosen.setup.load else {
-        panic!("still a line");
-    };
-    assert_eq!(magnitude, -900.0);
+    let mut chosen = design.prepare(&cell).unwrap();
+    assert_eq!(*rope_force(&mut chosen), -900.0);
     let told = DesignedLoad::from(chosen.setup);
     assert_eq!(told.magnitude_n, Some(900.0));
 }
@@ -228,10 +196,7 @@ fn cells_say_how_it_acts() {
              [[tool.measuring_point]]\nname = 'a'\nposition_mm = [0, 150, 200]\n[load]\nkind = 'cylinder'\n\
              magnitude_n = 500\n{text}"
         );
-        stiffarm::files::cell::parse_cell(&cell, "cell.toml")
-            .unwrap()
-            .setup
-            .load
+        parse_cell(&cell, "cell.toml").unwrap().setup.load
     };
     let anchor = Vector3::new(1.8, 0.0, -0.1);
     for (acts, sign) in [("pulls", 1.0), ("pushes", -1.0)] {

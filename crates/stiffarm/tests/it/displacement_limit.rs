@@ -1,24 +1,12 @@
 //! The load's displacement as a limit of postures: every way to choose postures keeps to it, and
 //! says so where nothing can.
 
-use crate::common;
-
-use common::default_cell;
-use nalgebra::{DVector, Vector3};
-use stiffarm::model::cell::{Cell, LimitKind};
-use stiffarm::model::load::Load;
-use stiffarm::model::observation::{PostureTerms, Setup};
+use crate::common::prelude::*;
+use stiffarm::model::observation::Setup;
 use stiffarm::model::scene::{DisplacementLimits, SceneParts};
-use stiffarm::model::stiffness::joint_compliance;
-use stiffarm::plan::certificate::{CertificateOptions, certify};
 use stiffarm::plan::check::check;
 use stiffarm::plan::feasibility::{PostureLimits, obstruction};
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{
-    GlobalOptions, LoadDesign, LocalOptions, StartKind, limit_prices, random_group, select,
-    select_from, space_filling,
-};
-use stiffarm::{Code, Control};
+use stiffarm::plan::select::{limit_prices, space_filling};
 
 /// The default cell where the load moves the points by so much [m].
 fn cell(range: [f64; 2]) -> Cell {
@@ -39,7 +27,7 @@ fn cell(range: [f64; 2]) -> Cell {
 /// RMS displacement of the points, by Ψ.
 fn displacement(setup: &Setup, prior: &[f64], q: &[f64]) -> f64 {
     let terms = PostureTerms::new(setup, q, None).unwrap();
-    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(prior);
     let moved = terms.block(&setup.robot) * compliance;
     (moved.norm_squared() / setup.tool.point_count() as f64).sqrt()
 }
@@ -54,12 +42,6 @@ fn keeps(cell: &Cell, group: &[Vec<f64>], [low, high]: [f64; 2]) {
     for moved in all(cell, group) {
         assert!((low..=high).contains(&moved), "{moved} in {low} to {high}");
     }
-}
-
-fn rounds(rounds: u64) -> GlobalOptions {
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(rounds);
-    options
 }
 
 const RANGE: [f64; 2] = [5e-4, 1e-3];
@@ -131,10 +113,7 @@ fn a_load_chosen_with_the_postures_keeps_to_it() {
     let plan = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
     let chosen = plan.load.clone().unwrap();
     let mut moved = cell.clone();
-    let Load::Rope { anchor, .. } = &mut moved.setup.load else {
-        panic!("the default cell has a rope");
-    };
-    *anchor = chosen.anchor_m.unwrap().into();
+    *rope_anchor(&mut moved) = chosen.anchor_m.unwrap().into();
     moved.setup.tool.loading_point = chosen.loading_point_m.into();
     keeps(&moved, &plan.group, RANGE);
     assert_ne!(options.load, LoadDesign::default());
@@ -204,7 +183,7 @@ fn where_nothing_can_meet_it_the_error_names_it() {
     assert_eq!(kinds, [LimitKind::SmallestDisplacement]);
     assert!(left > 0);
     let findings = check(&too_far).unwrap().findings;
-    let named = |f: &stiffarm::findings::Finding| f.sentence.contains("smallest displacement");
+    let named = |f: &Finding| f.sentence.contains("smallest displacement");
     assert!(findings.iter().any(named), "{findings:?}");
 }
 
@@ -217,7 +196,7 @@ fn cells_give_it_with_a_prior_and_a_known_load() {
              [load]\n{load}\n[limits]\ndisplacement_mm = [0, 3]\n{rest}"
         )
     };
-    let parse = |text: &str| stiffarm::files::cell::parse_cell(text, "cell.toml");
+    let parse = |text: &str| parse_cell(text, "cell.toml");
     let rope = "kind = 'rope'\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
     let prior = "[stiffness]\nprior_nm_per_rad = [1e6, 2e6]\n";
     let cell = parse(&text(rope, prior)).unwrap();

@@ -1,50 +1,39 @@
 //! What a newcomer meets first: loads that pass a joint by, too few postures or
 //! points, numbers that are none. Everything is answered or refused by name.
 
-use crate::common;
-
-use common::random::Dice;
-use common::{group1, reference_cell};
-use nalgebra::{DMatrix, Vector3, Vector6};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{IdentifyOptions, Verdict, identify};
-use stiffarm::estimate::simulate::{SimulationOptions, simulate};
-use stiffarm::estimate::validate::{Model as Deflection, simulate_measurements};
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::stiffness::{equilibrium, joint_compliance, linear_displacement};
+use crate::common::prelude::*;
+use stiffarm::estimate::validate::Model as Deflection;
 use stiffarm::plan::characteristic_length::characteristic_length;
-use stiffarm::plan::index::{Index, IndexFunction, error_bound, evaluate};
-use stiffarm::plan::select::select_from;
-use stiffarm::{Code, Error};
-
-fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
-    PostureGroup::from_angles("", postures.iter().cloned()).postures
-}
+use stiffarm::plan::index::{GroupEvaluation, error_bound};
 
 /// Exact simulated measurements of the reference cell.
 fn exact_measurements(cell: &Cell, postures: &[Vec<f64>]) -> Vec<MeasuredPosture> {
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let truth = cell.require_prior().unwrap();
-    simulate_measurements(&quiet, &named(postures), truth, Deflection::Linear, 1, 0).unwrap()
+    simulate_measurements(
+        &quiet,
+        &numbered(postures.to_vec()),
+        truth,
+        Deflection::Linear,
+        1,
+        0,
+    )
+    .unwrap()
+}
+
+fn assert_only_classical(found: &GroupEvaluation) {
+    for index in Index::ALL {
+        let is_there = found.indices.get(index).is_some();
+        assert_eq!(is_there, index == Index::Classical, "{index:?}");
+    }
 }
 
 /// Asserts that every way to a result names `joints` and shows nothing for them.
 fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
     let found = evaluate(cell, "blind", postures).unwrap();
     assert_eq!(found.undetermined_joints, joints);
-    for index in Index::ALL {
-        assert_eq!(
-            found.indices.get(index).is_some(),
-            index == Index::Classical,
-            "{index:?}"
-        );
-    }
+    assert_only_classical(&found);
     let blind = |name: &String| joints.contains(&name.as_str());
     let names = cell.setup.robot.spring_names();
     for (j, name) in names.iter().enumerate() {
@@ -55,40 +44,21 @@ fn assert_undetermined(cell: &Cell, postures: &[Vec<f64>], joints: &[&str]) {
         );
         assert_eq!(found.expected_deviation[j].is_none(), blind(name), "{name}");
     }
-    let result = identify(
-        cell,
-        exact_measurements(cell, postures),
-        &IdentifyOptions::default(),
-    )
-    .unwrap();
-    assert_eq!(result.estimates.undetermined_joints, joints);
-    assert!(!result.estimates.is_complete() && result.estimates.stiffness().is_none());
-    assert_eq!(
-        (
-            result.estimates.condition,
-            result.estimates.scaled_condition
-        ),
-        (None, None)
-    );
-    for (joint, truth) in result
-        .estimates
-        .joints
-        .iter()
-        .zip(cell.require_prior().unwrap())
-    {
+    let measured = exact_measurements(cell, postures);
+    let found = identify(cell, measured, &IdentifyOptions::default());
+    let found = found.unwrap().estimates;
+    assert_eq!(found.undetermined_joints, joints);
+    assert!(!found.is_complete() && found.stiffness().is_none());
+    assert_eq!((found.condition, found.scaled_condition), (None, None));
+    for (joint, truth) in found.joints.iter().zip(cell.require_prior().unwrap()) {
         if blind(&joint.name) {
             assert_eq!(joint.verdict, Verdict::Undetermined);
-            assert_eq!(
-                (joint.stiffness, joint.compliance, joint.standard_error),
-                (None, None, None)
-            );
+            assert!(joint.stiffness.is_none() && joint.compliance.is_none());
+            assert_eq!(joint.standard_error, None);
             assert_eq!(joint.interval, [None, None]);
         } else {
-            assert!(
-                (joint.stiffness.unwrap() / truth - 1.0).abs() < 1e-9,
-                "{}",
-                joint.name
-            );
+            let ratio = joint.stiffness.unwrap() / truth;
+            assert!((ratio - 1.0).abs() < 1e-9, "{}", joint.name);
         }
     }
     let group = PostureGroup::from_angles("blind", postures.iter().cloned());
@@ -118,14 +88,7 @@ fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
     assert_undetermined(&cell, &group1(), &["joint 6"]);
     // No choice of postures helps.
     for index in [Index::ExpectedError, Index::Novel] {
-        let error = select_from(
-            &cell,
-            index,
-            &group1(),
-            Options::default(),
-            Control::default(),
-        )
-        .unwrap_err();
+        let error = local(&cell, index, &group1()).unwrap_err();
         assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
         assert!(error.message().contains("joint 6"), "{error}");
     }
@@ -134,10 +97,7 @@ fn load_through_the_axis_of_joint_6_leaves_joint_6_undetermined() {
 #[test]
 fn vertical_load_on_a_floor_mounted_robot_leaves_joint_1_undetermined() {
     let mut cell = reference_cell();
-    cell.setup.load = Load::Weight {
-        magnitude: 500.0,
-        direction: -Vector3::z(),
-    };
+    cell.setup.load = hanging(500.0);
     assert_undetermined(&cell, &group1(), &["joint 1"]);
     // On the wall it works.
     cell.setup.load = Load::Weight {
@@ -158,18 +118,9 @@ fn equal_postures_with_one_point_name_what_they_cannot_tell() {
     cell.setup.tool.measuring_points.truncate(1);
     let postures = vec![group1()[0].clone(); 6];
     let found = evaluate(&cell, "equal", &postures).unwrap();
-    assert!(
-        found.undetermined_joints.len() >= 3,
-        "{:?}",
-        found.undetermined_joints
-    );
-    for index in Index::ALL {
-        assert_eq!(
-            found.indices.get(index).is_some(),
-            index == Index::Classical,
-            "{index:?}"
-        );
-    }
+    let undetermined_joints = &found.undetermined_joints;
+    assert!(undetermined_joints.len() >= 3, "{undetermined_joints:?}");
+    assert_only_classical(&found);
     let measured = exact_measurements(&cell, &postures);
     let result = identify(&cell, &measured, &IdentifyOptions::default()).unwrap();
     assert_eq!(
@@ -218,24 +169,10 @@ fn one_posture_with_one_point_is_answered() {
         result.estimates.undetermined_joints,
         found.undetermined_joints
     );
-    let error = select_from(
-        &cell,
-        Index::D,
-        &one,
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap_err();
+    let error = local(&cell, Index::D, &one).unwrap_err();
     assert_eq!(error.code(), Code::NotIdentifiable);
     // The classical index asks nothing of Ψ.
-    let classical = select_from(
-        &cell,
-        Index::Classical,
-        &one,
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap();
+    let classical = local(&cell, Index::Classical, &one).unwrap();
     assert!((classical.value - 1.2157).abs() < 1e-4);
     // A robot of one joint, too.
     let mut dice = Dice::new(1);
@@ -254,6 +191,12 @@ fn one_posture_with_one_point_is_answered() {
 fn angles_and_numbers_that_are_not_finite_are_errors() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap().to_vec();
+    let options = IdentifyOptions::default();
+    let identified = |measured: &[MeasuredPosture], options: &IdentifyOptions| {
+        identify(&cell, measured, options).unwrap_err()
+    };
+    let exact = exact_measurements(&cell, &group1());
+    let control = Control::default();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut postures = group1();
         postures[2][4] = bad;
@@ -264,89 +207,45 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         refused(evaluate(&cell, "", &postures).unwrap_err());
         refused(observation_matrix(&cell.setup, &postures, Rows::Translations).unwrap_err());
         refused(PostureTerms::new(&cell.setup, &postures[2], None).unwrap_err());
-        refused(
-            select_from(
-                &cell,
-                Index::Classical,
-                &postures,
-                Options::default(),
-                Control::default(),
-            )
-            .unwrap_err(),
-        );
-        refused(
-            equilibrium(&cell.setup, &postures[2], &truth, None)
-                .map(|_| ())
-                .unwrap_err(),
-        );
-        let group = PostureGroup::from_angles("", postures.iter().cloned());
-        refused(
-            simulate(
-                &cell,
-                &[group],
-                &SimulationOptions::default(),
-                Control::default(),
-            )
-            .unwrap_err(),
-        );
-        let named = named(&postures);
-        refused(
-            simulate_measurements(&cell, &named, &truth, Deflection::Equilibrium, 1, 0)
-                .unwrap_err(),
-        );
-        let mut measured = exact_measurements(&cell, &group1());
+        refused(local(&cell, Index::Classical, &postures).unwrap_err());
+        let found = equilibrium(&cell.setup, &postures[2], &truth, None);
+        refused(found.map(|_| ()).unwrap_err());
+        let group = PostureGroup::from_angles("", postures.clone());
+        refused(simulate(&cell, &[group], &Default::default(), control).unwrap_err());
+        let named = numbered(postures);
+        let exactly = Deflection::Equilibrium;
+        refused(simulate_measurements(&cell, &named, &truth, exactly, 1, 0).unwrap_err());
+        let mut measured = exact.clone();
         measured[2].posture.q[4] = bad;
-        refused(identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err());
+        refused(identified(&measured, &options));
 
-        let mut measured = exact_measurements(&cell, &group1());
+        let mut measured = exact.clone();
         measured[0].displacements[0].value.y = bad;
-        let error = identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err();
-        assert_eq!(error.code(), Code::NotFinite);
+        assert_eq!(identified(&measured, &options).code(), Code::NotFinite);
         measured[0].displacements[0].value.y = 0.0;
         measured[0].wrench = Some(Wrench::force(Vector3::new(bad, 0.0, 0.0)));
-        let error = identify(&cell, &measured, &IdentifyOptions::default()).unwrap_err();
-        assert_eq!(error.code(), Code::NotFinite);
+        assert_eq!(identified(&measured, &options).code(), Code::NotFinite);
 
-        let error =
-            joint_compliance(&cell.setup.robot, &[1e6, 1e6, bad, 1e6, 1e6, 1e6]).unwrap_err();
+        let stiffness = [1e6, 1e6, bad, 1e6, 1e6, 1e6];
+        let error = joint_compliance(&cell.setup.robot, &stiffness).unwrap_err();
         assert_eq!(error.code(), Code::InvalidValue);
         assert!(error_bound(bad, 0.0, 0.0).is_err() && error_bound(2.0, bad, 0.0).is_err());
     }
-    assert_eq!(
-        evaluate(&cell, "", &[vec![0.0; 5]]).unwrap_err().code(),
-        Code::Dimension
-    );
-    assert_eq!(
-        evaluate::<Vec<f64>>(&cell, "", &[]).unwrap_err().code(),
-        Code::TooFewData
-    );
-    assert_eq!(
-        identify(&cell, &[], &IdentifyOptions::default())
-            .unwrap_err()
-            .code(),
-        Code::TooFewData
-    );
+    let error = evaluate(&cell, "", &[vec![0.0; 5]]).unwrap_err();
+    assert_eq!(error.code(), Code::Dimension);
+    let error = evaluate::<Vec<f64>>(&cell, "", &[]).unwrap_err();
+    assert_eq!(error.code(), Code::TooFewData);
+    assert_eq!(identified(&[], &options).code(), Code::TooFewData);
     for confidence in [0.0, 1.0, f64::NAN] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.confidence = confidence;
-            options
-        };
-        let measured = exact_measurements(&cell, &group1());
-        assert_eq!(
-            identify(&cell, &measured, &options).unwrap_err().code(),
-            Code::InvalidValue
-        );
+        let options = with(|o: &mut IdentifyOptions| o.confidence = confidence);
+        assert_eq!(identified(&exact, &options).code(), Code::InvalidValue);
     }
 }
 
 #[test]
 fn a_load_that_buckles_the_arm_is_said_so() {
     let mut cell = reference_cell();
-    cell.setup.load = Load::Weight {
-        magnitude: 5e7,
-        direction: -Vector3::z(),
-    };
+    cell.setup.load = hanging(5e7);
     let truth = cell.require_prior().unwrap().to_vec();
     let error = equilibrium(&cell.setup, &group1()[0], &truth, None)
         .map(|_| ())

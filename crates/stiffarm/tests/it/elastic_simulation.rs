@@ -1,18 +1,10 @@
 //! Simulated identifications of an arm that gives way beyond its joint axes.
 
-use crate::common;
-
-use common::{default_cell, group1};
-use stiffarm::Control;
-use stiffarm::error::Code;
-use stiffarm::estimate::elastic::ElasticChoice;
+use crate::common::prelude::*;
 use stiffarm::estimate::simulate::{
-    ElasticLevel, ElasticSimulation, ElasticSimulationOptions, SimulationOptions, simulate,
-    simulate_elastic,
+    ElasticLevel, ElasticSimulation, ElasticSimulationOptions, simulate_elastic,
 };
-use stiffarm::model::cell::Cell;
 use stiffarm::model::elastic::{ElasticSizes, ElasticSource};
-use stiffarm::model::posture::PostureGroup;
 
 fn groups() -> Vec<PostureGroup> {
     vec![PostureGroup::from_angles("Group 1", group1())]
@@ -27,10 +19,10 @@ fn cell(factor: f64) -> Cell {
 }
 
 fn options(elastic: ElasticChoice, runs: usize) -> ElasticSimulationOptions {
-    let mut options = ElasticSimulationOptions::default();
-    options.elastic = elastic;
-    options.runs = runs;
-    options
+    with(|o: &mut ElasticSimulationOptions| {
+        o.elastic = elastic;
+        o.runs = runs;
+    })
 }
 
 fn run(cell: &Cell, options: &ElasticSimulationOptions) -> ElasticSimulation {
@@ -113,13 +105,7 @@ fn springs_make_the_axes_err_and_the_mixed_model_as_much_as_the_index_says() {
 fn results_do_not_depend_on_the_number_of_threads() {
     let mut options = options(ElasticChoice::Auto, 4);
     options.seed = 5;
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| run(&cell(1.0), &options))
-    };
+    let with = |threads: usize| on_threads(threads, || run(&cell(1.0), &options));
     let one = with(1);
     assert_eq!(
         serde_json::to_string(&one).unwrap(),
@@ -137,10 +123,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn a_stopped_simulation_keeps_its_runs_and_wrong_requests_are_refused() {
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let asked = options(ElasticChoice::Axes, 100);
     let found = simulate_elastic(&cell(1.0), &groups(), &asked, control).unwrap();
     assert!(found.interrupted && level(&found).runs == 3);

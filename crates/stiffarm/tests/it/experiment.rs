@@ -1,39 +1,21 @@
 //! A simulated experiment, undone by hand, gives what the model says.
 
-use crate::common;
-
-use common::{group1, random::Dice, reference_cell};
-use nalgebra::{DVector, Isometry3, Vector3};
-use stiffarm::measure::experiment::{
-    BaseCompliance, DisplacementModel, Experiment, ExperimentState, ForceRecord, ToolWeight,
-    TrackerNoise, experiment,
-};
-use stiffarm::measure::registration::{PointPair, register};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{
-    PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings,
-};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::stiffness::equilibrium_displacement;
-use stiffarm::model::tool::{NamedPoint, SeriesCompliance};
+use crate::common::prelude::*;
+use stiffarm::model::measurement::{PostureReadings, Role, StateReadings};
+use stiffarm::model::tool::NamedPoint;
 
 fn cell_with_sensor() -> Cell {
-    let mut cell = reference_cell();
-    let mut dice = Dice::new(3);
-    cell.sensor = Some(Sensor {
-        mount: Mount::Flange,
-        pose: dice.pose(),
-        reports_by_robot: true,
-    });
-    cell
+    changed(reference_cell(), |cell| {
+        cell.sensor = Some(Sensor {
+            mount: Mount::Flange,
+            pose: Dice::new(3).pose(),
+            reports_by_robot: true,
+        });
+    })
 }
 
 fn postures() -> Vec<Posture> {
-    PostureGroup::from_angles("Group 1", group1()).postures
+    numbered(group1())
 }
 
 fn state(posture: &PostureReadings, name: &str) -> StateReadings {
@@ -42,13 +24,15 @@ fn state(posture: &PostureReadings, name: &str) -> StateReadings {
 }
 
 fn position(state: &StateReadings, target: &ReadingTarget) -> Vector3<f64> {
-    let all: Vec<_> = state
-        .readings
-        .iter()
-        .filter(|r| r.target == *target)
-        .map(|r| r.position)
-        .collect();
+    let own = state.readings.iter().filter(|r| r.target == *target);
+    let all: Vec<_> = own.map(|r| r.position).collect();
     all.iter().sum::<Vector3<f64>>() / all.len() as f64
+}
+
+/// Way of a measuring point from one state to another.
+fn way(from: &StateReadings, to: &StateReadings, point: usize) -> Vector3<f64> {
+    let target = ReadingTarget::Point(point);
+    position(to, &target) - position(from, &target)
 }
 
 fn run(cell: &Cell, options: &Experiment) -> ReadingTable {
@@ -60,7 +44,7 @@ fn run(cell: &Cell, options: &Experiment) -> ReadingTable {
 fn model(cell: &Cell, q: &[f64]) -> DVector<f64> {
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
     let prior = cell.prior.as_ref().unwrap();
-    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(prior);
     terms.block(&cell.setup.robot) * compliance + terms.known_displacement(&cell.setup.tool)
 }
 
@@ -102,8 +86,11 @@ fn the_equilibrium_is_the_reference_and_close_to_the_linear_model() {
         let q = &measured.posture.q;
         let linear = model(&cell, q);
         for (a, point) in cell.setup.tool.measuring_points.iter().enumerate() {
-            let shift = position(&state(&measured, "loaded"), &ReadingTarget::Point(a))
-                - position(&state(&measured, "unloaded"), &ReadingTarget::Point(a));
+            let shift = way(
+                &state(&measured, "unloaded"),
+                &state(&measured, "loaded"),
+                a,
+            );
             let exact =
                 equilibrium_displacement(&cell.setup, q, &point.position, &prior, None).unwrap();
             let exact = exact.fixed_rows::<3>(0).into_owned();
@@ -169,16 +156,8 @@ fn undone_by_hand_step_by_step() {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
         let at = *terms.loading_point();
         let roles: Vec<Role> = measured.states.iter().map(|s| Role::of(&s.state)).collect();
-        assert_eq!(
-            roles,
-            [
-                Role::Unloaded,
-                Role::Preload,
-                Role::Loaded,
-                Role::Loaded,
-                Role::Unloaded
-            ]
-        );
+        use Role::{Loaded, Preload, Unloaded};
+        assert_eq!(roles, [Unloaded, Preload, Loaded, Loaded, Unloaded]);
         // Each state as base axes, drift and base motion undone.
         let undone: Vec<Vec<Vector3<f64>>> = measured
             .states
@@ -281,8 +260,7 @@ fn joint_tilt_and_lost_motion_have_their_own_springs() {
             let target = ReadingTarget::Point(i);
             let unloaded = position(&state(a, "unloaded"), &target);
             assert_eq!(unloaded, position(&state(b, "unloaded"), &target));
-            let more =
-                position(&state(b, "loaded"), &target) - position(&state(a, "loaded"), &target);
+            let more = way(&state(a, "loaded"), &state(b, "loaded"), i);
             let mut expected = Vector3::zeros();
             for j in 0..6 {
                 // Two springs across the joint's own axis, whichever pair.
@@ -310,15 +288,12 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
         ..Experiment::default()
     };
     options.states[1].repeats = 200;
-    let first = experiment(&cell, &postures(), &truth, &options, 7, 0).unwrap();
-    assert_eq!(
-        first,
-        experiment(&cell, &postures(), &truth, &options, 7, 0).unwrap()
-    );
-    assert_ne!(
-        first,
-        experiment(&cell, &postures(), &truth, &options, 7, 1).unwrap()
-    );
+    let again = |options: &Experiment, stream: u64| {
+        experiment(&cell, &postures(), &truth, options, 7, stream).unwrap()
+    };
+    let first = again(&options, 0);
+    assert_eq!(first, again(&options, 0));
+    assert_ne!(first, again(&options, 1));
     let spread = |table: &ReadingTable, along: Option<Vector3<f64>>| {
         let (mut sum, mut count) = (0.0, 0.0);
         for posture in &table.postures {
@@ -346,7 +321,7 @@ fn noise_has_the_spread_asked_for_and_its_own_stream() {
     };
     // The sensor draws once per state: 12 forces and moments of 3 components.
     options.sensor_noise = [0.0, 0.0];
-    let quiet = experiment(&cell, &postures(), &truth, &options, 7, 0).unwrap();
+    let quiet = again(&options, 0);
     options.sensor_noise = [2.0, 0.3];
     let (mut force, mut moment) = (0.0, 0.0);
     for (a, b) in first.postures.iter().zip(&quiet.postures) {
@@ -383,17 +358,11 @@ fn the_common_shift_moves_all_points_of_a_loaded_state_alike() {
     let plain = run(&cell, &Experiment::default());
     let shifted = run(
         &cell,
-        &Experiment {
-            posture_common_std: 1e-4,
-            ..Experiment::default()
-        },
+        &with(|e: &mut Experiment| e.posture_common_std = 1e-4),
     );
     for (a, b) in plain.postures.iter().zip(&shifted.postures) {
         assert_eq!(state(a, "unloaded"), state(b, "unloaded"));
-        let shift = |i: usize| {
-            position(&state(b, "loaded"), &ReadingTarget::Point(i))
-                - position(&state(a, "loaded"), &ReadingTarget::Point(i))
-        };
+        let shift = |i| way(&state(a, "loaded"), &state(b, "loaded"), i);
         assert!(shift(0).norm() > 1e-6);
         for i in 1..4 {
             assert!(worst(&shift(i), &shift(0)) < 1e-15);
@@ -405,13 +374,7 @@ fn the_common_shift_moves_all_points_of_a_loaded_state_alike() {
 fn the_force_is_written_as_asked() {
     let cell = reference_cell();
     let with = |force| {
-        let table = run(
-            &cell,
-            &Experiment {
-                force,
-                ..Experiment::default()
-            },
-        );
+        let table = run(&cell, &with(|e: &mut Experiment| e.force = force));
         let loaded = state(&table.postures[0], "loaded");
         (loaded.wrench, loaded.load)
     };
@@ -421,9 +384,7 @@ fn the_force_is_written_as_asked() {
     // Without a sensor: on the robot, base axes, loading point.
     assert_eq!(with(ForceRecord::ForceAndMoment).0, Some(*terms.wrench()));
     let mut at_anchor = cell.clone();
-    let Load::Rope { anchor, .. } = cell.setup.load else {
-        panic!("the reference cell pulls by a rope")
-    };
+    let anchor = *rope_anchor(&mut at_anchor);
     at_anchor.sensor = Some(Sensor {
         mount: Mount::Base,
         pose: Isometry3::translation(anchor.x, anchor.y, anchor.z),
@@ -442,50 +403,19 @@ fn the_force_is_written_as_asked() {
 fn what_cannot_be_simulated_is_refused() {
     let cell = reference_cell();
     let truth = cell.prior.clone().unwrap();
-    let refused = |cell: &Cell, options: &Experiment| {
-        experiment(cell, &postures(), &truth, options, 1, 0)
-            .unwrap_err()
-            .to_string()
+    let refused = |cell: &Cell, change: fn(&mut Experiment)| {
+        let refused = experiment(cell, &postures(), &truth, &with(change), 1, 0);
+        refused.unwrap_err().to_string()
     };
     let mut measured = cell.clone();
     measured.setup.load = Load::Measured;
     let messages = [
-        refused(&measured, &Experiment::default()),
-        refused(
-            &cell,
-            &Experiment {
-                states: Vec::new(),
-                ..Experiment::default()
-            },
-        ),
-        refused(
-            &cell,
-            &Experiment {
-                servo_deflection: Some(vec![1e-7; 5]),
-                ..Experiment::default()
-            },
-        ),
-        refused(
-            &cell,
-            &Experiment {
-                tracker_noise: TrackerNoise::RangeAndAngle,
-                ..Experiment::default()
-            },
-        ),
-        refused(
-            &cell,
-            &Experiment {
-                posture_common_std: f64::NAN,
-                ..Experiment::default()
-            },
-        ),
-        refused(
-            &cell,
-            &Experiment {
-                drift: Vector3::new(0.0, f64::NAN, 0.0),
-                ..Experiment::default()
-            },
-        ),
+        refused(&measured, |_| ()),
+        refused(&cell, |e| e.states = Vec::new()),
+        refused(&cell, |e| e.servo_deflection = Some(vec![1e-7; 5])),
+        refused(&cell, |e| e.tracker_noise = TrackerNoise::RangeAndAngle),
+        refused(&cell, |e| e.posture_common_std = f64::NAN),
+        refused(&cell, |e| e.drift = Vector3::new(0.0, f64::NAN, 0.0)),
     ];
     insta::assert_snapshot!("experiment_refusals", messages.join("\n"));
 }

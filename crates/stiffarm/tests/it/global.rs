@@ -4,36 +4,19 @@
 //!
 //! `cargo test --test global -- --nocapture` prints what was reached.
 
-use crate::common;
-
-use common::groups::{limits_around, ln_index, violation};
-use common::random::Dice;
-use common::runs::runs;
-use common::{cases, default_cell, group1, reference_cell};
-use nalgebra::Vector3;
+use crate::common::groups::{limits_around, ln_index, violation};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use stiffarm::Code;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::{
-    GlobalOptions, LoadDesign, Selection, SensitivityOptions, StartKind, drop_postures,
-    error_by_count, random_group, select, sensitivity,
-};
-use stiffarm::{Control, Termination};
+use stiffarm::plan::select::{SensitivityOptions, drop_postures, error_by_count, sensitivity};
 
 fn seeded(seed: u64) -> GlobalOptions {
-    let mut options = GlobalOptions::default();
-    options.seed = seed;
-    options
+    with(|o: &mut GlobalOptions| o.seed = seed)
 }
 
 fn rounds(seed: u64, rounds: u64) -> GlobalOptions {
-    let mut options = seeded(seed);
-    options.rounds = Some(rounds);
-    options
+    changed(seeded(seed), |o| o.rounds = Some(rounds))
 }
 
 fn selected(cell: &Cell, index: Index, count: usize, options: &GlobalOptions) -> Selection {
@@ -142,11 +125,7 @@ fn threads_change_nothing() {
         let texts: Vec<String> = [1, 2, 4]
             .into_iter()
             .map(|threads| {
-                let pool = rayon::ThreadPoolBuilder::new()
-                    .num_threads(threads)
-                    .build()
-                    .unwrap();
-                let plan = pool.install(|| selected(&cell, index, 6, &rounds(3, 2)));
+                let plan = on_threads(threads, || selected(&cell, index, 6, &rounds(3, 2)));
                 serde_json::to_string(&plan).unwrap()
             })
             .collect();
@@ -179,10 +158,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     // Stopped by the user within a round: that round does not count.
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) > 200;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let options = rounds(1, 1_000);
     let cut = select(&cell, Index::ExpectedError, 6, &options, control).unwrap();
     assert_eq!(cut.termination, Termination::Interrupted);
@@ -191,10 +167,7 @@ fn a_time_limit_is_reproduced_by_its_rounds() {
     let again = selected(&cell, Index::ExpectedError, 6, &rounds(1, completed));
     assert_eq!(cut.group, again.group);
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let error = select(&cell, Index::ExpectedError, 6, &options, control);
     assert_eq!(error.unwrap_err().code(), Code::Interrupted);
 }
@@ -410,10 +383,7 @@ fn what_cannot_be_found_is_explained() {
     );
     assert_eq!(error.unwrap_err().place().key.as_deref(), Some("limits"));
     let mut cell = reference_cell();
-    cell.setup.load = Load::Weight {
-        magnitude: 500.0,
-        direction: -Vector3::z(),
-    };
+    cell.setup.load = hanging(500.0);
     let error = select(
         &cell,
         Index::ExpectedError,

@@ -1,15 +1,13 @@
 //! Values and closed-form gradients of every index against a second, plain
 //! implementation of the whole chain from angles to index over dual numbers.
 
-use crate::common;
-
-use common::model::{
-    Model, condition_number, has_sound_svd, inverse_gram_diagonal, inverse_r, singular_values,
+use crate::common::groups::ln_index;
+use crate::common::model::{
+    Model, condition_number, duals, has_sound_svd, inverse_gram_diagonal, inverse_r,
+    singular_values,
 };
-use common::random::Dice;
-use nalgebra::DMatrix;
+use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
 
 /// Largest condition number of a random group's Ψ, plain, in units of the prior
 /// or with scaled columns: the library's gradients come from ΨᵀΨ, which squares it.
@@ -182,7 +180,7 @@ fn difficulty(model: &Model, postures: &[Vec<f64>]) -> (f64, f64) {
         column.normalize_mut();
     }
     let scaled = &psi
-        * DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(
+        * DMatrix::from_diagonal(&DVector::from_iterator(
             model.prior.len(),
             model.prior.iter().map(|k| 1.0 / k),
         ));
@@ -237,17 +235,7 @@ fn compare(n: usize) {
         let cell = model.cell();
         let flat: Vec<f64> = postures.concat();
         let references: Vec<Reference<'_>> = (0..flat.len())
-            .map(|k| {
-                let dual: Vec<Dual64> = flat
-                    .iter()
-                    .enumerate()
-                    .map(|(i, v)| Dual64::new(*v, if i == k { 1.0 } else { 0.0 }))
-                    .collect();
-                Reference::new(
-                    &model,
-                    &dual.chunks_exact(n).map(<[_]>::to_vec).collect::<Vec<_>>(),
-                )
-            })
+            .map(|k| Reference::new(&model, &duals(&flat, n, k)))
             .collect();
         for index in Index::ALL {
             if index == Index::Prediction {
@@ -282,16 +270,7 @@ fn compare(n: usize) {
                     worst_value = worst_value.max(error);
                 }
                 // The exact value is that of the evaluation by QR and SVD.
-                let shown = evaluate(&cell, "", &postures)
-                    .unwrap()
-                    .indices
-                    .get(index)
-                    .unwrap();
-                let exact = if index.larger_is_better() {
-                    -shown.ln()
-                } else {
-                    shown.ln()
-                };
+                let exact = ln_index(&cell, index, &postures);
                 assert!(
                     (ours.value() - exact).abs() < 1e-8 * exact.abs().max(1.0),
                     "{what}: exact value"
@@ -383,16 +362,7 @@ fn the_smoothed_index_is_the_log_sum_exp_of_its_parts() {
                 );
             }
             // The value counts given and free postures alike.
-            let shown = evaluate(&cell, "", &postures)
-                .unwrap()
-                .indices
-                .get(index)
-                .unwrap();
-            let exact = if index.larger_is_better() {
-                -shown.ln()
-            } else {
-                shown.ln()
-            };
+            let exact = ln_index(&cell, index, &postures);
             assert!((smoothed.exact - exact).abs() < 1e-8 * exact.abs().max(1.0));
             assert!((function.value(&flat) - exact).abs() < 1e-8 * exact.abs().max(1.0));
         }

@@ -1,14 +1,11 @@
 //! All that an identification says, in one call.
 
-use crate::common::{default_cell, group1};
+use crate::common::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use stiffarm::Watch;
 use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::estimate::identify::{Fit, IntervalHolds, Verdict};
-use stiffarm::measure::prepare;
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::{Code, Control, Watch, simulated_readings};
+use stiffarm::estimate::identify::IntervalHolds;
 
 fn fit() -> Fit {
     let cell = default_cell();

@@ -1,24 +1,8 @@
 //! Identification beyond the plain case: joints that cannot be told apart,
 //! further springs, the next posture.
 
-use crate::common;
-
-use common::reference_cell;
-use nalgebra::{DVector, Vector3};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, Identification, IdentifyOptions, Verdict, Weights, identify,
-};
-use stiffarm::estimate::next_posture::next_posture;
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::internals::measured_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
+use crate::common::prelude::*;
+use stiffarm::estimate::identify::Identification;
 
 /// Postures in which only joints 1 and 2 move and the wrist stays as given.
 fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
@@ -30,17 +14,8 @@ fn two_joints_move(wrist_deg: [f64; 3]) -> Vec<Posture> {
         [25.0, -15.0],
         [40.0, 5.0],
     ];
-    rows.iter()
-        .enumerate()
-        .map(|(i, [q1, q2])| {
-            let [q4, q5, q6] = wrist_deg;
-            let q = [*q1, *q2, -90.0, q4, q5, q6].map(f64::to_radians);
-            Posture {
-                name: (i + 1).to_string(),
-                q: q.to_vec(),
-            }
-        })
-        .collect()
+    let [q4, q5, q6] = wrist_deg;
+    numbered(rows.map(|[q1, q2]| [q1, q2, -90.0, q4, q5, q6].map(f64::to_radians).to_vec()))
 }
 
 fn answer(cell: &Cell, postures: &[Posture], stream: usize) -> Identification {
@@ -168,14 +143,7 @@ fn measured_with(
 fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let cell = reference_cell();
     let postures = random_group(&cell, StartKind::Uniform, 15, 3, 0).unwrap();
-    let postures: Vec<Posture> = postures
-        .into_iter()
-        .enumerate()
-        .map(|(i, q)| Posture {
-            name: (i + 1).to_string(),
-            q,
-        })
-        .collect();
+    let postures = numbered(postures);
     let robot = &cell.setup.robot;
     let extra = [
         ExtraTerm::parse("tilt3", robot).unwrap(),
@@ -185,11 +153,7 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let values = [5e-7, 3e-5];
     let measured = measured_with(&cell, &postures, &extra, &values, 0);
     let plain = IdentifyOptions::default();
-    let with = {
-        let mut options = plain.clone();
-        options.extra = extra;
-        options
-    };
+    let with = changed(plain.clone(), |o| o.extra = extra);
     let found = identify(&cell, &measured, &with).unwrap();
     let tilt = &found.estimates.extra_springs[0];
     assert_eq!(tilt.name, "tilt of joint 3");
@@ -207,16 +171,11 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
         let error = (joint.stiffness.unwrap() - truth) / joint.standard_error.unwrap();
         assert!(error.abs() < 4.5, "{joint:?}");
     }
-    let without = Fit::new(&cell, &measured, &plain)
-        .and_then(|fit| fit.leave_one_out())
-        .unwrap()
-        .rms_m
-        .unwrap();
-    let better = Fit::new(&cell, &measured, &with)
-        .and_then(|fit| fit.leave_one_out())
-        .unwrap()
-        .rms_m
-        .unwrap();
+    let rms = |options: &IdentifyOptions| {
+        let fit = Fit::new(&cell, &measured, options).unwrap();
+        fit.leave_one_out().unwrap().rms_m.unwrap()
+    };
+    let (without, better) = (rms(&plain), rms(&with));
     assert!(better < 0.5 * without, "{better} {without}");
 }
 
@@ -224,21 +183,10 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
 fn the_next_posture_beats_random_ones() {
     let cell = reference_cell();
     let group = random_group(&cell, StartKind::SmallWrist, 6, 3, 0).unwrap();
-    let postures: Vec<Posture> = group
-        .into_iter()
-        .enumerate()
-        .map(|(i, q)| Posture {
-            name: (i + 1).to_string(),
-            q,
-        })
-        .collect();
+    let postures = numbered(group);
     let truth = cell.require_prior().unwrap().to_vec();
     let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 5, 0).unwrap();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options
-    };
+    let options = by(Estimator::Weighted);
     let result = identify(&cell, &measured, &options).unwrap();
     let fit = Fit::new(&cell, &measured, &options).unwrap();
     let advice = next_posture(&fit, &GlobalOptions::default(), Control::default()).unwrap();
@@ -257,10 +205,8 @@ fn the_next_posture_beats_random_ones() {
     let own = error(advice.angles.clone());
     assert!((own / advice.expected_error - 1.0).abs() < 1e-9);
     for i in 0..50 {
-        let other = random_group(&cell, StartKind::Uniform, 1, 8, i)
-            .unwrap()
-            .concat();
-        assert!(own <= error(other), "random posture {i}");
+        let other = random_group(&cell, StartKind::Uniform, 1, 8, i).unwrap();
+        assert!(own <= error(other.concat()), "random posture {i}");
     }
     for (before, after) in advice.before.iter().zip(&advice.after) {
         assert!(after.unwrap() <= before.unwrap() * (1.0 + 1e-12));

@@ -1,28 +1,12 @@
 //! Several loads, under each of which every posture is measured.
 
-use crate::common;
-
-use common::{default_cell, group1};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions, identify};
-use stiffarm::estimate::next_posture::next_posture;
-use stiffarm::estimate::simulate::{ModelErrors, SimulationOptions, simulate};
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::{Model, simulate_measurements, validate};
-use stiffarm::measure::experiment::{Experiment, ExperimentState, TrackerNoise, experiment};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::{Axes, Load, LoadCase, Wrench};
-use stiffarm::model::measurement::Candidate;
-use stiffarm::model::observation::{PostureTerms, Rows, Setup, observation_matrix};
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::nalgebra::{DMatrix, Vector3};
-use stiffarm::plan::certificate::{CertificateOptions, certify};
+use crate::common::groups::ln_index;
+use crate::common::prelude::*;
+use stiffarm::estimate::simulate::ModelErrors;
+use stiffarm::estimate::validate::validate;
+use stiffarm::model::load::LoadCase;
+use stiffarm::model::observation::Setup;
 use stiffarm::plan::check::check;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{
-    CandidateOptions, GlobalOptions, StartKind, random_group, select, select_candidates,
-    smallest_margin,
-};
 
 fn case(name: &str, load: Load, loading_point: Option<Vector3<f64>>) -> LoadCase {
     LoadCase {
@@ -148,17 +132,9 @@ fn the_same_load_twice_is_worth_twice_the_readings() {
         Index::DropOne,
         Index::D,
     ] {
-        let one = evaluate(&alone, "g", &postures)
-            .unwrap()
-            .indices
-            .get(index)
-            .unwrap();
-        let two = evaluate(&twice, "g", &postures)
-            .unwrap()
-            .indices
-            .get(index)
-            .unwrap();
-        assert!((one / two - 2f64.sqrt()).abs() < 1e-9, "{index:?}");
+        let one = ln_index(&alone, index, &postures);
+        let two = ln_index(&twice, index, &postures);
+        assert!((one - two - 0.5 * 2f64.ln()).abs() < 1e-9, "{index:?}");
     }
 }
 
@@ -176,16 +152,10 @@ fn values_and_gradients_of_the_kernel() {
         Index::O1,
     ];
     let group: Vec<Vec<f64>> = q.chunks(6).map(<[f64]>::to_vec).collect();
-    let shown = evaluate(&cell, "g", &group).unwrap();
     for index in indices {
         let mut function = IndexFunction::new(&cell, index, 4).unwrap();
         let value = function.value(&q);
-        let expected = shown.indices.get(index).unwrap().ln();
-        let expected = if index.larger_is_better() {
-            -expected
-        } else {
-            expected
-        };
+        let expected = ln_index(&cell, index, &group);
         assert!(
             (value - expected).abs() < 1e-9,
             "{index:?}: {value} {expected}"
@@ -215,8 +185,7 @@ fn values_and_gradients_of_the_kernel() {
 fn a_plan_keeps_the_limits_under_every_load_and_is_certified() {
     let mut cell = two_ropes();
     cell.limits.rope_length = Some([1.0, 2.2]);
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(3);
+    let options = rounds(3);
     let plan = select(&cell, Index::ExpectedError, 4, &options, Control::default()).unwrap();
     for q in &plan.group {
         for own in cell.cases() {
@@ -273,16 +242,16 @@ fn candidates_count_with_every_load() {
 }
 
 /// Readings of the four loads without noise, each between unloaded ones.
-fn readings(cell: &Cell, noise: TrackerNoise) -> stiffarm::Measured {
+fn readings(cell: &Cell, noise: TrackerNoise) -> Measured {
     let mut done = Experiment::as_measured(cell);
     assert_eq!(done.states.len(), 9);
-    done.model = stiffarm::measure::experiment::DisplacementModel::Linear;
+    done.model = DisplacementModel::Linear;
     done.tracker_noise = noise;
     done.drift = Vector3::zeros();
     let truth = cell.prior.clone().unwrap();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let table = experiment(cell, &postures, &truth, &done, 1, 0).unwrap();
-    stiffarm::prepare(cell, table, &Default::default()).unwrap()
+    prepare(cell, table, &Default::default()).unwrap()
 }
 
 #[test]
@@ -299,7 +268,7 @@ fn readings_under_several_loads_give_the_stiffness_back() {
 #[test]
 fn a_state_of_no_load_is_refused() {
     let cell = two_ropes();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     let done = Experiment {
         states: vec![
@@ -378,16 +347,7 @@ fn simulation_validation_and_what_is_common_to_all_readings() {
         ]
     );
     assert_eq!(parts("loading-point"), ["x", "y", "z"]);
-    let next = next_posture(
-        &fit,
-        &{
-            let mut search = GlobalOptions::default();
-            search.rounds = Some(1);
-            search
-        },
-        Control::default(),
-    )
-    .unwrap();
+    let next = next_posture(&fit, &rounds(1), Control::default()).unwrap();
     assert!(next.expected_error < fit_error(&next.before));
     // As many displacements as the posture it is measured like has under both loads.
     assert_eq!(next.displacements, 2 * cell.setup.tool.point_count());
@@ -454,13 +414,13 @@ fn candidates_that_the_cell_forbids_are_left_out() {
 fn measured_candidates_count_with_the_loads_that_they_were_measured_under() {
     let cell = two_ropes();
     let truth = cell.prior.clone().unwrap();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let mut measured =
         simulate_measurements(&cell, &postures, &truth, Model::Linear, 1, 0).unwrap();
     let mut options = CandidateOptions::default();
     options.limits = false;
     let index = Index::ExpectedError;
-    let value_of = |measured: &[stiffarm::model::measurement::MeasuredPosture]| {
+    let value_of = |measured: &[MeasuredPosture]| {
         let list = Candidate::of_measured(&cell.setup, measured);
         let count = list.len();
         let found =
@@ -499,12 +459,12 @@ fn a_posture_without_one_of_the_loads_is_named() {
     let mut done = Experiment::as_measured(&cell);
     done.tracker_noise = TrackerNoise::None;
     let truth = cell.prior.clone().unwrap();
-    let postures = PostureGroup::from_angles("g", group1()).postures;
+    let postures = numbered(group1());
     let mut table = experiment(&cell, &postures, &truth, &done, 1, 0).unwrap();
     table.postures[1]
         .states
         .retain(|state| state.state != "weight");
-    let measured = stiffarm::prepare(&cell, table, &Default::default()).unwrap();
+    let measured = prepare(&cell, table, &Default::default()).unwrap();
     let said: Vec<&str> = measured
         .findings()
         .filter(|f| f.code == "load-case-not-measured")

@@ -1,27 +1,22 @@
 //! The study on measured readings: on a simulated arm, where nothing of the postures to be
 //! predicted may reach the model, and on the measured FANUC.
 
-use nalgebra::Vector3;
-use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::measure::Measured;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{StartKind, random_group};
+use crate::common::prelude::*;
 use stiffarm::study::{Choice, MeasuredStudy, MeasuredStudyOptions, measured_study};
-use stiffarm::{Cell, Code, Control, PostureGroup, prepare, simulated_readings};
 
 fn options() -> MeasuredStudyOptions {
-    let mut options = MeasuredStudyOptions::default();
-    options.splits = 10;
-    options.pool = Some(9);
-    options.counts = vec![4];
-    options.indices = vec![Index::ExpectedError, Index::Prediction];
-    options
+    with(|o: &mut MeasuredStudyOptions| {
+        o.splits = 10;
+        o.pool = Some(9);
+        o.counts = vec![4];
+        o.indices = vec![Index::ExpectedError, Index::Prediction];
+    })
 }
 
 fn simulated() -> (Cell, Measured) {
     let cell = Cell::built_in("comau").unwrap();
     let plan = random_group(&cell, StartKind::Uniform, 13, 3, 0).unwrap();
-    let postures = PostureGroup::from_angles("all", plan).postures;
+    let postures = numbered(plan);
     let readings = simulated_readings(&cell, &postures, 1).unwrap();
     let measured = prepare(&cell, readings, &Default::default()).unwrap();
     (cell, measured)

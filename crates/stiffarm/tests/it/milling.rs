@@ -1,11 +1,10 @@
 //! Mean milling loads: against the sum of all teeth over a turn, against cases
 //! done by hand, and their signs.
 
-use nalgebra::{Rotation3, Vector3};
+use crate::common::prelude::*;
+use nalgebra::Rotation3;
 use proptest::prelude::*;
-use stiffarm::model::process::{
-    CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
-};
+use stiffarm::model::process::{CuttingCoefficients, Milling, MillingDirection, Process, TipLoad};
 
 /// An aluminium alloy: 16 mm cutter, 3 mm deep.
 fn cut(radial_depth: f64, direction: MillingDirection) -> Milling {
@@ -129,7 +128,7 @@ fn a_full_slot_by_hand() {
     // φ from 0 to π: ∫ sin² = π/2, ∫ sin cos = 0, ∫ sin = 2, ∫ cos = 0, ∫ 1 = π. With
     // N a/(2π) = 2 · 3 mm/(2π) and N/mm all through:
     let share = 2.0 * 3.0 / std::f64::consts::TAU;
-    let (h, pi) = (0.1, std::f64::consts::PI);
+    let (h, pi) = (0.1, PI);
     let force = share
         * Vector3::new(
             -(200.0 * h * pi / 2.0 + 25.0 * 2.0),

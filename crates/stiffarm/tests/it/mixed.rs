@@ -1,25 +1,17 @@
 //! The mixed elastic model against dense matrices, a published example, other
 //! formulations of its springs, and the measured robot.
 
-use crate::common;
+use crate::common::prelude::*;
 use crate::estimators::{dense_covariance, random_system};
 
-use common::random::Dice;
-use common::{cases, default_cell, random_group};
-use nalgebra::{DMatrix, DVector, Vector3, Vector6};
+use crate::common::random_group;
 use proptest::prelude::*;
-use stiffarm::estimate::elastic::{ElasticChoice, elastic};
-use stiffarm::estimate::identify::{Fit, IdentifyOptions};
+use stiffarm::Wrench;
+use stiffarm::estimate::elastic::elastic;
 use stiffarm::estimate::mixed::MixedFit;
-use stiffarm::estimate::validate::{
-    Model, cross_validate_mixed, simulate_measurements, validate_with,
-};
+use stiffarm::estimate::validate::cross_validate_mixed;
 use stiffarm::internals::{Block, Covariance, MeasuredSystem, MixedModel, RowLabel};
 use stiffarm::model::elastic::ElasticClass;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::{Control, Wrench};
 
 /// V of all rows in units of σ²: readings, shifts and random effects.
 pub fn dense(
@@ -217,28 +209,18 @@ fn springs_are_symmetric_compliances() {
     }
 }
 
-fn simulated(
-    seed: u64,
-) -> (
-    stiffarm::Cell,
-    Vec<stiffarm::model::measurement::MeasuredPosture>,
-) {
+fn simulated(seed: u64) -> (Cell, Vec<MeasuredPosture>) {
     let mut cell = default_cell();
     cell.noise.readings_per_displacement = 2;
-    let angles = common::group1().into_iter().chain(random_group());
-    let postures = PostureGroup::from_angles("", angles).postures;
+    let angles = group1().into_iter().chain(random_group());
+    let postures = numbered(angles);
     let truth = cell.prior.clone().unwrap();
     let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, seed, 0).unwrap();
     (cell, measured)
 }
 
 /// Adds what springs beyond the axes do: sizes of shift, turn and coupling.
-pub fn bend(
-    cell: &stiffarm::Cell,
-    measured: &mut [stiffarm::model::measurement::MeasuredPosture],
-    seed: u64,
-    sizes: [f64; 3],
-) {
+pub fn bend(cell: &Cell, measured: &mut [MeasuredPosture], seed: u64, sizes: [f64; 3]) {
     let mut dice = Dice::new(seed);
     let mut normal = || (0..12).map(|_| dice.between(0.0, 1.0)).sum::<f64>() - 6.0;
     let mut springs = Vec::new();
@@ -257,15 +239,12 @@ pub fn bend(
             }
         }
     }
-    for m in measured {
-        let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
-        for (term, value) in &springs {
-            let column = term.column(&terms) * *value;
-            for d in &mut m.displacements {
-                d.value += column.fixed_rows::<3>(3 * d.point);
-            }
-        }
-    }
+    move_points(cell, measured, |terms| {
+        let columns = springs
+            .iter()
+            .map(|(term, value)| term.column(terms) * *value);
+        columns.reduce(|sum, column| sum + column).unwrap()
+    });
 }
 
 /// Where only noise is beyond the axes, the mixed model keeps to them; where more gives
@@ -305,7 +284,7 @@ fn few_postures_and_other_estimators_are_refused_with_reasons() {
     options.extra = vec![ExtraTerm::JointTilt(2)];
     let fit = Fit::new(&cell, &measured, &options).unwrap();
     let error = MixedFit::new(&fit).err().unwrap();
-    assert_eq!(error.code(), stiffarm::Code::Conflict);
+    assert_eq!(error.code(), Code::Conflict);
 }
 
 /// Few postures of an arm that gives way much may leave an axis of the mixed model without a
@@ -343,8 +322,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         let force = Wrench::force([100.0, -200.0, -300.0]);
         let work = [LoadedPosture::new("a", kept[0].posture.q.clone(), force)];
         let options = Default::default();
-        let bent =
-            stiffarm::predict(&cell, predictor, &work, &options, Control::default()).unwrap();
+        let bent = predict(&cell, predictor, &work, &options, Control::default()).unwrap();
         assert!(bent.deflection_max_m < 0.1 && bent.points[0].band.is_some());
         if open > 2 {
             break;

@@ -1,12 +1,10 @@
 //! How well the sizes of the mixed model are known, and what that does to its covariance
 //! and its degrees of freedom: against dense matrices and a published example.
 
-use crate::common;
+use crate::common::prelude::*;
 use crate::estimators::dense_covariance;
 use crate::mixed::{dense, rails, random_model};
 
-use common::cases;
-use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use std::ops::Range;
 use stiffarm::estimate::freedom::SizeDoubt;

@@ -4,21 +4,10 @@
 //! in a thousand, so a failure is a change in behaviour and not bad luck.
 //! `cargo test --test montecarlo -- --nocapture` prints the largest deviations.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::{runs, slack, standard_error};
-use common::{group1, random_group, reference_cell};
+use crate::common::prelude::*;
+use crate::common::random_group;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, Normal};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::estimate::simulate::{LevelResult, Simulation, SimulationOptions, simulate};
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::select_from;
+use stiffarm::estimate::simulate::{GroupSimulation, LevelResult, Simulation};
 
 /// Probability of a false alarm in all comparisons of one test together.
 const FALSE_ALARM: f64 = 1e-3;
@@ -34,14 +23,7 @@ fn threshold(comparisons: usize) -> f64 {
 
 /// Hand-picked, random and optimised postures.
 fn groups(cell: &Cell) -> Vec<PostureGroup> {
-    let plan = select_from(
-        cell,
-        Index::ExpectedError,
-        &group1(),
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap();
+    let plan = local(cell, Index::ExpectedError, &group1()).unwrap();
     vec![
         PostureGroup::from_angles("hand-picked", group1()),
         PostureGroup::from_angles("random", random_group()),
@@ -50,13 +32,27 @@ fn groups(cell: &Cell) -> Vec<PostureGroup> {
 }
 
 fn run(cell: &Cell, groups: &[PostureGroup], runs: usize, seed: u64) -> Simulation {
-    let options = {
-        let mut options = SimulationOptions::default();
-        options.runs = runs;
-        options.seed = seed;
-        options
-    };
+    let options = with(|o: &mut SimulationOptions| {
+        o.runs = runs;
+        o.seed = seed;
+    });
     simulate(cell, groups, &options, Control::default()).unwrap()
+}
+
+/// Every joint at every level of every group.
+fn cases(groups: &[GroupSimulation]) -> Vec<(&str, &LevelResult, usize)> {
+    let levels = groups
+        .iter()
+        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)));
+    let joints =
+        levels.flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)));
+    joints.collect()
+}
+
+/// z of the mean deviation of the compliance, whose closed form is exact.
+fn compliance_z(level: &LevelResult, joint: usize) -> f64 {
+    let difference = level.compliance_mean_deviation[joint] - level.expected_deviation[joint];
+    difference / level.compliance_standard_error[joint]
 }
 
 /// Relative standard error of k behind an expected deviation.
@@ -80,15 +76,7 @@ fn many_runs_meet_the_closed_forms() {
     let cell = reference_cell();
     let groups = groups(&cell);
     let simulation = run(&cell, &groups, count, 2021);
-    let all: Vec<(&str, &LevelResult, usize)> = simulation
-        .groups
-        .iter()
-        .flat_map(|g| {
-            g.levels
-                .iter()
-                .flat_map(move |l| (0..6).map(move |j| (g.name.as_str(), l, j)))
-        })
-        .collect();
+    let all = cases(&simulation.groups);
     assert_eq!(all.len(), 3 * 6 * 6);
     let limit = threshold(all.len());
     let (mut flagged, mut within_5) = (0, 0);
@@ -99,8 +87,7 @@ fn many_runs_meet_the_closed_forms() {
         let error = relative_error(level, j);
 
         // On Ĥ the closed form is exact.
-        let z =
-            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
+        let z = compliance_z(level, j);
         assert!(z.abs() < limit, "{what}: z = {z} on the compliance");
         on_h = on_h.max(z.abs());
 
@@ -168,30 +155,18 @@ fn the_closed_form_holds_on_random_cells() {
         }
     }
     assert!(compared.len() >= 12, "{} cells", compared.len());
-    let cases: Vec<(&str, &LevelResult, usize)> = compared
-        .iter()
-        .flat_map(|g| g.levels.iter().map(move |l| (g.name.as_str(), l)))
-        .flat_map(|(name, l)| (0..l.expected_deviation.len()).map(move |j| (name, l, j)))
-        .collect();
+    let cases = cases(&compared);
     let limit = threshold(2 * cases.len());
     let mut largest = 0.0_f64;
     for (name, level, j) in cases {
+        let what = format!("{name}, joint {}", j + 1);
         let expected = level.expected_deviation[j];
-        let z =
-            (level.compliance_mean_deviation[j] - expected) / level.compliance_standard_error[j];
-        assert!(
-            z.abs() < limit,
-            "{name}, joint {}: z = {z} on the compliance",
-            j + 1
-        );
+        let z = compliance_z(level, j);
+        assert!(z.abs() < limit, "{what}: z = {z} on the compliance");
         largest = largest.max(z.abs());
         if relative_error(level, j) < 0.05 {
             let z = (level.mean_deviation[j] - expected) / level.standard_error[j];
-            assert!(
-                z.abs() < limit,
-                "{name}, joint {}: z = {z} on the stiffness",
-                j + 1
-            );
+            assert!(z.abs() < limit, "{what}: z = {z} on the stiffness");
         }
     }
     println!(
@@ -205,23 +180,17 @@ fn the_median_holds_where_the_mean_does_not_exist() {
     let count = runs(2_000) as usize;
     let cell = reference_cell();
     let groups = [PostureGroup::from_angles("hand-picked", group1())];
-    let options = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = vec![20.0, 40.0];
-        options.runs = count;
-        options
-    };
+    let options = with(|o: &mut SimulationOptions| {
+        o.variance_factors = vec![20.0, 40.0];
+        o.runs = count;
+    });
     let simulation = simulate(&cell, &groups, &options, Control::default()).unwrap();
     let limit = threshold(12);
     for level in &simulation.groups[0].levels {
         for j in 0..6 {
             let z = median_z(level, j, count);
-            assert!(
-                z.abs() < limit,
-                "factor {}, joint {}: z = {z}",
-                level.variance_factor,
-                j + 1
-            );
+            let factor = level.variance_factor;
+            assert!(z.abs() < limit, "factor {factor}, joint {}: {z}", j + 1);
         }
         // Joint 4 has a standard error of a third and more: the mean is far off the closed form.
         assert!(relative_error(level, 3) > 0.3 && level.beyond_first_order[3]);
@@ -238,14 +207,9 @@ fn a_shift_common_to_a_posture_is_simulated_and_weighted() {
     let limit = threshold(36);
     for level in &simulation.groups[0].levels {
         for j in 0..6 {
-            let difference = level.compliance_mean_deviation[j] - level.expected_deviation[j];
-            let z = difference / level.compliance_standard_error[j];
-            assert!(
-                z.abs() < limit,
-                "factor {}, joint {}: z = {z}",
-                level.variance_factor,
-                j + 1
-            );
+            let z = compliance_z(level, j);
+            let factor = level.variance_factor;
+            assert!(z.abs() < limit, "factor {factor}, joint {}: {z}", j + 1);
         }
     }
 }
@@ -265,12 +229,10 @@ fn noise_grows_with_the_square_root_of_its_variance() {
         }
     }
     // Without noise nothing deviates, and two readings double the variance.
-    let quiet = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = vec![0.0];
-        options.runs = 3;
-        options
-    };
+    let quiet = with(|o: &mut SimulationOptions| {
+        o.variance_factors = vec![0.0];
+        o.runs = 3;
+    });
     let quiet = simulate(&cell, &groups, &quiet, Control::default()).unwrap();
     assert_eq!(quiet.groups[0].levels[0].mean_deviation, [0.0; 6]);
     let mut honest = cell.clone();
@@ -287,21 +249,11 @@ fn noise_grows_with_the_square_root_of_its_variance() {
 fn results_do_not_depend_on_the_number_of_threads() {
     let cell = reference_cell();
     let groups = groups(&cell);
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| run(&cell, &groups, 200, 3))
-    };
+    let with = |threads: usize| on_threads(threads, || run(&cell, &groups, 200, 3));
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(4));
-    assert_ne!(
-        one,
-        run(&cell, &groups, 200, 4),
-        "another seed, other numbers"
-    );
+    assert_ne!(one, run(&cell, &groups, 200, 4), "another seed");
 }
 
 #[test]
@@ -330,13 +282,11 @@ fn longer_simulations_begin_with_the_runs_of_shorter_ones() {
         }
     }
     // Neither do further groups and levels change what came before.
-    let options = {
-        let mut options = SimulationOptions::default();
-        options.variance_factors = vec![0.5];
-        options.runs = 50;
-        options.seed = 9;
-        options
-    };
+    let options = with(|o: &mut SimulationOptions| {
+        o.variance_factors = vec![0.5];
+        o.runs = 50;
+        o.seed = 9;
+    });
     let part = simulate(&cell, &groups[..1], &options, Control::default()).unwrap();
     assert_eq!(part.groups[0].levels[0], many[0]);
     // Each level and group draws its own numbers.
@@ -355,31 +305,20 @@ fn simulation_refuses_what_it_cannot_answer() {
     };
     let default = SimulationOptions::default;
     assert_eq!(
-        fails(&cell, {
-            let mut options = default();
-            options.runs = 0;
-            options
-        }),
-        stiffarm::Code::InvalidValue
+        fails(&cell, changed(default(), |o| o.runs = 0)),
+        Code::InvalidValue
     );
     for factors in [vec![], vec![-1.0], vec![f64::NAN]] {
-        let options = {
-            let mut options = default();
-            options.variance_factors = factors;
-            options
-        };
-        assert_eq!(fails(&cell, options), stiffarm::Code::InvalidValue);
+        let options = changed(default(), |o| o.variance_factors = factors);
+        assert_eq!(fails(&cell, options), Code::InvalidValue);
     }
     let blank = Cell {
         prior: None,
         ..cell.clone()
     };
-    assert_eq!(fails(&blank, default()), stiffarm::Code::MissingKey);
+    assert_eq!(fails(&blank, default()), Code::MissingKey);
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     // Stopped at once it still has runs at every level: the first ones.
     let stopped = simulate(&cell, &groups, &default(), control).unwrap();
     let whole = simulate(&cell, &groups, &default(), Control::default()).unwrap();
@@ -401,12 +340,10 @@ fn coverage(
 ) -> Vec<u64> {
     let postures = &group.postures;
     let truth = world.require_prior().unwrap();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = noise;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = noise;
+    });
     let mut covered = vec![0; 6];
     for stream in 0..runs {
         let measured =

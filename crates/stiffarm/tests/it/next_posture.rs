@@ -1,19 +1,9 @@
 //! The posture to measure next, beside what the fit knows already.
 
-use crate::common;
-
-use common::readings::{reduced, states};
-use common::{cases, default_cell, group1, reference_cell};
+use crate::common::prelude::*;
+use crate::common::readings::{reduced, states};
 use proptest::prelude::*;
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
-use stiffarm::estimate::next_posture::{NextPosture, next_posture};
-use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::measure::{Measured, prepare};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
+use stiffarm::estimate::next_posture::NextPosture;
 
 /// Three unloaded rounds, two at half and at full load.
 fn with_states(force: ForceRecord) -> Experiment {
@@ -32,15 +22,14 @@ fn with_states(force: ForceRecord) -> Experiment {
 }
 
 fn measured(cell: &Cell, q: Vec<Vec<f64>>, done: &Experiment, seed: u64) -> Measured {
-    let postures = PostureGroup::from_angles("", q).postures;
+    let postures = numbered(q);
     let truth = cell.prior.clone().unwrap();
     let table = experiment(cell, &postures, &truth, done, seed, 0).unwrap();
     prepare(cell, table, &ReduceOptions::default()).unwrap()
 }
 
-fn advice(fit: &Fit, rounds: u64) -> NextPosture {
-    let mut search = GlobalOptions::default();
-    search.rounds = Some(rounds);
+fn advice(fit: &Fit, count: u64) -> NextPosture {
+    let search = rounds(count);
     next_posture(fit, &search, Control::default()).unwrap()
 }
 
@@ -59,19 +48,8 @@ fn own(fit: &Fit) -> Vec<f64> {
 #[test]
 fn now_is_what_the_table_of_estimates_says() {
     let cell = default_cell();
-    for estimator in [
-        Estimator::TwoVariance,
-        Estimator::Ordinary,
-        Estimator::Weighted,
-        Estimator::Huber,
-        Estimator::NonNegative,
-        Estimator::Prior,
-    ] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+    for estimator in Estimator::ALL {
+        let options = by(estimator);
         let measured = measured(&cell, group1(), &with_states(ForceRecord::Load), 4);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         let advice = advice(&fit, 1);
@@ -88,12 +66,10 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
     let mut cell = default_cell();
     cell.noise.posture_common_std = 3e-5;
     // The size of the noise is known, so that it is the same in both fits.
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = NoiseSource::Known;
+    });
     for force in [ForceRecord::Load, ForceRecord::Force] {
         let done = with_states(force);
         let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
@@ -114,12 +90,10 @@ fn with_it_is_what_a_fit_with_that_posture_has() {
 #[test]
 fn no_random_posture_measured_alike_is_better() {
     let cell = default_cell();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = NoiseSource::Known;
+    });
     let done = with_states(ForceRecord::Load);
     let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
     let found = advice(&fit, 3);
@@ -153,11 +127,7 @@ proptest! {
         let force = if forces { ForceRecord::ForceAndMoment } else { ForceRecord::Load };
         let mut done = with_states(force);
         done.states.truncate(1 + loads);
-        let options = {
- let mut options = IdentifyOptions::default();
-options.estimator = Estimator::ALL[kind];
-options
-};
+        let options = with(|o: &mut IdentifyOptions| o.estimator = Estimator::ALL[kind]);
         let fit = Fit::new(&cell, measured(&cell, q, &done, seed), &options).unwrap();
         let advice = advice(&fit, 1);
         for (before, after) in advice.before.iter().zip(&advice.after) {
@@ -172,7 +142,7 @@ fn displacements_alone_are_one_state_of_the_cells_load() {
     // Table 4 of the paper: one displacement per point, no readings behind it.
     let cell = reference_cell();
     let done = Experiment::default();
-    let postures: Vec<Posture> = PostureGroup::from_angles("", group1()).postures;
+    let postures: Vec<Posture> = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     let table = experiment(&cell, &postures, &truth, &done, 2, 0).unwrap();
     let plain = reduced(&cell, &table).measured;

@@ -1,28 +1,11 @@
 //! A whole identification computes nothing twice.
 
-use crate::common::{default_cell, group1};
+use crate::common::prelude::*;
 use std::collections::BTreeSet;
-use stiffarm::Control;
-use stiffarm::estimate::diagnose::diagnose;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, NoiseSource, bootstrap, identify, profile,
-};
-use stiffarm::estimate::next_posture::next_posture;
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::cross_validate;
-use stiffarm::measure::experiment::{Experiment, experiment};
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::measure::{Measured, prepare};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::select::GlobalOptions;
+use stiffarm::estimate::identify::{bootstrap, profile};
 
 fn measured(cell: &Cell) -> Measured {
-    let named = |(i, q): (usize, Vec<f64>)| Posture {
-        name: (i + 1).to_string(),
-        q,
-    };
-    let postures: Vec<Posture> = group1().into_iter().enumerate().map(named).collect();
+    let postures = numbered(group1());
     let truth = cell.require_prior().unwrap().to_vec();
     let done = Experiment::as_measured(cell);
     let table = experiment(cell, &postures, &truth, &done, 3, 0).unwrap();
@@ -36,8 +19,7 @@ fn whole(fit: &Fit) {
     systematic_errors(fit).unwrap();
     diagnose(fit).unwrap();
     bootstrap(fit, 200, 1, 0.95).unwrap();
-    let mut search = GlobalOptions::default();
-    search.rounds = Some(1);
+    let search = rounds(1);
     next_posture(fit, &search, Control::default()).unwrap();
     let count = fit.measured().postures.len() / 3;
     cross_validate(fit, count, None).unwrap();
@@ -58,11 +40,7 @@ fn one_assembly_and_one_fit_per_options_and_data() {
         (&odd, Estimator::TwoVariance),
         (&odd, Estimator::Ordinary),
     ] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = by(estimator);
         let fit = Fit::new(&cell, measured, &options).unwrap();
         whole(&fit);
         let journal = fit.journal();
@@ -85,11 +63,7 @@ fn other_options_use_the_same_terms() {
     let measured = measured(&cell);
     let two = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     for estimator in Estimator::ALL {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = by(estimator);
         let again = two.with(&options).unwrap();
         let alone = identify(&cell, &measured, &options).unwrap();
         assert_eq!(*again.identification().unwrap(), alone, "{estimator:?}");
@@ -106,23 +80,17 @@ fn the_count_of_readings_travels_with_the_measurements() {
     assert_eq!(cell.noise.readings_per_displacement, 1);
     let measured = measured(&cell);
     assert_eq!(measured.readings_per_displacement, Some(2));
-    let known = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let known = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.noise = NoiseSource::Known;
+    });
     let found = identify(&cell, &measured, &known).unwrap();
     let mut two = cell.clone();
     two.noise.readings_per_displacement = 2;
     let by_cell = identify(&two, &measured.postures, &known).unwrap();
     assert_eq!(found, by_cell);
     assert_eq!(found.expected_std_m, two.noise.displacement_std());
-    let repeats = {
-        let mut options = known;
-        options.noise = NoiseSource::Repeats;
-        options
-    };
+    let repeats = changed(known, |o| o.noise = NoiseSource::Repeats);
     let fit = Fit::new(&cell, &measured, &repeats).unwrap();
     // Folds see the repeats too.
     cross_validate(&fit, 6, None).unwrap();

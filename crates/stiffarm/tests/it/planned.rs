@@ -1,23 +1,15 @@
 //! All that `select` says, in one call for each way to work.
 
-use crate::common::{default_cell, group1};
+use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use stiffarm::files::builtin;
-use stiffarm::findings::Severity;
-use stiffarm::model::cell::LimitKind;
-use stiffarm::model::measurement::Candidate;
-use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
-use stiffarm::plan::index::{Evaluated, evaluate};
+use stiffarm::plan::index::Evaluated;
 use stiffarm::plan::planned::{
     CandidateRequest, CurveRequest, DropRequest, Mode, PlanRequest, SpaceFillingRequest, Stage,
     plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
 };
-use stiffarm::plan::route::rounded;
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select};
-use stiffarm::{Cell, Code, Control, Index};
 
 /// Text of a result that is read back and written again as the same text.
 fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
@@ -28,15 +20,15 @@ fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
 }
 
 fn quick(postures: usize) -> PlanRequest {
-    let mut request = PlanRequest::default();
-    request.postures = postures;
-    request.rounds = Some(1);
-    request.certificate = false;
-    request
+    with(|o: &mut PlanRequest| {
+        o.postures = postures;
+        o.rounds = Some(1);
+        o.certificate = false;
+    })
 }
 
 fn given() -> Vec<Posture> {
-    PostureGroup::from_angles("", group1()).postures
+    numbered(group1())
 }
 
 fn names(postures: &[Posture]) -> Vec<&str> {
@@ -59,8 +51,7 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
     assert_eq!(stages, words);
 
     let result = &planned.result;
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(1);
+    let options = rounds(1);
     let alone = select(
         &planned.cell,
         request.index,
@@ -381,15 +372,9 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     assert_eq!(found[0].severity, Severity::Caution);
     assert_eq!(found[0].subject, "bounds.q_deg[2]");
     let named = format!("Posture {} has", postures[1].name);
-    assert!(
-        found[0].sentence.starts_with(&named),
-        "{}",
-        found[0].sentence
-    );
+    let said = &found[0].sentence;
+    assert!(said.starts_with(&named), "{said}");
     let named = format!("Posture {} has", postures[2].name);
-    assert!(
-        found[1].sentence.starts_with(&named),
-        "{}",
-        found[1].sentence
-    );
+    let said = &found[1].sentence;
+    assert!(said.starts_with(&named), "{said}");
 }

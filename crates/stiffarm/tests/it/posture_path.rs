@@ -1,21 +1,11 @@
 //! Postures along paths: continuity, limits, branches, and the free turn about
 //! the tool axis.
 
-use crate::common;
-
-use common::default_cell;
-use std::f64::consts::{FRAC_PI_2, PI};
-
-use nalgebra::{Isometry3, UnitQuaternion, UnitVector3, Vector3};
-use stiffarm::Code;
-use stiffarm::Control;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::inverse::InverseKinematics;
-use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget};
-use stiffarm::model::process::{ForceAxes, TipLoad};
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use crate::common::prelude::*;
+use nalgebra::UnitVector3;
+use stiffarm::model::path::{PathPoint, PathTarget};
+use stiffarm::model::process::TipLoad;
 use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
-use stiffarm::work::predict::LoadedArm;
 
 fn arm(cell: &Cell) -> LoadedArm {
     LoadedArm::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
@@ -32,7 +22,7 @@ fn point(i: usize, target: PathTarget) -> PathPoint {
 
 /// The tool points down onto a circle in front of the robot.
 fn circle(count: usize) -> Vec<Isometry3<f64>> {
-    let down = UnitQuaternion::from_euler_angles(std::f64::consts::PI, 0.0, 0.0);
+    let down = UnitQuaternion::from_euler_angles(PI, 0.0, 0.0);
     (0..count)
         .map(|i| {
             let angle = std::f64::consts::TAU * i as f64 / (count - 1) as f64;
@@ -94,11 +84,7 @@ fn assert_continuous(cell: &Cell, found: &[LoadedPosture], step: f64) {
 fn poses_are_held_on_one_branch() {
     let cell = default_cell();
     let circle = circle(90);
-    let options = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options
-    };
+    let options = with(|o: &mut PosturePathOptions| o.process = milling());
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(summary.origin, Origin::ClosedForm);
     assert!(worst_gap(&cell, &found, &circle, false) < 1e-11);
@@ -118,11 +104,7 @@ fn poses_are_held_on_one_branch() {
         .branches(&(circle[0] * arm.tip().inverse()))
         .unwrap()
     {
-        let options = {
-            let mut options = options.clone();
-            options.start = Some(branch.q.clone());
-            options
-        };
+        let options = changed(options.clone(), |o| o.start = Some(branch.q.clone()));
         if let Ok((_, other)) = run(&cell, &poses(&circle), &options) {
             assert!(other.deflection_rms_m >= summary.deflection_rms_m * (1.0 - 1e-12));
             others += 1;
@@ -135,16 +117,8 @@ fn poses_are_held_on_one_branch() {
 fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
     let cell = default_cell();
     let circle = circle(60);
-    let fixed = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options
-    };
-    let free = {
-        let mut options = fixed.clone();
-        options.free_turn = true;
-        options
-    };
+    let fixed = with(|o: &mut PosturePathOptions| o.process = milling());
+    let free = changed(fixed.clone(), |o| o.free_turn = true);
     let (_, given) = run(&cell, &poses(&circle), &fixed).unwrap();
     let (found, summary) = run(&cell, &poses(&circle), &free).unwrap();
     println!(
@@ -201,13 +175,11 @@ fn a_free_turn_bends_less_and_keeps_continuity_and_limits() {
 fn long_paths_choose_turns_at_knots() {
     let cell = default_cell();
     let circle = circle(3000);
-    let options = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options.free_turn = true;
-        options.turns = 24;
-        options
-    };
+    let options = with(|o: &mut PosturePathOptions| {
+        o.process = milling();
+        o.free_turn = true;
+        o.turns = 24;
+    });
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-11);
     assert_continuous(&cell, &found, 0.1);
@@ -230,36 +202,22 @@ fn unreachable_points_jumps_and_limits_are_named_with_their_line() {
         "{error}"
     );
     // Three points of a circle are a jump of some joint.
-    let narrow = {
-        let mut options = options.clone();
-        options.largest_step = 0.01;
-        options
-    };
+    let narrow = changed(options.clone(), |o| o.largest_step = 0.01);
     let error = run(&cell, &poses(&circle(8)), &narrow).unwrap_err();
     assert_eq!(error.place().line, Some(3));
     assert!(error.message().contains("From point 1 to 2"), "{error}");
-    let free = {
-        let mut options = narrow;
-        options.free_turn = true;
-        options
-    };
+    let free = changed(narrow, |o| o.free_turn = true);
     let error = run(&cell, &poses(&circle(8)), &free).unwrap_err();
     assert!(error.message().contains("every posture jumps"), "{error}");
     // A feed load where nothing moves.
     let still = vec![circle(3)[0]; 3];
-    let fed = {
-        let mut options = options.clone();
-        options.process = milling();
-        options
-    };
+    let fed = changed(options.clone(), |o| o.process = milling());
     let error = run(&cell, &poses(&still), &fed).unwrap_err();
     assert!(error.message().contains("does not move"), "{error}");
     assert!(run(&cell, &[], &options).is_err());
     // Joints that cannot get there.
     let mut held = cell.clone();
-    let mut limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
-    limits[0] = [1.2, 1.6];
-    held.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
+    limit_joint(&mut held, 0, [1.2, 1.6]);
     let error = run(&held, &poses(&circle(8)), &options).unwrap_err();
     assert_eq!(error.code(), Code::OutsideLimits);
     assert!(error.message().contains("joint 1"), "{error}");
@@ -279,11 +237,8 @@ fn singular_postures_are_found() {
     .unwrap();
     let finding = &summary.findings[0];
     assert_eq!(finding.code, "singular-posture");
-    assert!(
-        finding.sentence.contains("1 (line 2)"),
-        "{}",
-        finding.sentence
-    );
+    let said = &finding.sentence;
+    assert!(said.contains("1 (line 2)"), "{said}");
 }
 
 #[test]
@@ -298,31 +253,19 @@ fn arms_without_closed_form_follow_and_turn_as_well() {
         [FRAC_PI_2, 0.001, 0.0, 0.0],
         [-FRAC_PI_2, 0.0, PI, 0.23],
     ];
-    let rows = rows.map(|[alpha, a, offset, d]| DhRow {
-        alpha,
-        a,
-        d,
-        offset,
-    });
-    let base = Isometry3::identity();
+    let rows = rows.map(|[alpha, a, offset, d]| [alpha, a, d, offset]);
     let mut cell = default_cell();
-    cell.setup.robot = Robot::from_dh("calibrated", DhConvention::Modified, &rows, base).unwrap();
+    cell.setup.robot = chain("calibrated", DhConvention::Modified, &rows);
     cell.prior = Some(vec![3.8e6, 6.6e6, 3.9e6, 5.6e5, 6.6e5, 4.7e5]);
     let circle = circle(30);
-    let options = {
-        let mut options = PosturePathOptions::default();
-        options.process = milling();
-        options.turns = 24;
-        options
-    };
+    let options = with(|o: &mut PosturePathOptions| {
+        o.process = milling();
+        o.turns = 24;
+    });
     let (found, fixed) = run(&cell, &poses(&circle), &options).unwrap();
     assert_eq!(fixed.origin, Origin::Numeric);
     assert!(worst_gap(&cell, &found, &circle, false) < 1e-9);
-    let free = {
-        let mut options = options;
-        options.free_turn = true;
-        options
-    };
+    let free = changed(options, |o| o.free_turn = true);
     let (found, turned) = run(&cell, &poses(&circle), &free).unwrap();
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-9);
     assert_continuous(&cell, &found, free.largest_step);

@@ -2,19 +2,11 @@
 //! solves the mixed-model equations by orthogonalisation instead of kriging, and against
 //! all groups of a list.
 
-use crate::common;
-
-use common::model::{Model, inverse_r};
-use common::random::Dice;
-use nalgebra::DMatrix;
+use crate::common::model::{Model, duals, inverse_r};
+use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
 use stiffarm::model::cell::Task;
 use stiffarm::model::elastic::ElasticSizes;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::measurement::Candidate;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{CandidateOptions, StartKind, random_group, select_candidates};
-use stiffarm::{Cell, Code, Control};
 
 const POSTURES: usize = 4;
 
@@ -54,13 +46,7 @@ fn targets(model: &Model, sizes: [f64; 3]) -> DMatrix<f64> {
     let n = model.joint_count();
     let mut rows = Vec::new();
     for task in &model.tasks {
-        let mut work = model.clone();
-        work.loading_point = task.tip.into();
-        work.measuring_points = vec![task.tip.into()];
-        work.load = Load::Constant {
-            wrench: task.wrench,
-            axes: task.axes,
-        };
+        let work = model.at_work(task);
         let (psi, springs) = (work.psi(&task.q), work.spring_columns(&task.q, sizes));
         for i in 0..3 {
             let fixed = (0..n).map(|j| psi[(i, j)] / model.prior[j]);
@@ -118,26 +104,14 @@ fn values_and_gradients_are_those_of_the_mixed_model_equations() {
         let (own, source) = cell.elastic_sizes().unwrap();
         let found = evaluate(&cell, "", &postures).unwrap().indices;
         assert_eq!(found.prediction_sizes, Some(source));
+        let shown = found.prediction.unwrap();
         let sizes = [own.shift, own.turn, own.coupling];
         let flat = postures.concat();
         let mut function = IndexFunction::new(&cell, Index::Prediction, POSTURES).unwrap();
         let mut gradient = vec![0.0; flat.len()];
         let ours = function.smoothed(&flat, 1.0, &mut gradient);
-        let shown = evaluate(&cell, "", &postures)
-            .unwrap()
-            .indices
-            .prediction
-            .unwrap();
         let found: Vec<Dual64> = (0..flat.len())
-            .map(|k| {
-                let dual: Vec<Dual64> = flat
-                    .iter()
-                    .enumerate()
-                    .map(|(i, v)| Dual64::new(*v, if i == k { 1.0 } else { 0.0 }))
-                    .collect();
-                let postures: Vec<_> = dual.chunks_exact(n).map(<[_]>::to_vec).collect();
-                ln_index(&model, &postures, sizes)
-            })
+            .map(|k| ln_index(&model, &duals(&flat, n, k), sizes))
             .collect();
         for value in [
             ours.exact,
@@ -204,7 +178,7 @@ fn value(cell: &Cell, index: Index, list: &[Candidate], group: &[usize]) -> Opti
 
 #[test]
 fn the_best_group_of_a_list_is_the_best_of_all_groups() {
-    let mut cell = stiffarm::files::builtin::cell("comau").unwrap();
+    let mut cell = builtin::cell("comau").unwrap();
     let task = |q: &[f64], force: [f64; 3]| Task {
         name: "task".into(),
         q: q.to_vec(),
@@ -272,7 +246,7 @@ fn the_best_group_of_a_list_is_the_best_of_all_groups() {
 
 #[test]
 fn wrenches_of_their_own_count() {
-    let mut cell = stiffarm::files::builtin::cell("comau").unwrap();
+    let mut cell = builtin::cell("comau").unwrap();
     let list = list(&cell, 9, 12, true);
     // A load that only measurements give: nothing but the candidates' wrenches is known.
     let measured: Vec<Candidate> = list

@@ -1,31 +1,14 @@
 //! What must hold for every robot, tool, load and posture.
 
-use crate::common;
-
-use common::model::{Model, cross, inverse_gram_diagonal};
-use common::random::Dice;
-use common::{cases, relative_error};
-use nalgebra::{DMatrix, DVector, Matrix6, Vector3};
+use crate::common::model::{Model, cross, inverse_gram_diagonal};
+use crate::common::prelude::*;
 use num_dual::Dual64;
 use proptest::prelude::*;
-use stiffarm::estimate::identify::{IdentifyOptions, NoiseSource, Weights, identify};
-use stiffarm::estimate::validate::{
-    Model as Deflection, calculated_displacements, simulate_measurements,
-};
-use stiffarm::internals::information::{Factor, posture_information};
-use stiffarm::internals::measured_system;
+use stiffarm::estimate::validate::Model as Deflection;
+use stiffarm::internals::information::posture_information;
 use stiffarm::model::dexterity;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::stiffness::{
-    cartesian_compliance, cartesian_stiffness, equilibrium, equilibrium_displacement,
-    joint_compliance, linear_displacement, rope_correction, stiffness_correction,
-};
-use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::plan::index::{Index, error_bound, evaluate};
+use stiffarm::model::stiffness::{cartesian_compliance, cartesian_stiffness, rope_correction};
+use stiffarm::plan::index::error_bound;
 
 /// A random model with as many joints as asked, any load, any springs.
 fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Model, Dice)> {
@@ -41,10 +24,6 @@ fn models(joints: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = (Mod
             let model = dice.model(n, kind, elastic, common);
             (model, dice)
         })
-}
-
-fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
-    PostureGroup::from_angles("", postures.iter().cloned()).postures
 }
 
 /// Condition number of the column-scaled Ψ; infinite where it loses rank.
@@ -82,7 +61,7 @@ proptest! {
             let sensor = SeriesCompliance::from_stiffness(origin, [3e7; 3], [5e6, 7e6, 9e6]).unwrap();
             cell.setup.tool.series_compliance = Some(sensor);
         }
-        let postures = named(&dice.postures(model.joint_count(), count));
+        let postures = numbered(dice.postures(model.joint_count(), count));
         let exact = simulate_measurements(&cell, &postures, &model.prior, Deflection::Linear, 1, 0).unwrap();
         let result = identify(&cell, &exact, &IdentifyOptions::default()).unwrap();
         // A joint that the load passes by is a finding, not a property of the solver.
@@ -110,14 +89,7 @@ proptest! {
         let plain = model.psi(&q);
         prop_assert!(relative_error(psi.as_slice(), plain.as_slice()) < 1e-12);
         let by_psi = psi * h;
-        let measured = MeasuredPosture {
-            posture: Posture { name: "1".to_string(), q },
-            state: "loaded".to_string(),
-            wrench: None,
-            common_readings: [0.0; 2],
-            servo_deflection: None,
-            displacements: Vec::new(),
-        };
+        let measured = MeasuredPosture::new(numbered([q]).remove(0), Vec::new());
         let direct = calculated_displacements(&cell, &measured, &model.prior, Deflection::Linear).unwrap();
         let direct: Vec<f64> = direct.iter().flat_map(|v| v.iter().copied()).collect();
         prop_assert!(relative_error(by_psi.as_slice(), &direct) < 1e-11);
@@ -303,7 +275,7 @@ proptest! {
         match &mut moved.setup.load {
             Load::Rope { anchor, .. } => *anchor = (pose * nalgebra::Point3::from(*anchor)).coords,
             Load::Weight { direction, .. } => *direction = pose.rotation * *direction,
-            Load::Constant { wrench, axes: stiffarm::model::load::Axes::Base } => {
+            Load::Constant { wrench, axes: Axes::Base } => {
                 *wrench = Wrench {
                     force: pose.rotation * wrench.force,
                     moment: pose.rotation * wrench.moment,
@@ -312,7 +284,7 @@ proptest! {
             _ => {}
         }
         for task in &mut moved.tasks {
-            if task.axes == stiffarm::model::load::Axes::Base {
+            if task.axes == Axes::Base {
                 task.wrench = Wrench {
                     force: pose.rotation * task.wrench.force,
                     moment: pose.rotation * task.wrench.moment,
@@ -379,7 +351,7 @@ proptest! {
     ) {
         let n = model.joint_count();
         let cell = model.cell();
-        let postures = named(&dice.postures(n, count));
+        let postures = numbered(dice.postures(n, count));
         let mut measured = simulate_measurements(&cell, &postures, &model.prior, Deflection::Linear, 7, 3).unwrap();
         // Points go missing here and are read twice there.
         for posture in &mut measured {
@@ -405,11 +377,7 @@ proptest! {
         let qr = psi.clone().qr();
         let best = qr.r().solve_upper_triangular(&qr.q().tr_mul(&delta)).unwrap();
         let errors = inverse_gram_diagonal(&psi);
-        let options = {
- let mut options = IdentifyOptions::default();
-options.noise = NoiseSource::Known;
-options
-};
+        let options = with(|o: &mut IdentifyOptions| o.noise = NoiseSource::Known);
         let ours = identify(&cell, &measured, &options).unwrap();
         for (j, joint) in ours.estimates.joints.iter().enumerate() {
             let error = errors[j].sqrt();

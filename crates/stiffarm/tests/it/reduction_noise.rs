@@ -1,18 +1,9 @@
 //! What `reduce` says of noise is the noise that was put in: repeatability,
 //! drift, readings behind a displacement, standard errors, and false alarms.
 
-use crate::common;
-
-use common::random::Dice;
-use common::readings::*;
-use common::reference_cell;
-use common::runs::{most, runs, wider};
-use nalgebra::{Isometry3, Vector3};
-use stiffarm::findings::Severity;
-use stiffarm::measure::experiment::{Experiment, ForceRecord, TrackerNoise, experiment};
-use stiffarm::measure::reduction::reduce;
-use stiffarm::model::measurement::ReadingTarget;
-use stiffarm::model::posture::Posture;
+use crate::common::prelude::*;
+use crate::common::readings::*;
+use crate::common::runs::wider;
 
 /// Postures of an arm whose geometry is wrong as real ones are, none of them
 /// mistyped: how often is one left out?
@@ -117,13 +108,13 @@ fn drift_is_estimated_with_its_standard_error() {
     let runs = runs(20);
     for seed in 0..runs {
         let table = take(&cell, &with(put_in), seed);
-        let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+        let result = reduced_by(&cell, &table, tracker_pose());
         let drift = result.drift.unwrap();
         let rate = Vector3::from(drift.rate_m_per_hour.unwrap()) / 3600.0;
         let error = drift.rate_standard_error_m_per_hour.unwrap() / 3600.0;
         squares += (rate - tracker_pose().rotation * put_in).norm_squared() / error.powi(2);
         let table = take(&cell, &with(Vector3::zeros()), seed);
-        let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+        let result = reduced_by(&cell, &table, tracker_pose());
         let drift = result.drift.as_ref().unwrap();
         ratio += (drift.rms_m / drift.expected_rms_m).powi(2);
         alarms += usize::from(drift.significance.unwrap() < 1e-3);
@@ -168,7 +159,7 @@ fn readings_behind_a_displacement_give_its_variance() {
         let (mut sum, mut count) = (0.0, 0.0_f64);
         for seed in 0..runs(6) {
             let table = take(&cell, &options, seed);
-            let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
+            let result = reduced_by(&cell, &table, Isometry3::identity());
             for m in &result.measured {
                 let q = &planned(m);
                 let (points, _) = truth(&cell, q, factor, None);
@@ -198,15 +189,13 @@ fn base_motion_by_noise_alone_is_not_named_and_its_noise_is_as_stated() {
     let runs = runs(10);
     for seed in 0..runs {
         let table = take(&cell, &options, seed);
-        let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
+        let result = reduced_by(&cell, &table, Isometry3::identity());
         assert!(found(&result, "base-motion").is_empty(), "{seed}");
         let mut bare = table.clone();
         for state in bare.postures.iter_mut().flat_map(|p| &mut p.states) {
-            state
-                .readings
-                .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
+            keep(state, is_point);
         }
-        let without = reduce(&cell, &bare, &given(Isometry3::identity())).unwrap();
+        let without = reduced_by(&cell, &bare, Isometry3::identity());
         for ((with, without), motion) in result
             .measured
             .iter()

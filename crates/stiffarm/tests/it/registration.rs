@@ -1,16 +1,11 @@
 //! Registration: exact without noise, an honest covariance with it, the same
 //! whatever the order and the frames.
 
-use crate::common;
-
-use common::cases;
-use common::random::Dice;
-use common::runs::{runs, standard_error};
-use nalgebra::{Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use stiffarm::measure::registration::{
-    PointPair, RegisterOptions, Registration, RegistrationRecord, register, register_with,
+    RegisterOptions, Registration, RegistrationRecord, register_with,
 };
 
 /// Points well off any line; flat ones lie in a plane.
@@ -153,12 +148,10 @@ fn the_covariance_agrees_with_simulation() {
         let pose = dice.pose();
         let exact = pairs(&base, &pose);
         let total = f64::hypot(std[0], std[1]);
-        let options = {
-            let mut options = RegisterOptions::default();
-            options.std = Some(total);
-            options.weights = weights;
-            options
-        };
+        let options = with(|o: &mut RegisterOptions| {
+            o.std = Some(total);
+            o.weights = weights;
+        });
         // First order: the covariance at the truth.
         let truth = register_with(&exact, &options).unwrap().covariance;
         let root = truth.cholesky().unwrap();
@@ -225,11 +218,7 @@ fn a_transformed_point_has_the_covariance_of_shift_and_turn() {
     let base = points(&mut dice, 5, false);
     let pose = dice.pose();
     let exact = pairs(&base, &pose);
-    let options = {
-        let mut options = RegisterOptions::default();
-        options.std = Some(4e-5);
-        options
-    };
+    let options = with(|o: &mut RegisterOptions| o.std = Some(4e-5));
     let at = Vector3::new(2.0, -1.0, 0.5);
     let tracker = pose.inverse_transform_point(&at.into()).coords;
     let expected = register_with(&exact, &options).unwrap().covariance_at(&at);
@@ -252,23 +241,17 @@ fn a_pair_of_weight_two_counts_as_two_pairs() {
     let base = points(&mut dice, 5, false);
     let mut noisy = pairs(&base, &dice.pose());
     noisy.iter_mut().for_each(|p| p.base += dice.noise(1e-3));
-    let options = {
-        let mut options = RegisterOptions::default();
-        options.std = Some(1e-3);
-        options.weights = vec![2.0, 1.0, 1.0, 1.0, 1.0];
-        options
-    };
+    let options = with(|o: &mut RegisterOptions| {
+        o.std = Some(1e-3);
+        o.weights = vec![2.0, 1.0, 1.0, 1.0, 1.0];
+    });
     let weighted = register_with(&noisy, &options).unwrap();
     let mut twice = noisy.clone();
     twice.push(PointPair {
         name: "again".to_string(),
         ..noisy[0].clone()
     });
-    let known = {
-        let mut options = RegisterOptions::default();
-        options.std = Some(1e-3);
-        options
-    };
+    let known = with(|o: &mut RegisterOptions| o.std = Some(1e-3));
     let repeated = register_with(&twice, &known).unwrap();
     let difference =
         weighted.base_from_tracker.to_matrix() - repeated.base_from_tracker.to_matrix();

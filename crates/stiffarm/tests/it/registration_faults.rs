@@ -1,15 +1,9 @@
 //! What is wrong with point pairs is refused or named, and what is right is not.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::{fewest, most, runs};
-use nalgebra::{Isometry3, Vector3};
+use crate::common::prelude::*;
+use crate::common::runs::fewest;
 use std::fmt::Write;
-use stiffarm::Code;
-use stiffarm::measure::registration::{
-    PointPair, RegisterOptions, Registration, register, register_with,
-};
+use stiffarm::measure::registration::{RegisterOptions, Registration, register_with};
 
 /// Noise of each coordinate in either frame \[m\]: a laser tracker at a few metres.
 const NOISE: f64 = 2e-5;
@@ -68,6 +62,10 @@ fn codes(found: &Registration) -> Vec<&str> {
     found.findings.iter().map(|f| f.code.as_str()).collect()
 }
 
+fn known(std: f64) -> RegisterOptions {
+    with(|o: &mut RegisterOptions| o.std = Some(std))
+}
+
 fn report(title: &str, pairs: &[PointPair], options: &RegisterOptions) -> String {
     let mut out = format!("# {title}\n");
     match register_with(pairs, options) {
@@ -94,9 +92,9 @@ fn wrong_sets_are_refused() {
     let free = RegisterOptions::default();
     let good = pairs(5, 1);
     let change = |of: &dyn Fn(usize, &mut PointPair)| {
-        let mut changed = good.clone();
-        changed.iter_mut().enumerate().for_each(|(i, p)| of(i, p));
-        changed
+        changed(good.clone(), |o| {
+            o.iter_mut().enumerate().for_each(|(i, p)| of(i, p))
+        })
     };
     let mut out = String::new();
     let mut add = |title: &str, pairs: &[PointPair], options: &RegisterOptions| {
@@ -106,56 +104,32 @@ fn wrong_sets_are_refused() {
     };
     add("no pairs", &[], &free);
     add("two pairs", &good[..2], &free);
-    add(
-        "a name twice",
-        &change(&|i, p| p.name = ["a", "b", "c", "b", "d"][i].to_string()),
-        &free,
-    );
-    add(
-        "not a number",
-        &change(&|i, p| {
+    let on_line = |i: usize| Vector3::new(1.0, 0.2, 0.4) * (0.5 * i as f64);
+    let near = |i: usize| on_line(i) + Vector3::new(0.0, 1e-4 * (i % 2) as f64, 0.0);
+    type Change<'a> = &'a dyn Fn(usize, &mut PointPair);
+    let changes: [(&str, Change<'_>); 10] = [
+        ("a name twice", &|i, p| p.name = "abcbd"[i..=i].to_string()),
+        ("not a number", &|i, p| {
             if i == 2 {
-                p.base.y = f64::NAN
+                p.base.y = f64::NAN;
             }
         }),
-        &free,
-    );
-    let on_line = |i: usize| Vector3::new(1.0, 0.2, 0.4) * (0.5 * i as f64);
-    add(
-        "on a line in tracker axes",
-        &change(&|i, p| p.tracker = on_line(i)),
-        &free,
-    );
-    let near = |i: usize, p: &mut PointPair| {
-        p.base = on_line(i) + Vector3::new(0.0, 1e-4 * (i % 2) as f64, 0.0);
-    };
-    add("on a line in base axes", &change(&near), &free);
-    add(
-        "all the same point",
-        &change(&|_, p| p.tracker = Vector3::new(3.0, 1.0, 0.1)),
-        &free,
-    );
-    add(
-        "metres for millimetres",
-        &change(&|_, p| p.tracker *= 1e-3),
-        &free,
-    );
-    add(
-        "inches for millimetres",
-        &change(&|_, p| p.base /= 25.4),
-        &free,
-    );
-    add("another scale", &change(&|_, p| p.base *= 3.2), &free);
-    add(
-        "mirrored: y reversed",
-        &change(&|_, p| p.tracker.y *= -1.0),
-        &free,
-    );
-    add(
-        "mirrored: base x and y exchanged",
-        &change(&|_, p| p.base = Vector3::new(p.base.y, p.base.x, p.base.z)),
-        &free,
-    );
+        ("on a line in tracker axes", &|i, p| p.tracker = on_line(i)),
+        ("on a line in base axes", &|i, p| p.base = near(i)),
+        ("all the same point", &|_, p| {
+            p.tracker = Vector3::new(3.0, 1.0, 0.1);
+        }),
+        ("metres for millimetres", &|_, p| p.tracker *= 1e-3),
+        ("inches for millimetres", &|_, p| p.base /= 25.4),
+        ("another scale", &|_, p| p.base *= 3.2),
+        ("mirrored: y reversed", &|_, p| p.tracker.y *= -1.0),
+        ("mirrored: base x and y exchanged", &|_, p| {
+            p.base.swap_rows(0, 1);
+        }),
+    ];
+    for (title, of) in changes {
+        add(title, &change(of), &free);
+    }
     let same = pose();
     let parallel = |reverse: fn(&mut Vector3<f64>)| {
         change(&|_, p| {
@@ -183,36 +157,17 @@ fn wrong_sets_are_refused() {
         })
         .collect();
     add("too near to a line for their errors", &thin, &free);
-    let weights = |weights: &[f64]| {
-        let mut options = RegisterOptions::default();
-        options.std = None;
-        options.weights = weights.to_vec();
-        options
-    };
+    let weights = |weights: &[f64]| with(|o: &mut RegisterOptions| o.weights = weights.to_vec());
     add("a weight missing", &good, &weights(&[1.0; 4]));
-    add(
-        "a weight of zero",
-        &good,
-        &weights(&[1.0, 1.0, 0.0, 1.0, 1.0]),
-    );
-    add("no standard deviation", &good, &{
-        let mut options = RegisterOptions::default();
-        options.std = Some(-1.0);
-        options.weights = vec![];
-        options
-    });
+    let zero = weights(&[1.0, 1.0, 0.0, 1.0, 1.0]);
+    add("a weight of zero", &good, &zero);
+    add("no standard deviation", &good, &known(-1.0));
     insta::assert_snapshot!("registration_refusals", out);
 }
 
 #[test]
 fn wrong_pairs_are_named() {
     let free = RegisterOptions::default();
-    let known = |std| {
-        let mut options = RegisterOptions::default();
-        options.std = Some(std);
-        options.weights = vec![];
-        options
-    };
     let mut out = String::new();
     let mut add =
         |title: &str, pairs: &[PointPair], options: &RegisterOptions, expected: &[&str]| {
@@ -235,54 +190,27 @@ fn wrong_pairs_are_named() {
     };
     add("five pairs", &pairs(5, 1), &free, &[]);
     add("three pairs", &pairs(3, 1), &free, &["few-pairs"]);
-    add(
-        "five pairs, p3 off by 1 mm",
-        &off(5, 2, 1.0),
-        &free,
-        &["outlier"],
-    );
-    add(
-        "four pairs, p3 off by 1 mm",
-        &off(4, 2, 1.0),
-        &free,
-        &["outlier"],
-    );
-    add(
-        "four pairs, p3 off by 1 mm, noise known",
-        &off(4, 2, 1.0),
-        &known(3e-5),
-        &["outlier"],
-    );
-    add(
-        "three pairs, p3 off by 1 mm",
-        &off(3, 2, 1.0),
-        &free,
-        &["few-pairs"],
-    );
-    add(
-        "three pairs, p3 off by 1 mm, noise known",
-        &off(3, 2, 1.0),
-        &known(3e-5),
-        &["residuals-exceed-noise", "few-pairs"],
-    );
-    add(
-        "five pairs, p2 and p4 swapped",
-        &swapped(5, 1, 3),
-        &free,
-        &["swapped-points"],
-    );
-    add(
-        "four pairs, p1 and p3 swapped",
-        &swapped(4, 0, 2),
-        &free,
-        &["swapped-points"],
-    );
-    add(
-        "three pairs, p1 and p2 swapped",
-        &swapped(3, 0, 1),
-        &free,
-        &["swapped-points"],
-    );
+    for (words, count, std, expected) in [
+        ("five", 5, None, &["outlier"][..]),
+        ("four", 4, None, &["outlier"]),
+        ("four", 4, Some(3e-5), &["outlier"]),
+        ("three", 3, None, &["few-pairs"]),
+        (
+            "three",
+            3,
+            Some(3e-5),
+            &["residuals-exceed-noise", "few-pairs"],
+        ),
+    ] {
+        let note = if std.is_some() { ", noise known" } else { "" };
+        let title = format!("{words} pairs, p3 off by 1 mm{note}");
+        let options = std.map_or(free.clone(), known);
+        add(&title, &off(count, 2, 1.0), &options, expected);
+    }
+    for (words, count, i, j) in [("five", 5, 1, 3), ("four", 4, 0, 2), ("three", 3, 0, 1)] {
+        let title = format!("{words} pairs, p{} and p{} swapped", i + 1, j + 1);
+        add(&title, &swapped(count, i, j), &free, &["swapped-points"]);
+    }
     let mut order = pairs(5, 4);
     let tracker: Vec<Vector3<f64>> = order.iter().map(|p| p.tracker).collect();
     order
@@ -293,29 +221,16 @@ fn wrong_pairs_are_named() {
     let mut long = pairs(5, 5);
     long.iter_mut().for_each(|p| p.base *= 1.0004);
     add("base axes 0.04 % longer", &long, &free, &["scale"]);
-    add(
-        "noise given too small",
-        &pairs(5, 6),
-        &known(5e-6),
-        &["residuals-exceed-noise"],
-    );
-    let mut flat = BASE.map(Vector3::from);
-    flat.iter_mut().for_each(|p| p.z = 1.0);
-    add(
-        "points in a plane",
-        &noisy(&flat, &pose(), &mut Dice::new(7)),
-        &free,
-        &["hand-unknown"],
-    );
-    let thin: Vec<Vector3<f64>> = (0..5)
-        .map(|i| Vector3::new(1.0 + 0.5 * f64::from(i), 0.01 * f64::from(i % 2), 1.0))
-        .collect();
-    add(
-        "points near a line",
-        &noisy(&thin, &pose(), &mut Dice::new(8)),
-        &free,
-        &["uncertain-turn", "hand-unknown"],
-    );
+    let exceed = ["residuals-exceed-noise"];
+    add("noise given too small", &pairs(5, 6), &known(5e-6), &exceed);
+    let flat = BASE.map(|[x, y, _]| Vector3::new(x, y, 1.0));
+    let flat = noisy(&flat, &pose(), &mut Dice::new(7));
+    add("points in a plane", &flat, &free, &["hand-unknown"]);
+    let thin =
+        [0.0, 1.0, 2.0, 3.0, 4.0].map(|i| Vector3::new(1.0 + 0.5 * i, 0.01 * (i % 2.0), 1.0));
+    let thin = noisy(&thin, &pose(), &mut Dice::new(8));
+    let unsure = ["uncertain-turn", "hand-unknown"];
+    add("points near a line", &thin, &free, &unsure);
     // Whichever corner of a square is off along its diagonal, all four share it.
     let square = [
         [1.0, 0.4, 1.0],
@@ -325,12 +240,8 @@ fn wrong_pairs_are_named() {
     ];
     let mut square = noisy(&square.map(Vector3::from), &pose(), &mut Dice::new(10));
     square[2].base += Vector3::new(0.0, 0.0, 2e-3);
-    add(
-        "a square, p3 out of its plane by 2 mm",
-        &square,
-        &known(3e-5),
-        &["outlier"],
-    );
+    let title = "a square, p3 out of its plane by 2 mm";
+    add(title, &square, &known(3e-5), &["outlier"]);
     let all = register_with(&square, &known(3e-5)).unwrap();
     assert_eq!(all.findings[0].subject, "p1, p2, p3, p4");
     insta::assert_snapshot!("registration_findings", out);
@@ -396,12 +307,8 @@ fn a_wrong_point_is_found_and_rarely_the_wrong_one_is_named() {
                 let mut pairs = anywhere(&mut dice, count);
                 let at = dice.below(count);
                 pairs[at].base += dice.direction() * mm * 1e-3;
-                let options = {
-                    let mut options = RegisterOptions::default();
-                    options.std = known.then_some(NOISE * 2f64.sqrt());
-                    options.weights = vec![];
-                    options
-                };
+                let std = known.then_some(NOISE * 2f64.sqrt());
+                let options = with(|o: &mut RegisterOptions| o.std = std);
                 let Ok(found) = register_with(&pairs, &options) else {
                     refused += 1;
                     continue;
@@ -454,9 +361,7 @@ fn two_swapped_points_are_named() {
             match register(&pairs) {
                 Ok(found) => {
                     let subject = format!("p{}, p{}", i.min(j) + 1, i.max(j) + 1);
-                    let is = |f: &stiffarm::findings::Finding| {
-                        f.code == "swapped-points" && f.subject == subject
-                    };
+                    let is = |f: &Finding| f.code == "swapped-points" && f.subject == subject;
                     match found.findings.iter().any(is) {
                         true => named += 1,
                         false => other += 1,

@@ -1,27 +1,18 @@
 //! What commands ask for, as values: the same numbers as by the parts, and errors that name
 //! the field.
 
-use crate::common::{default_cell, group1};
-use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::estimate::identify::Fit;
+use crate::common::prelude::*;
 use stiffarm::estimate::saved::Saved;
-use stiffarm::estimate::simulate::SimulationOptions;
 use stiffarm::estimate::simulated;
-use stiffarm::estimate::validate::{Model, cross_validate, validate_with};
 use stiffarm::estimate::validated::{self, Folds};
-use stiffarm::files::builtin;
 use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registered;
-use stiffarm::measure::{Measured, prepare};
-use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::poses;
 use stiffarm::work::along::PathOptions;
 use stiffarm::work::mapped::{self, LoadSource};
 use stiffarm::work::placed;
-use stiffarm::work::predict::predict;
 use stiffarm::work::predicted;
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
-use stiffarm::{Code, Control, Error, simulated_readings};
 
 fn key(error: Error) -> (Code, String) {
     (error.code(), error.place().key.clone().unwrap_or_default())
@@ -240,7 +231,7 @@ fn a_registration_leaves_out_pairs_by_name() {
 #[test]
 fn postures_come_back_from_their_poses() {
     let cell = default_cell();
-    let postures = PostureGroup::from_angles("", group1()).postures;
+    let postures = numbered(group1());
     let request = poses::Request {
         point: poses::PosePoint::Tip,
         ..poses::Request::new(&cell, None).unwrap()

@@ -1,22 +1,9 @@
 //! The cell's own load turns when the arm gives way, whichever way its wrench
 //! comes: held against a fixed-point iteration written for these tests.
 
-use crate::common;
-
-use common::{group1, reference_cell};
-use nalgebra::{DVector, Vector3, Vector6};
-use stiffarm::Control;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
+use crate::common::prelude::*;
 use stiffarm::estimate::diagnose::second_order_shares;
-use stiffarm::estimate::validate::{Model, calculated_displacements};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::Posture;
-use stiffarm::work::predict::{LoadPoint, PredictOptions, predict};
+use stiffarm::work::predict::LoadPoint;
 
 /// A point of the deflected arm less the same of the unloaded one, by
 /// θ ← θ₀ + K⁻¹ J(θ)ᵀ W(θ), `wrench` from the frames and the loading point.
@@ -62,23 +49,10 @@ fn own(cell: &Cell, q: &[f64], factor: f64) -> Wrench {
 }
 
 fn state(q: &[f64], wrench: Option<Wrench>) -> MeasuredPosture {
+    let posture = numbered([q.to_vec()]).remove(0);
     MeasuredPosture {
-        posture: Posture {
-            name: "1".to_string(),
-            q: q.to_vec(),
-        },
-        state: "loaded".to_string(),
         wrench,
-        common_readings: [0.0; 2],
-        servo_deflection: None,
-        displacements: Vec::new(),
-    }
-}
-
-fn magnitude(cell: &Cell) -> f64 {
-    match cell.setup.load {
-        Load::Rope { magnitude, .. } => magnitude,
-        _ => panic!("no rope"),
+        ..MeasuredPosture::new(posture, Vec::new())
     }
 }
 
@@ -93,7 +67,7 @@ fn a_load_state_of_the_rope_pulls_towards_the_anchor() {
             let measured = state(&q, Some(wrench));
             let ours =
                 calculated_displacements(&cell, &measured, stiffness, Model::Equilibrium).unwrap();
-            let pull = rope(&cell, magnitude(&cell) * factor);
+            let pull = rope(&cell, cell.setup.load.size().unwrap() * factor);
             for (point, ours) in cell.setup.tool.measuring_points.iter().zip(&ours) {
                 let exact = by_iteration(&cell, &q, &point.position, &pull);
                 assert!((exact - ours).norm() < 1e-12, "{exact} {ours}");
@@ -103,7 +77,7 @@ fn a_load_state_of_the_rope_pulls_towards_the_anchor() {
             // What `identify` says of the linear model.
             let shares = second_order_shares(&cell, &[measured], stiffness).unwrap();
             let terms = PostureTerms::new(&cell.setup, &q, Some(&wrench)).unwrap();
-            let compliance = DVector::from_iterator(6, stiffness.iter().map(|k| 1.0 / k));
+            let compliance = compliance_of(stiffness);
             let linear = terms.block(&cell.setup.robot) * compliance;
             let differences = cell.setup.tool.measuring_points.iter().enumerate();
             let largest = differences
@@ -132,21 +106,11 @@ fn a_prediction_under_the_cells_load_follows_it() {
                 axes: Axes::Tool,
             };
         }
-        let predictor =
-            IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
+        let predictor = prior(&cell);
         let tip = cell.work.tip(&cell.setup.tool).translation.vector;
         for q in group1() {
-            let posture = LoadedPosture {
-                name: "1".into(),
-                line: None,
-                q: q.clone(),
-                wrench: own(&cell, &q, 1.0),
-            };
-            let options = {
-                let mut options = PredictOptions::default();
-                options.load_at = LoadPoint::LoadingPoint;
-                options
-            };
+            let posture = LoadedPosture::new("1", q.clone(), own(&cell, &q, 1.0));
+            let options = with(|o: &mut PredictOptions| o.load_at = LoadPoint::LoadingPoint);
             let found = predict(
                 &cell,
                 &predictor,

@@ -1,14 +1,8 @@
 //! Rounding, equivalent postures and the route on cells whose answers are known.
 
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stiffarm::Control;
-use stiffarm::files::builtin;
-use stiffarm::model::cell::{Cell, LimitKind};
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::route::{Route, RouteOptions, rounded, route};
-use stiffarm::plan::select::{
-    GlobalOptions, LocalOptions, StartKind, random_group, select, select_from,
-};
+use stiffarm::plan::route::{Route, RouteOptions, route};
 
 fn routed(cell: &Cell, plan: &[Vec<f64>], keep_angles: bool) -> Route {
     let mut options = RouteOptions::default();
@@ -26,8 +20,7 @@ fn degrees(q: &[f64]) -> Vec<f64> {
 #[test]
 fn a_plan_on_its_limits_is_rounded_to_the_inside_of_them() {
     let cell = builtin::cell("comau-shapes").unwrap();
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(1);
+    let options = rounds(1);
     let found = select(&cell, Index::ExpectedError, 6, &options, Control::default()).unwrap();
     let typed = rounded(&cell, &found.group, 0.01).unwrap();
     let mut margins = cell.posture_margins().unwrap();
@@ -73,9 +66,9 @@ fn the_wrist_the_other_way_round_and_full_turns_measure_the_same() {
     // The same with the wrist turned by half a turn, and another posture beside it.
     let mut flipped = near.clone();
     flipped[0] = 0.15;
-    flipped[3] -= std::f64::consts::PI;
+    flipped[3] -= PI;
     flipped[4] *= -1.0;
-    flipped[5] += std::f64::consts::PI;
+    flipped[5] += PI;
     let plan = rounded(&cell, &[near.clone(), flipped], 0.01).unwrap();
     let kept = routed(&cell, &plan, true);
     assert!(kept.turned.is_empty() && kept.turn > 3.0, "{kept:?}");
@@ -144,9 +137,7 @@ fn what_stands_in_the_way_is_driven_around() {
     // The straight move comes nearer to the column than half of what shapes keep.
     let margin = |q: &[f64]| {
         let margins = cell.posture_margins().unwrap().named(q).unwrap();
-        let shapes = margins
-            .into_iter()
-            .filter(|m| m.kind == stiffarm::model::cell::LimitKind::Shapes);
+        let shapes = margins.into_iter().filter(|m| m.kind == LimitKind::Shapes);
         shapes.map(|m| m.margin).fold(f64::INFINITY, f64::min)
     };
     let half = 0.5 * cell.scene.clearance();
@@ -270,12 +261,9 @@ fn postures_in_the_way_are_not_searched_for() {
     // The question is asked at every look, so that a stop is heard at once.
     let count = AtomicUsize::new(0);
     let stop = || count.fetch_add(1, Ordering::Relaxed) >= 20;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let error = route(&cell, &bad, &options, control).unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::Interrupted);
+    assert_eq!(error.code(), Code::Interrupted);
     assert!(count.into_inner() < 30);
 }
 
@@ -311,9 +299,9 @@ fn one_flange_pose_with_the_wrist_both_ways_is_one_posture_measured_twice() {
     let cell = builtin::cell("comau").unwrap();
     let first = vec![0.1, 0.1, -1.6, 0.3, 0.8, 0.2];
     let mut flipped = first.clone();
-    flipped[3] -= std::f64::consts::PI;
+    flipped[3] -= PI;
     flipped[4] *= -1.0;
-    flipped[5] += std::f64::consts::PI;
+    flipped[5] += PI;
     let other = vec![0.6, 0.2, -1.4, 0.3, 0.8, 0.2];
     let plan = rounded(&cell, &[first, flipped, other], 0.01).unwrap();
     let found = routed(&cell, &plan, false);

@@ -1,34 +1,20 @@
 //! What an identification seals is what is calculated with later, and nobody changes it unseen.
 
-use crate::common;
-
-use nalgebra::{DMatrix, Isometry3, Vector3};
+use crate::common::prelude::*;
 use serde_json::{Value, json};
 use std::sync::LazyLock;
-use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::files::envelope::write_result;
 use stiffarm::files::stiffness::read_stiffness;
-use stiffarm::findings::Severity;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::ExtraTerm;
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::PostureGroup;
 use stiffarm::work::compensate::{CompensateOptions, compensate};
-use stiffarm::work::predict::predict;
-use stiffarm::{Code, Control, Error, prepare};
 
 fn cell() -> Cell {
-    common::default_cell()
+    default_cell()
 }
 
 fn measured(cell: &Cell) -> Vec<MeasuredPosture> {
-    let postures = PostureGroup::from_angles("Group 1", common::group1()).postures;
+    let postures = numbered(group1());
     let truth = cell.prior.clone().unwrap();
     simulate_measurements(cell, &postures, &truth, Model::Linear, 5, 0).unwrap()
 }
@@ -44,9 +30,9 @@ fn identified(fit: &Fit, elastic: ElasticChoice) -> Identified {
 }
 
 fn terms() -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)];
-    options
+    with(|o: &mut IdentifyOptions| {
+        o.extra = vec![ExtraTerm::JointTilt(2), ExtraTerm::LostMotion(1)]
+    })
 }
 
 /// The result with what made it, sealed.
@@ -134,7 +120,7 @@ fn the_largest_displacement_is_that_of_a_point() {
         let force = Vector3::new(0.0, 0.0, -factor * force);
         vec![LoadedPosture::new(
             "a",
-            common::group1()[0].clone(),
+            group1()[0].clone(),
             Wrench::force(force),
         )]
     };
@@ -180,8 +166,7 @@ fn another_layout_leaves_the_seal_whole() {
 
 #[test]
 fn every_estimator_writes_what_can_be_read() {
-    use Estimator::{Huber, NonNegative, Ordinary, Prior, TwoVariance, Weighted};
-    for estimator in [Ordinary, Weighted, TwoVariance, Huber, NonNegative, Prior] {
+    for estimator in Estimator::ALL {
         for noise in [NoiseSource::Estimated, NoiseSource::Known] {
             let mut options = IdentifyOptions::default();
             options.estimator = estimator;
@@ -235,51 +220,26 @@ fn an_earlier_version_is_told_apart_and_what_does_not_fit_is_refused() {
     let without = changed("/result/sealed", Value::Null);
     let error = read_text(&sealed_anew(without)).unwrap_err();
     assert_eq!(error.place().key.as_deref(), Some("result.sealed"));
-    let names = ["a", "b", "c", "d", "e", "f"];
-    for (pointer, value, key) in [
-        (
-            "/result/sealed/springs",
-            json!(names),
-            "result.sealed.springs",
-        ),
-        ("/result/sealed/values/0", json!("soft"), "result.sealed"),
-        ("/result/sealed/values", json!([1e-6]), "result.sealed"),
-        ("/result/sealed/extra", json!([]), "result.sealed"),
-        (
-            "/result/sealed/extra/0",
-            json!({"joint_tilt": 77}),
-            "result.sealed",
-        ),
-        ("/result/sealed/undetermined", json!([9]), "result.sealed"),
-        (
-            "/result/sealed/spread/covariance",
-            json!([[1.0]]),
-            "result.sealed",
-        ),
-        (
-            "/result/sealed/spread/covariance/2",
-            json!([1.0]),
-            "result.sealed",
-        ),
-        (
-            "/result/sealed/spread/confidence",
-            json!(95),
-            "result.sealed",
-        ),
-        ("/result/sealed/common/mean", json!([0.0]), "result.sealed"),
-        (
-            "/result/sealed/common/parts/0/change",
-            json!([]),
-            "result.sealed",
-        ),
-        ("/command", json!("predict"), "command"),
-    ] {
+    for [pointer, value, key] in table(
+        r#"
+        /result/sealed/springs | ["a", "b", "c", "d", "e", "f"] | result.sealed.springs
+        /result/sealed/values/0 | "soft" | result.sealed
+        /result/sealed/values | [1e-6] | result.sealed
+        /result/sealed/extra | [] | result.sealed
+        /result/sealed/extra/0 | {"joint_tilt": 77} | result.sealed
+        /result/sealed/undetermined | [9] | result.sealed
+        /result/sealed/spread/covariance | [[1.0]] | result.sealed
+        /result/sealed/spread/covariance/2 | [1.0] | result.sealed
+        /result/sealed/spread/confidence | 95 | result.sealed
+        /result/sealed/common/mean | [0.0] | result.sealed
+        /result/sealed/common/parts/0/change | [] | result.sealed
+        /command | "predict" | command
+        "#,
+    ) {
+        let value = serde_json::from_str(value).unwrap();
         let error = read_text(&sealed_anew(changed(pointer, value))).expect_err(pointer);
-        assert_eq!(
-            error.place().key.as_deref(),
-            Some(key),
-            "{pointer}: {error}"
-        );
+        let place = error.place();
+        assert_eq!(place.key.as_deref(), Some(key), "{pointer}: {error}");
         assert_eq!(error.code(), Code::ResultFile, "{pointer}: {error}");
     }
     let error = read(&changed("/format", json!(2))).unwrap_err();
@@ -320,7 +280,7 @@ fn an_undetermined_joint_matters_where_the_load_bends_it() {
     assert_eq!(predictor.doubts[0].code, "stiffness-undetermined");
     assert!(predictor.doubts[0].sentence.contains("joint 6"));
     let force = Wrench::force([100.0, -200.0, -300.0]);
-    let work = [LoadedPosture::new("a", common::group1()[1].clone(), force)];
+    let work = [LoadedPosture::new("a", group1()[1].clone(), force)];
     let mut bend = |tip: [f64; 3]| {
         cell.work.tip = Some(Isometry3::translation(tip[0], tip[1], tip[2]));
         predict(
@@ -362,7 +322,7 @@ fn a_compliance_below_zero_is_a_broad_one() {
     let joint = &mut found.estimates.joints[4];
     joint.compliance = Some(own);
     joint.stiffness = None;
-    joint.verdict = stiffarm::estimate::identify::Verdict::LowerBoundOnly;
+    joint.verdict = Verdict::LowerBoundOnly;
     for row in 0..6 {
         let free = if row == 4 {
             Some(error * error)
@@ -372,14 +332,14 @@ fn a_compliance_below_zero_is_a_broad_one() {
         found.estimates.covariance[4][row] = free;
         found.estimates.covariance[row][4] = free;
     }
-    let open = stiffarm::IdentifiedCompliance::from_identification(&cell, &found).unwrap();
+    let open = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
     assert_eq!(open.doubts.len(), 1);
     assert_eq!(open.doubts[0].code, "stiffness-open");
     assert_eq!(open.doubts[0].severity, Severity::Caution);
     assert!(open.doubts[0].sentence.contains("joint 5"));
     let closed = fit.compliance().unwrap();
     let force = Wrench::force([100.0, -200.0, -300.0]);
-    let work = [LoadedPosture::new("a", common::group1()[1].clone(), force)];
+    let work = [LoadedPosture::new("a", group1()[1].clone(), force)];
     let bend = |predictor| {
         predict(
             &cell,
@@ -410,30 +370,17 @@ fn lists_by_hand() {
     let k = [1e6, 2e6, 3e6, 1e5, 1e5, 1e5];
     let saved = read(&json!({"stiffness_nm_per_rad": k})).unwrap();
     assert_eq!(saved.predictor.spread, None);
-    for (value, key) in [
-        (
-            json!({"stiffness_nm_per_rad": k, "confidence": 0.9}),
-            "confidence",
-        ),
-        (
-            json!({"stiffness_nm_per_rad": [1e6]}),
-            "stiffness_nm_per_rad",
-        ),
-        (json!({"stiffness_nm_per_rad": 3}), "stiffness_nm_per_rad"),
-        (
-            json!({"stiffness_nm_per_rad": [1e6, 1e6, -1, 1, 1, 1]}),
-            "stiffness_nm_per_rad[2]",
-        ),
-        (
-            json!({"stiffness_nm_per_rad": [1e6, 1e6, 1e300, 1, 1, 1]}),
-            "stiffness_nm_per_rad[2]",
-        ),
-        (
-            json!({"stiffness_nm_per_rad": [null, 1e6, 1, 1, 1, 1]}),
-            "stiffness_nm_per_rad[0]",
-        ),
-    ] {
-        let error = read(&value).unwrap_err();
+    for [text, key] in table(
+        r#"
+        {"stiffness_nm_per_rad": [1e6, 2e6, 3e6, 1e5, 1e5, 1e5], "confidence": 0.9} | confidence
+        {"stiffness_nm_per_rad": [1e6]} | stiffness_nm_per_rad
+        {"stiffness_nm_per_rad": 3} | stiffness_nm_per_rad
+        {"stiffness_nm_per_rad": [1e6, 1e6, -1, 1, 1, 1]} | stiffness_nm_per_rad[2]
+        {"stiffness_nm_per_rad": [1e6, 1e6, 1e300, 1, 1, 1]} | stiffness_nm_per_rad[2]
+        {"stiffness_nm_per_rad": [null, 1e6, 1, 1, 1, 1]} | stiffness_nm_per_rad[0]
+        "#,
+    ) {
+        let error = read_text(text).unwrap_err();
         assert_eq!(error.place().key.as_deref(), Some(key), "{error}");
     }
     let error = read(&json!({"joints": [{"stiffness": 1e6}]})).unwrap_err();

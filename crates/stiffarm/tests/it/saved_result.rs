@@ -1,14 +1,10 @@
 //! Any saved result is read back as what was written, or refused with a reason.
 
+use crate::common::prelude::*;
 use serde_json::{Value, json};
-use stiffarm::files::builtin;
 use stiffarm::files::envelope::write_result;
 use stiffarm::files::result::{SavedResult, read_result};
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::{Selection, select_from};
 use stiffarm::study::{Study, StudyOptions, study};
-use stiffarm::{Code, Control};
 
 fn wrapped(result: Value) -> Value {
     json!({
@@ -118,19 +114,15 @@ fn what_is_no_result_is_refused() {
         (error.code(), error.place().line),
         (Code::ResultFile, Some(2))
     );
-    for (text, said) in [
-        ("[]", "not a result of stiffarm"),
-        ("{\"format\": 3}", "format 3"),
-        (
-            "{\"format\": 1, \"command\": \"study\"}",
-            "lacks one of the keys",
-        ),
-        (
-            "{\"error\": {\"message\": \"No.\"}}",
-            "holds the error of a command",
-        ),
-        ("{\"format\": 1, \"format\": 1}", "format"),
-    ] {
+    for [text, said] in table(
+        r#"
+        [] | not a result of stiffarm
+        {"format": 3} | format 3
+        {"format": 1, "command": "study"} | lacks one of the keys
+        {"error": {"message": "No."}} | holds the error of a command
+        {"format": 1, "format": 1} | format
+        "#,
+    ) {
         let error = refused(text);
         assert_eq!(error.code(), Code::ResultFile);
         assert!(error.message().contains(said), "{}", error.message());

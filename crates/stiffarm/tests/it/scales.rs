@@ -6,16 +6,13 @@ mod experiments;
 #[path = "../../examples/scales/faults.rs"]
 mod faults;
 
-use crate::common::runs::{fewest, most, runs};
+use crate::common::prelude::*;
+use crate::common::runs::fewest;
 use experiments::{Dice, KINDS, Kind, ROBOTS, sound};
 use faults::{FAULTS, OTHERS, Outcome, findings, judge};
 use rayon::prelude::*;
-use stiffarm::findings::Severity;
-use stiffarm::measure::screening::{Cause, Evidence, screen, screen_displacements};
-use stiffarm::model::measurement::{Measurements, ReadingTarget};
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
-use stiffarm::nalgebra::Isometry3;
-use stiffarm::prepare;
+use stiffarm::measure::screening::{Cause, Evidence, screen_displacements};
+use stiffarm::model::measurement::Measurements;
 
 /// Another seed than that of the table in docs/readings.md.
 const SEED: u64 = 7;
@@ -175,13 +172,8 @@ fn one_point_and_the_arms_reach_tell_units_too() {
     );
     // Lengths of a robot of one's own, in metres where millimetres are asked for.
     let mut experiment = sound(0, 2, Kind::RopeLoads, SEED);
-    let right = std::f64::consts::FRAC_PI_2;
-    let row = |alpha: f64, a: f64, d: f64| DhRow {
-        alpha,
-        a: a * 1e-6,
-        d: d * 1e-6,
-        offset: 0.0,
-    };
+    let right = FRAC_PI_2;
+    let row = |alpha, a: f64, d: f64| [alpha, a * 1e-6, d * 1e-6, 0.0];
     let rows = [
         row(0.0, 0.0, 830.0),
         row(-right, 400.0, 0.0),
@@ -190,8 +182,7 @@ fn one_point_and_the_arms_reach_tell_units_too() {
         row(right, 0.0, 0.0),
         row(-right, 0.0, 230.0),
     ];
-    experiment.cell.setup.robot =
-        Robot::from_dh("own", DhConvention::Modified, &rows, Isometry3::identity()).unwrap();
+    experiment.cell.setup.robot = chain("own", DhConvention::Modified, &rows);
     let found = screen(&experiment.cell, &experiment.table, None).unwrap();
     assert_eq!(found.suspicions.len(), 1, "{:?}", found.findings);
     assert_eq!(found.suspicions[0].cause, Cause::RobotUnits);

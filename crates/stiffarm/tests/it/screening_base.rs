@@ -1,20 +1,8 @@
 //! Screening of experiments whose base moves and carries reflectors.
 
-use crate::common;
-
-use common::random::Dice;
-use common::readings::{base_reflectors, pose, states};
-use nalgebra::Vector3;
-use stiffarm::files::builtin;
-use stiffarm::measure::experiment::{
-    BaseCompliance, Experiment, ForceRecord, TrackerNoise, experiment,
-};
-use stiffarm::measure::reduction::{ReduceOptions, reduce};
-use stiffarm::measure::screening::{Cause, Screening, screen};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::ReadingTable;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::select::{StartKind, random_group};
+use crate::common::prelude::*;
+use crate::common::readings::{base_reflectors, pose, states};
+use stiffarm::measure::screening::{Cause, Screening};
 
 /// Six random postures on a base that gives way under the load, and that sways
 /// by 0.3 mm somewhere else from state to state: as much as the light load moves
@@ -37,7 +25,7 @@ fn table(cell: &Cell, seed: u64) -> ReadingTable {
         ..Experiment::default()
     };
     let truth = cell.require_prior().unwrap();
-    let postures = PostureGroup::from_angles("", q).postures;
+    let postures = numbered(q);
     let mut table = experiment(cell, &postures, truth, &done, seed, 0).unwrap();
     for posture in &mut table.postures {
         for state in &mut posture.states[1..] {
@@ -62,21 +50,15 @@ fn a_moving_base_is_no_exchange_of_loaded_and_unloaded_rows() {
     for seed in 0..40 {
         let table = table(&cell, seed);
         let screening = screen(&cell, &table, None).unwrap();
-        assert!(
-            screening.findings.is_empty(),
-            "seed {seed}: {:?}",
-            screening.findings
-        );
+        let findings = &screening.findings;
+        assert!(findings.is_empty(), "seed {seed}: {findings:?}");
         let reduced = reduce(&cell, &table, &ReduceOptions::default()).unwrap();
         let motions = reduced.base_motion.iter();
         largest.push(motions.map(|m| m.largest_correction_m).fold(0.0, f64::max));
     }
     largest.sort_by(f64::total_cmp);
-    assert!(
-        largest[20] > 1.5e-4,
-        "the base moves by 0.3 mm: {}",
-        largest[20]
-    );
+    let largest = largest[20];
+    assert!(largest > 1.5e-4, "the base moves by 0.3 mm: {largest}");
 }
 
 #[test]

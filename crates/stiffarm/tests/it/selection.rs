@@ -3,23 +3,15 @@
 //!
 //! `cargo test --test selection -- --nocapture` prints what was reached.
 
-use crate::common;
-
-use common::groups::{limits_around, ln_index, violation};
-use common::random::Dice;
-use common::{cases, default_cell, group1, random_group as reference_group, reference_cell};
+use crate::common::groups::{limits_around, ln_index, violation};
+use crate::common::prelude::*;
+use crate::common::random_group as reference_group;
 use proptest::prelude::*;
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
 use stiffarm::model::dexterity;
-use stiffarm::model::kinematics::Frames;
 use stiffarm::plan::characteristic_length::characteristic_length;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::{Selection, StartKind, random_group, select_from, smallest_margin};
-use stiffarm::{Control, Termination};
 
 fn select(cell: &Cell, index: Index, start: &[Vec<f64>]) -> Selection {
-    select_from(cell, index, start, Options::default(), Control::default()).unwrap()
+    local(cell, index, start).unwrap()
 }
 
 /// Mean over the joints of the expected deviation at level 2, in percent.
@@ -141,11 +133,8 @@ fn selections_within_bounds_are_optimal_and_as_good_as_known() {
             plan.termination,
             mean_deviation(&cell, &plan.group),
         );
-        assert!(
-            plan.value <= limit,
-            "{index:?}: {} above {limit}",
-            plan.value
-        );
+        let value = plan.value;
+        assert!(value <= limit, "{index:?}: {value} above {limit}");
         assert_eq!(plan.termination, Termination::Converged, "{index:?}");
         assert!(
             stationarity < 5e-3,
@@ -333,7 +322,7 @@ fn random_groups_meet_bounds_limits_and_their_kind() {
     let mut impossible = cell.clone();
     impossible.limits.rope_length = Some([50.0, 60.0]);
     let error = random_group(&impossible, StartKind::Uniform, 1, 5, 0).unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::InvalidValue);
+    assert_eq!(error.code(), Code::InvalidValue);
 }
 
 #[test]
@@ -349,15 +338,8 @@ fn a_start_outside_bounds_and_limits_is_led_inside() {
     // Limits that contradict each other are an error, not a plan.
     let mut impossible = cell;
     impossible.limits.rope_length = Some([8.0, 9.0]);
-    let error = select_from(
-        &impossible,
-        Index::D,
-        &start,
-        Options::default(),
-        Control::default(),
-    )
-    .unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::InvalidValue);
+    let error = local(&impossible, Index::D, &start).unwrap_err();
+    assert_eq!(error.code(), Code::InvalidValue);
 }
 
 #[test]
@@ -366,10 +348,7 @@ fn a_stopped_search_says_so_and_gives_its_best() {
     let cell = reference_cell();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 40;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let plan = select_from(
         &cell,
         Index::ExpectedError,

@@ -1,16 +1,7 @@
 //! Servo deflection against the reference that a displacement is taken against.
 
-use crate::common;
-
-use common::readings::{GIVE, postures, reduced, states, take, tracker_pose};
-use common::reference_cell;
-use stiffarm::estimate::identify::{IdentifyOptions, identify};
-use stiffarm::measure::experiment::{Experiment, ExperimentState, ForceRecord};
-use stiffarm::measure::prepare;
-use stiffarm::measure::reduction::ReduceOptions;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::measurement::{ReadingTable, ReadingTarget};
+use crate::common::prelude::*;
+use crate::common::readings::{GIVE, keep, postures, reduced, states, take, tracker_pose};
 
 /// Angle by which the controller stands elsewhere in the two references \[rad\].
 const OFF: [f64; 6] = [2e-6, -3e-6, 2.5e-6, 4e-6, -3e-6, 5e-6];
@@ -54,11 +45,7 @@ fn table(cell: &Cell, states: Vec<ExperimentState>, seconds: f64) -> ReadingTabl
 
 /// Largest relative error of the identified stiffness.
 fn error(cell: &Cell, table: &ReadingTable) -> f64 {
-    let given = {
-        let mut options = ReduceOptions::default();
-        options.base_from_tracker = Some(tracker_pose());
-        options
-    };
+    let given = with(|o: &mut ReduceOptions| o.base_from_tracker = Some(tracker_pose()));
     let measured = prepare(cell, table.clone(), &given).unwrap();
     let found = identify(cell, &measured, &IdentifyOptions::default()).unwrap();
     let prior = cell.prior.as_ref().unwrap();
@@ -107,8 +94,7 @@ fn a_point_that_one_reference_lacks_has_another_reference() {
     let mut table = table(&cell, states(&between), 0.0);
     for posture in &mut table.postures {
         let last = posture.states.last_mut().unwrap();
-        last.readings
-            .retain(|r| r.target != ReadingTarget::Point(1));
+        keep(last, |t| *t != ReadingTarget::Point(1));
     }
     let error = error(&cell, &table);
     assert!(error < 1e-6, "{error}");

@@ -1,18 +1,10 @@
 //! Space-filling groups: inside the limits, evenly spread, reproducible.
 
-use crate::common;
-
-use common::{cases, default_cell, random::Dice, reference_cell};
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::f64::consts::{PI, TAU};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::plan::index::evaluate;
-use stiffarm::plan::select::{
-    self, StartKind, joint_distance, random_group, smallest_distance, smallest_margin,
-};
-use stiffarm::{Code, Control, Result, Termination};
+use std::f64::consts::TAU;
+use stiffarm::Result;
+use stiffarm::plan::select::{self, joint_distance, smallest_distance};
 
 /// The postures alone, of a search that nobody stops.
 fn space_filling(cell: &Cell, count: usize, seed: u64) -> Result<Vec<Vec<f64>>> {
@@ -208,10 +200,7 @@ fn a_stopped_search_gives_the_postures_so_far() {
     let after = |most: usize| {
         asked.store(0, std::sync::atomic::Ordering::Relaxed);
         let stop = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) > most;
-        let control = Control {
-            stop: Some(&stop),
-            progress: None,
-        };
+        let control = stopped_by(&stop);
         select::space_filling(&cell, 40, 1, control)
     };
     assert_eq!(after(10).unwrap_err().code(), Code::Interrupted);

@@ -1,22 +1,14 @@
 //! How a running experiment stands: forecasts against what the further postures bring.
 
-use stiffarm::Control;
+use crate::common::prelude::*;
 use stiffarm::estimate::forecast::forecast;
-use stiffarm::estimate::identify::{Fit, IdentifyOptions};
-use stiffarm::estimate::next_posture::{next_posture, planned_errors};
+use stiffarm::estimate::next_posture::planned_errors;
 use stiffarm::estimate::standing::{is_better, standing};
-use stiffarm::estimate::systematic::systematic_errors;
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::files::builtin;
-use stiffarm::measure::Measured;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::plan::select::{GlobalOptions, StartKind, random_group};
 
 fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
     let cell = builtin::cell("comau").unwrap();
     let group = random_group(&cell, StartKind::Uniform, 12, seed, 0).unwrap();
-    let postures = PostureGroup::from_angles("plan", group).postures;
+    let postures = numbered(group);
     let truth = cell.prior.clone().unwrap();
     let measured =
         simulate_measurements(&cell, &postures[..count], &truth, Model::Linear, seed, 0).unwrap();
@@ -87,8 +79,7 @@ fn a_goal_is_reached_ahead_or_out_of_reach() {
 #[test]
 fn a_far_better_posture_is_worth_naming_and_an_equal_one_is_not() {
     let (fit, _) = fitted(5, 2);
-    let mut options = GlobalOptions::default();
-    options.rounds = Some(1);
+    let options = rounds(1);
     let best = next_posture(&fit, &options, Control::default()).unwrap();
     // The best itself as the planned one: no reason to leave the plan.
     let same = planned_errors(&fit, std::slice::from_ref(&best.angles)).unwrap();
@@ -152,7 +143,7 @@ fn a_plan_promises_what_identify_prints_of_it() {
 fn nothing_is_promised_without_a_load_or_a_prior() {
     let (fit, plan) = fitted(6, 1);
     let mut cell = fit.cell().clone();
-    cell.setup.load = stiffarm::model::load::Load::Measured;
+    cell.setup.load = Load::Measured;
     assert!(forecast(&cell, &plan).is_err());
     let mut cell = fit.cell().clone();
     cell.prior = None;

@@ -1,14 +1,9 @@
 //! The study as a whole: what it holds, that it repeats, and what it says in
 //! set-ups where parts of it do not exist.
 
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stiffarm::estimate::simulate::SimulationOptions;
-use stiffarm::files::builtin;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::index::Index;
 use stiffarm::study::{Study, StudyOptions, study};
-use stiffarm::{Control, Termination};
 
 fn cell() -> Cell {
     builtin::cell("comau").unwrap()
@@ -22,16 +17,12 @@ fn group_1(cell: &Cell) -> PostureGroup {
 }
 
 fn options(starts: usize, max_iterations: u64) -> StudyOptions {
-    let mut own = StudyOptions::default();
-    own.simulation = {
-        let mut options = SimulationOptions::default();
-        options.runs = 50;
-        options
-    };
-    own.starts = starts;
-    own.q1_draws = 40;
-    own.max_iterations = max_iterations;
-    own
+    changed(StudyOptions::default(), |o| {
+        o.simulation = with(|o: &mut SimulationOptions| o.runs = 50);
+        o.starts = starts;
+        o.q1_draws = 40;
+        o.max_iterations = max_iterations;
+    })
 }
 
 fn run(cell: &Cell, options: &StudyOptions) -> Study {
@@ -102,11 +93,9 @@ fn the_default_cell_has_every_part_of_the_paper() {
 fn the_number_of_threads_changes_nothing() {
     let cell = cell();
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        pool.install(|| serde_json::to_string(&run(&cell, &options(2, 60))).unwrap())
+        on_threads(threads, || {
+            serde_json::to_string(&run(&cell, &options(2, 60))).unwrap()
+        })
     };
     let one = with(1);
     assert_eq!(one, with(2));
@@ -123,10 +112,7 @@ fn a_stopped_study_keeps_what_it_has() {
         asked.store(true, Ordering::Relaxed);
         true
     };
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let result = study(&cell, &initial, &options(6, 1000), control).unwrap();
     assert!(asked.load(Ordering::Relaxed));
     assert!(result.interrupted && has(&result, "interrupted"));
@@ -168,7 +154,7 @@ fn five_joints_have_no_dexterity_and_no_paper_order() {
                 position_mm = [50, 0, 100]\n[[tool.measuring_point]]\nname = \"b\"\nposition_mm = [0, 50, 100]\n[load]\n\
                 kind = \"rope\"\nmagnitude_n = 300\nanchor_mm = [1500, 0, -500]\n[stiffness]\nprior_nm_per_rad = [5e5, \
                 1e6, 5e5, 1e5, 1e5]\n";
-    let cell = stiffarm::files::cell::parse_cell(text, "five.toml").unwrap();
+    let cell = parse_cell(text, "five.toml").unwrap();
     let angles = [
         [0.2, 0.3, 0.5, 0.7, 0.9],
         [-0.5, 0.2, 0.9, -0.3, 0.6],

@@ -1,74 +1,43 @@
 //! Common errors and what they do to the joint stiffness, held against
 //! experiments in which the error was really made; profile of the likelihood.
 
-use crate::common;
+use crate::common::prelude::*;
+use nalgebra::Rotation3;
+use stiffarm::estimate::identify::profile;
+use stiffarm::estimate::systematic::SystematicErrors;
 
-use nalgebra::{Matrix6, Rotation3, Vector3};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, NoiseSource, Weights, identify, profile,
-};
-use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource, systematic_errors};
-use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::internals::measured_system;
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::tool::SeriesCompliance;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::select::select_from;
-
-const ARC_MINUTE: f64 = std::f64::consts::PI / 180.0 / 60.0;
+const ARC_MINUTE: f64 = PI / 180.0 / 60.0;
 
 /// The default cell without noise.
 fn quiet_cell() -> Cell {
-    let mut cell = common::default_cell();
-    cell.noise.reading_variance = 0.0;
-    cell
+    changed(default_cell(), |o| o.noise.reading_variance = 0.0)
 }
 
 fn truth(cell: &Cell) -> Vec<f64> {
     cell.prior.clone().unwrap()
 }
 
-fn group_1() -> Vec<Posture> {
-    PostureGroup::from_angles("Group 1", common::group1()).postures
-}
-
 /// The plan of the expected-error index from Group 1.
 fn plan(cell: &Cell) -> Vec<Posture> {
-    let from = common::group1();
-    let (options, control) = (Options::default(), Control::default());
-    let selection = select_from(cell, Index::ExpectedError, &from, options, control).unwrap();
-    selection.to_group("plan").postures
+    numbered(local(cell, Index::ExpectedError, &group1()).unwrap().group)
+}
+
+fn budget(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+) -> SystematicErrors {
+    systematic_errors(&Fit::new(cell, measured, options).unwrap()).unwrap()
 }
 
 fn measure(cell: &Cell, postures: &[Posture], seed: u64) -> Vec<MeasuredPosture> {
     simulate_measurements(cell, postures, &truth(cell), Model::Linear, seed, 0).unwrap()
 }
 
-fn ordinary() -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = Estimator::Ordinary;
-    options
-}
-
-fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
-    let found = budget.sources.iter().find(|s| s.name == name);
-    found.unwrap_or_else(|| panic!("no source {name}"))
-}
-
 /// k of `measured` under the nominal cell, over the truth, less 1.
 fn bias(cell: &Cell, measured: &[MeasuredPosture], options: &IdentifyOptions) -> Vec<f64> {
-    let found = identify(cell, measured, options)
-        .unwrap()
-        .estimates
-        .stiffness()
-        .unwrap();
+    let found = identify(cell, measured, options).unwrap();
+    let found = found.estimates.stiffness().unwrap();
     let truth = truth(cell);
     found.iter().zip(truth).map(|(k, t)| k / t - 1.0).collect()
 }
@@ -92,26 +61,20 @@ fn every_source_is_the_error_really_made() {
     let mut cell = quiet_cell();
     cell.setup.tool.has_sensor = true;
     let cell = cell;
-    let postures = group_1();
+    let postures = numbered(group1());
     let nominal = measure(&cell, &postures, 1);
-    let budget = Fit::new(&cell, &nominal, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let budget = budget(&cell, &nominal, &by(Estimator::Ordinary));
     let made = |cell: &Cell| measure(cell, &postures, 1);
-    let seen = |measured: &[MeasuredPosture]| bias(&cell, measured, &ordinary());
+    let seen = |measured: &[MeasuredPosture]| bias(&cell, measured, &by(Estimator::Ordinary));
 
     let mut other = cell.clone();
-    if let Load::Rope { magnitude, .. } = &mut other.setup.load {
-        *magnitude /= 1.01;
-    }
+    *rope_force(&mut other) /= 1.01;
     let force = source(&budget, "force-scale");
     assert_same(&force.change, &seen(&made(&other)), "force");
     assert_same(&force.change, &[0.01; 6], "force");
     for axis in 0..3 {
         let mut other = cell.clone();
-        if let Load::Rope { anchor, .. } = &mut other.setup.load {
-            anchor[axis] += 5e-3;
-        }
+        rope_anchor(&mut other)[axis] += 5e-3;
         let part = &source(&budget, "anchor").parts[axis];
         assert_same(&part.change, &seen(&made(&other)), "anchor");
 
@@ -142,15 +105,9 @@ fn every_source_is_the_error_really_made() {
     );
 
     let with = |term: ExtraTerm, size: f64| {
-        let mut moved = nominal.clone();
-        for m in &mut moved {
-            let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
-            let column = term.column(&terms) * size;
-            for d in &mut m.displacements {
-                d.value += column.fixed_rows::<3>(3 * d.point);
-            }
-        }
-        moved
+        changed(nominal.clone(), |m| {
+            move_points(&cell, m, |terms| term.column(terms) * size)
+        })
     };
     let tilted = seen(&with(ExtraTerm::BaseTilt, 1e-8));
     assert_same(&source(&budget, "base-tilt").change, &tilted, "base tilt");
@@ -172,9 +129,7 @@ fn the_budget_of_the_default_cell() {
     let postures = plan(&cell);
     let measured = measure(&cell, &postures, 1);
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
-        let all = Fit::new(cell, &measured, &ordinary())
-            .and_then(|fit| systematic_errors(&fit))
-            .unwrap();
+        let all = budget(&cell, &measured, &by(Estimator::Ordinary));
         let source = source(&all, name);
         source
             .change
@@ -210,11 +165,9 @@ fn the_budget_of_the_default_cell() {
     cell.uncertainty.base_tilt_compliance = Some(1.0 / 2e7);
     assert!((of(&cell, "base-tilt")[1] - 19.5).abs() < 1.0);
 
-    let postures = group_1();
+    let postures = numbered(group1());
     let measured = measure(&cell, &postures, 1);
-    let all = Fit::new(&cell, &measured, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let all = budget(&cell, &measured, &by(Estimator::Ordinary));
     let k4 = source(&all, "anchor").change[3].unwrap();
     assert!((k4 - 0.039).abs() < 0.002, "{k4}");
     // Parts combine as root sum of squares; sources as well, as far as the readings
@@ -241,19 +194,15 @@ fn the_budget_of_the_default_cell() {
 #[test]
 fn measured_wrenches_have_the_sources_that_made_them() {
     let cell = quiet_cell();
-    let postures = group_1();
+    let postures = numbered(group1());
     let nominal = measure(&cell, &postures, 1);
     let mut along = nominal.clone();
     for m in &mut along {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
         m.wrench = Some(*terms.wrench());
     }
-    let a = Fit::new(&cell, &nominal, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
-    let b = Fit::new(&cell, &along, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let a = budget(&cell, &nominal, &by(Estimator::Ordinary));
+    let b = budget(&cell, &along, &by(Estimator::Ordinary));
     for name in ["force-scale", "anchor", "loading-point"] {
         let other: Vec<f64> = source(&b, name).change.iter().map(|c| c.unwrap()).collect();
         assert_same(&source(&a, name).change, &other, name);
@@ -263,7 +212,7 @@ fn measured_wrenches_have_the_sources_that_made_them() {
     sensing.setup.tool.has_sensor = true;
     sensing.sensor = Some(Sensor {
         mount: Mount::Flange,
-        pose: nalgebra::Isometry3::identity(),
+        pose: Isometry3::identity(),
         reports_by_robot: false,
     });
     let mut moments = along.clone();
@@ -273,9 +222,7 @@ fn measured_wrenches_have_the_sources_that_made_them() {
             ..m.wrench.unwrap()
         });
     }
-    let c = Fit::new(&sensing, &moments, &ordinary())
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let c = budget(&sensing, &moments, &by(Estimator::Ordinary));
     let names: Vec<&str> = c.sources.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(
         names,
@@ -295,28 +242,13 @@ fn measured_wrenches_have_the_sources_that_made_them() {
 /// moves with it; the statistical part stands beside.
 #[test]
 fn the_force_scale_is_in_every_budget() {
-    let mut cell = common::default_cell();
+    let mut cell = default_cell();
     cell.uncertainty.force_scale = Some(0.02);
-    let mut postures = group_1();
-    postures.extend(
-        PostureGroup::from_angles("", common::random_group())
-            .postures
-            .into_iter()
-            .map(|p| Posture {
-                name: format!("r{}", p.name),
-                ..p
-            }),
-    );
+    let postures = numbered(group1().into_iter().chain(common::random_group()));
     let measured = measure(&cell, &postures, 3);
     for estimator in Estimator::ALL {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
-        let all = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| systematic_errors(&fit))
-            .unwrap();
+        let options = by(estimator);
+        let all = budget(&cell, &measured, &options);
         let force = &all.sources[0];
         assert!(force.name == "force-scale" && force.declared && force.size == 0.02);
         // The prior pulls a little the other way.
@@ -341,31 +273,25 @@ fn the_force_scale_is_in_every_budget() {
         );
         let said = &all.findings[0];
         assert_eq!(said.code, "force-scale");
-        assert!(
-            said.sentence.contains("2.00 % too large makes every k"),
-            "{}",
-            said.sentence
-        );
+        let said = &said.sentence;
+        assert!(said.contains("2.00 % too large makes every k"), "{said}");
     }
 }
 
 /// For linear least squares the profile is the t interval.
 #[test]
 fn the_profile_of_least_squares_is_the_t_interval() {
-    let mut cell = common::default_cell();
+    let mut cell = default_cell();
     cell.noise.posture_common_std = 2.0 * cell.noise.displacement_std();
-    for (seed, postures) in [(1, group_1()), (2, plan(&common::default_cell()))] {
+    for (seed, postures) in [(1, numbered(group1())), (2, plan(&default_cell()))] {
         let measured = measure(&cell, &postures, seed);
         for estimator in [Estimator::Ordinary, Estimator::Weighted] {
             for noise in [NoiseSource::Estimated, NoiseSource::Known] {
-                let options = {
-                    let mut options = IdentifyOptions::default();
-                    options.estimator = estimator;
-                    options.noise = noise;
-                    options
-                };
-                let found = Fit::new(&cell, &measured, &options)
-                    .and_then(|fit| profile(&fit))
+                let options = with(|o: &mut IdentifyOptions| {
+                    o.estimator = estimator;
+                    o.noise = noise;
+                });
+                let found = profile(&Fit::new(&cell, &measured, &options).unwrap())
                     .unwrap()
                     .unwrap();
                 let difference = found.difference.unwrap();
@@ -387,14 +313,13 @@ fn the_profile_of_least_squares_is_the_t_interval() {
 /// matrices and a fine search over γ.
 #[test]
 fn the_profile_of_two_variances_ends_at_its_level() {
-    let mut cell = common::default_cell();
+    let mut cell = default_cell();
     cell.noise.posture_common_std = 2.0 * cell.noise.displacement_std();
     let options = IdentifyOptions::default();
     let mut largest = 0.0_f64;
     for seed in 0..5 {
-        let measured = measure(&cell, &plan(&common::default_cell()), 100 + seed);
-        let found = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| profile(&fit))
+        let measured = measure(&cell, &plan(&default_cell()), 100 + seed);
+        let found = profile(&Fit::new(&cell, &measured, &options).unwrap())
             .unwrap()
             .unwrap();
         largest = largest.max(found.difference.unwrap());
@@ -415,7 +340,7 @@ fn the_profile_of_two_variances_ends_at_its_level() {
         let others = system.psi.clone().remove_column(j);
         let minus_two_ln = |h: f64, gamma: f64| {
             let y = &system.delta - system.psi.column(j) * h;
-            let mut v = nalgebra::DMatrix::<f64>::identity(rows, rows);
+            let mut v = DMatrix::<f64>::identity(rows, rows);
             for block in &system.blocks {
                 for a in block.rows.clone() {
                     for b in block.rows.clone() {
@@ -426,8 +351,7 @@ fn the_profile_of_two_variances_ends_at_its_level() {
                 }
             }
             let v = v.cholesky().unwrap();
-            let scale =
-                nalgebra::DVector::from_iterator(n - 1, others.column_iter().map(|c| c.norm()));
+            let scale = DVector::from_iterator(n - 1, others.column_iter().map(|c| c.norm()));
             let mut x = others.clone();
             for (i, s) in scale.iter().enumerate() {
                 x.column_mut(i).scale_mut(1.0 / s);
@@ -481,16 +405,10 @@ fn the_profile_of_two_variances_ends_at_its_level() {
     assert!(largest > 1e-4 && largest < 0.1, "{largest}");
     println!("largest difference of two-variance profiles: {largest}");
     for estimator in [Estimator::Huber, Estimator::NonNegative, Estimator::Prior] {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
-        let measured = measure(&cell, &group_1(), 1);
+        let options = by(estimator);
+        let measured = measure(&cell, &numbered(group1()), 1);
         assert_eq!(
-            Fit::new(&cell, &measured, &options)
-                .and_then(|fit| profile(&fit))
-                .unwrap(),
+            profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap(),
             None
         );
     }
@@ -499,15 +417,13 @@ fn the_profile_of_two_variances_ends_at_its_level() {
 /// Open, absent and degenerate cases answer instead of failing.
 #[test]
 fn budgets_and_profiles_of_poor_data() {
-    let cell = common::default_cell();
+    let cell = default_cell();
     // One posture: three joints' worth of rows at each of four points, but a
     // single load.
-    let measured = measure(&cell, &group_1()[..1], 1);
-    let options = ordinary();
+    let measured = measure(&cell, &numbered(group1())[..1], 1);
+    let options = by(Estimator::Ordinary);
     let result = identify(&cell, &measured, &options).unwrap();
-    let all = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let all = budget(&cell, &measured, &options);
     for (j, joint) in result.estimates.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
         assert_eq!(
@@ -516,14 +432,11 @@ fn budgets_and_profiles_of_poor_data() {
         );
         assert!(known || all.sources.iter().all(|s| s.change[j].is_none()));
     }
-    Fit::new(&cell, &measured, &options)
-        .and_then(|fit| profile(&fit))
-        .unwrap();
+    profile(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
     // Without noise the residuals are rounding: no profile to speak of.
     let quiet = quiet_cell();
-    let exact = measure(&quiet, &group_1(), 1);
-    let found = Fit::new(&quiet, &exact, &IdentifyOptions::default())
-        .and_then(|fit| profile(&fit))
+    let exact = measure(&quiet, &numbered(group1()), 1);
+    let found = profile(&Fit::new(&quiet, &exact, &IdentifyOptions::default()).unwrap())
         .unwrap()
         .unwrap();
     assert!(
@@ -535,8 +448,9 @@ fn budgets_and_profiles_of_poor_data() {
     // A large lost motion leaves no stiffness at all.
     let mut loose = cell.clone();
     loose.uncertainty.lost_motion = Some(1.0);
-    let all = Fit::new(&loose, measure(&cell, &group_1(), 1), &options)
-        .and_then(|fit| systematic_errors(&fit))
-        .unwrap();
+    let all = systematic_errors(
+        &Fit::new(&loose, measure(&cell, &numbered(group1()), 1), &options).unwrap(),
+    )
+    .unwrap();
     assert!(all.findings.iter().all(|f| !f.sentence.contains("NaN")));
 }

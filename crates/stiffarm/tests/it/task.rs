@@ -1,24 +1,11 @@
 //! The task index: the error of the deflection predicted where the robot works.
 
-use crate::common;
-
-use common::{cases, default_cell, group1, random::Dice, reference_cell, runs::runs};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
-use stiffarm::Control;
-use stiffarm::internals::information::Factor;
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::{Cell, Task, task_matrix, task_rows};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load};
-use stiffarm::model::observation::{Rows, observation_matrix};
-use stiffarm::model::stiffness::equilibrium_displacement;
-use stiffarm::plan::index::{Index, IndexFunction, evaluate};
-use stiffarm::plan::select::select_from;
-use stiffarm::{Code, Error};
+use stiffarm::model::cell::{Task, task_matrix, task_rows};
 
 fn task_index<Q: AsRef<[f64]>>(cell: &Cell, postures: &[Q]) -> f64 {
     evaluate(cell, "", postures).unwrap().indices.task.unwrap()
@@ -29,7 +16,7 @@ fn block(cell: &Cell, task: &Task) -> DMatrix<f64> {
     let robot = &cell.setup.robot;
     let frames = Frames::new(robot, &task.q);
     let turn = match task.axes {
-        Axes::Base => nalgebra::UnitQuaternion::identity(),
+        Axes::Base => UnitQuaternion::identity(),
         Axes::Tool => frames.flange().rotation,
     };
     let jacobian = frames.jacobian(&frames.point(&task.tip));
@@ -109,7 +96,7 @@ fn value_is_the_spread_of_predictions_from_simulated_readings() {
 fn the_predicted_shift_is_the_deflection_of_the_task() {
     let cell = reference_cell();
     let stiffness = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(6, stiffness.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(stiffness);
     for task in &cell.tasks {
         let shift = task.block(&cell.setup.robot).unwrap() * &compliance;
         let setup = task.setup(&cell.setup.robot);

@@ -1,35 +1,20 @@
 //! What the readings leave of the common errors, held against dense matrices of the
 //! whole model; and total bands that hold where the errors are real.
 
-use crate::common;
+use crate::common::prelude::*;
 use crate::mixed::bend;
 
-use common::random::Dice;
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Vector3};
-use stiffarm::Control;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions};
+use nalgebra::{Cholesky, Dyn};
 use stiffarm::estimate::mixed::MixedFit;
-use stiffarm::estimate::systematic::{
-    SystematicErrors, mixed_systematic_errors, systematic_errors,
-};
-use stiffarm::estimate::validate::simulate_measurements;
-use stiffarm::internals::measured_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::path::LoadedPosture;
-use stiffarm::model::posture::PostureGroup;
-use stiffarm::model::stiffness::Model;
-use stiffarm::work::predict::{LoadedArm, PredictOptions, predict};
+use stiffarm::estimate::systematic::{SystematicErrors, mixed_systematic_errors};
 
-const LOST_MOTION: f64 = 0.1 / 60.0 * std::f64::consts::PI / 180.0;
+const LOST_MOTION: f64 = 0.1 / 60.0 * PI / 180.0;
 const BASE_TILT: f64 = 1e-8;
 const FORCE_SCALE: f64 = 0.01;
 
 /// The default cell with three sources: force scale, base tilt, lost motion.
 fn cell() -> Cell {
-    let mut cell = common::default_cell();
+    let mut cell = default_cell();
     let given = &mut cell.uncertainty;
     given.force_scale = Some(FORCE_SCALE);
     given.base_tilt_compliance = Some(BASE_TILT);
@@ -48,28 +33,18 @@ fn terms() -> Vec<(ExtraTerm, f64)> {
 
 /// Readings of an arm that has `sizes` of each term, and of the force scale last.
 fn measured(cell: &Cell, sizes: &[f64], seed: u64) -> Vec<MeasuredPosture> {
-    let postures = PostureGroup::from_angles("Group 1", common::group1()).postures;
+    let postures = numbered(group1());
     let truth = cell.prior.clone().unwrap();
-    let compliance = DVector::from_iterator(6, truth.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(&truth);
     let mut out = simulate_measurements(cell, &postures, &truth, Model::Linear, seed, 0).unwrap();
-    for m in &mut out {
-        let own = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
-        let force = 1.0 / (1.0 + FORCE_SCALE * sizes[7]) - 1.0;
-        let mut moved = own.block(&cell.setup.robot) * &compliance * force;
-        for ((term, size), c) in terms().iter().zip(sizes) {
-            moved += term.column(&own) * (size * c);
-        }
-        for d in &mut m.displacements {
-            d.value += moved.fixed_rows::<3>(3 * d.point);
-        }
-    }
+    let force = 1.0 / (1.0 + FORCE_SCALE * sizes[7]) - 1.0;
+    move_points(cell, &mut out, |own| {
+        let by_force = own.block(&cell.setup.robot) * &compliance * force;
+        let parts = terms().into_iter().zip(sizes);
+        let parts = parts.map(|((term, size), c)| term.column(own) * (size * c));
+        parts.fold(by_force, |sum, part| sum + part)
+    });
     out
-}
-
-fn options(estimator: Estimator) -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = estimator;
-    options
 }
 
 /// Values, mean and second moments of the errors' sizes by one dense linear model
@@ -263,7 +238,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
             Estimator::TwoVariance,
             Estimator::Prior,
         ] {
-            let options = options(estimator);
+            let options = by(estimator);
             let fit = Fit::new(&cell, &measured, &options).unwrap();
             let found = fit.identification().unwrap();
             let budget = systematic_errors(&fit).unwrap();
@@ -346,13 +321,13 @@ fn what_readings_leave_is_what_the_whole_model_says() {
 fn readings_bound_lost_motion_and_say_nothing_of_the_force() {
     let cell = cell();
     let of = |sizes: [f64; 8], estimator| {
-        let fit = Fit::new(&cell, measured(&cell, &sizes, 3), &options(estimator)).unwrap();
+        let fit = Fit::new(&cell, measured(&cell, &sizes, 3), &by(estimator)).unwrap();
         systematic_errors(&fit).unwrap()
     };
     for estimator in Estimator::ALL {
         let none = of([0.0; 8], estimator);
         let left = |name: &str| {
-            let source = none.sources.iter().find(|s| s.name == name).unwrap();
+            let source = source(&none, name);
             source.remaining.unwrap()
         };
         let name = estimator.as_str();
@@ -373,27 +348,16 @@ fn readings_bound_lost_motion_and_say_nothing_of_the_force() {
         assert!(said.contains(&"size-bounded"), "{said:?}");
         // Three times the declared size shows itself.
         let more = of([3.0, -3.0, 3.0, 3.0, -3.0, 3.0, 0.0, 0.0], estimator);
-        let lost = more
-            .sources
-            .iter()
-            .find(|s| s.name == "lost-motion")
-            .unwrap();
-        assert!(
-            lost.remaining.unwrap() > 0.8,
-            "{name}: {:?}",
-            lost.remaining
-        );
+        let lost = source(&more, "lost-motion");
+        let remaining = lost.remaining;
+        assert!(remaining.unwrap() > 0.8, "{name}: {remaining:?}");
     }
     // What the fit has among its unknowns is no error that it does not know.
-    let mut with = options(Estimator::Ordinary);
+    let mut with = by(Estimator::Ordinary);
     with.extra = vec![ExtraTerm::LostMotion(0), ExtraTerm::BaseTilt];
     let fit = Fit::new(&cell, measured(&cell, &[0.0; 8], 3), &with).unwrap();
     let budget = systematic_errors(&fit).unwrap();
-    let lost = budget
-        .sources
-        .iter()
-        .find(|s| s.name == "lost-motion")
-        .unwrap();
+    let lost = source(&budget, "lost-motion");
     assert_eq!(lost.parts.len(), 5);
     assert!(budget.sources.iter().all(|s| s.name != "base-tilt"));
 }

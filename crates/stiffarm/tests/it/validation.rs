@@ -1,29 +1,14 @@
 //! Validation: bands about predicted displacements, and folds over postures.
 
-use crate::common;
-
-use common::random::Dice;
-use common::runs::runs;
-use common::{group1, random_group, reference_cell};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::common::prelude::*;
+use crate::common::random_group;
 use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
-use stiffarm::Code;
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource, identify};
-use stiffarm::estimate::validate::{
-    Model, Validation, cross_validate, simulate_measurements, validate, validate_with,
-};
-use stiffarm::internals::measured_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::MeasuredPosture;
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::estimate::validate::{Validation, validate};
 
 const FALSE_ALARM: f64 = 1e-6;
 
 fn group(angles: Vec<Vec<f64>>) -> Vec<Posture> {
-    PostureGroup::from_angles("group", angles).postures
+    numbered(angles)
 }
 
 /// Postures named apart from those of the identification.
@@ -40,20 +25,25 @@ fn measure(cell: &Cell, postures: &[Posture], stream: usize) -> Vec<MeasuredPost
     simulate_measurements(cell, postures, truth, Model::Linear, 5, stream).unwrap()
 }
 
-fn options(estimator: Estimator) -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = estimator;
-    options
+/// What predicts after an identification at the random group.
+fn predictor(cell: &Cell, options: &IdentifyOptions, stream: usize) -> IdentifiedCompliance {
+    let measured = measure(cell, &group(random_group()), stream);
+    let fit = identify(cell, measured, options).unwrap();
+    IdentifiedCompliance::from_identification(cell, &fit).unwrap()
+}
+
+fn folded(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    options: &IdentifyOptions,
+    folds: usize,
+    tolerance: Option<f64>,
+) -> stiffarm::Result<Validation> {
+    cross_validate(&Fit::new(cell, measured, options)?, folds, tolerance)
 }
 
 fn validated(cell: &Cell, options: &IdentifyOptions, stream: usize) -> Validation {
-    let fit = identify(
-        cell,
-        measure(cell, &group(random_group()), 2 * stream),
-        options,
-    )
-    .unwrap();
-    let predictor = IdentifiedCompliance::from_identification(cell, &fit).unwrap();
+    let predictor = predictor(cell, options, 2 * stream);
     let measured = measure(cell, &held_out(group1()), 2 * stream + 1);
     validate_with(cell, &predictor, &measured, Model::Linear, None).unwrap()
 }
@@ -64,11 +54,7 @@ fn bands_hold_as_many_readings_as_they_say() {
     let independent = reference_cell();
     let mut common = independent.clone();
     common.noise.posture_common_std = 2.0 * common.noise.displacement_std();
-    let known = {
-        let mut options = options(Estimator::Weighted);
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let known = changed(by(Estimator::Weighted), |o| o.noise = NoiseSource::Known);
     // Shares of single components, one of each experiment, are independent.
     let binomial = Binomial::new(0.95, runs as u64).unwrap();
     let (least, most) = (
@@ -76,14 +62,10 @@ fn bands_hold_as_many_readings_as_they_say() {
         binomial.inverse_cdf(1.0 - FALSE_ALARM),
     );
     for (cell, options, what) in [
-        (&independent, &options(Estimator::Ordinary), "ordinary"),
+        (&independent, &by(Estimator::Ordinary), "ordinary"),
         (&independent, &known, "known noise"),
         (&common, &known, "known noise with shifts"),
-        (
-            &common,
-            &options(Estimator::Weighted),
-            "weighted with shifts",
-        ),
+        (&common, &by(Estimator::Weighted), "weighted with shifts"),
     ] {
         let (mut one, mut all) = (0, 0);
         for run in 0..runs {
@@ -105,7 +87,7 @@ fn bands_hold_as_many_readings_as_they_say() {
     // Both variances estimated: conservative by its degrees of freedom.
     let (mut one, runs) = (0, runs / 5);
     for run in 0..runs {
-        let result = validated(&common, &options(Estimator::TwoVariance), run);
+        let result = validated(&common, &by(Estimator::TwoVariance), run);
         one += u64::from(result.points[run % 24].band.as_ref().unwrap().inside[run % 3]);
     }
     println!("two variances: {one} of {runs}");
@@ -118,13 +100,7 @@ fn a_band_is_that_of_the_dense_formula() {
     let mut cell = reference_cell();
     cell.noise.readings_per_displacement = 2;
     cell.noise.posture_common_std = 1.5e-5;
-    let fit = identify(
-        &cell,
-        measure(&cell, &group(random_group()), 0),
-        &options(Estimator::TwoVariance),
-    )
-    .unwrap();
-    let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
+    let predictor = predictor(&cell, &by(Estimator::TwoVariance), 0);
     let spread = predictor.spread.clone().unwrap();
     // Two load states, the second with half of the load, against one reference.
     let mut measured = measure(&cell, &held_out(group1()), 1);
@@ -180,13 +156,7 @@ fn a_band_is_that_of_the_dense_formula() {
 #[test]
 fn readings_that_the_fit_does_not_explain_are_said_to_lie_outside() {
     let cell = reference_cell();
-    let fit = identify(
-        &cell,
-        measure(&cell, &group(random_group()), 0),
-        &options(Estimator::Ordinary),
-    )
-    .unwrap();
-    let predictor = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
+    let predictor = predictor(&cell, &by(Estimator::Ordinary), 0);
     let mut measured = measure(&cell, &held_out(group1()), 1);
     let codes = |measured: &[MeasuredPosture]| -> Vec<String> {
         let result = validate_with(&cell, &predictor, measured, Model::Linear, None).unwrap();
@@ -210,23 +180,16 @@ fn leaving_out_one_posture_is_what_the_identification_says_it_is() {
         Estimator::Ordinary,
         Estimator::Huber,
     ] {
-        let options = options(estimator);
+        let options = by(estimator);
         let count = measured.len();
-        let result = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
-            .unwrap();
-        let same = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| fit.leave_one_out())
-            .unwrap();
+        let result = folded(&cell, &measured, &options, count, Some(1.0)).unwrap();
+        let fit = Fit::new(&cell, &measured, &options).unwrap();
+        let same = fit.leave_one_out().unwrap();
         assert!((result.component_rms_m / same.rms_m.unwrap() - 1.0).abs() < 1e-12);
         assert_eq!((result.folds, result.passed), (Some(count), Some(true)));
         assert!(result.unpredicted.is_empty());
-        let labels: Vec<&str> = result
-            .points
-            .iter()
-            .take(5)
-            .map(|p| p.label.as_str())
-            .collect();
+        let labels = result.points.iter().take(5).map(|p| p.label.as_str());
+        let labels: Vec<&str> = labels.collect();
         assert_eq!(labels, ["1-1", "1-2", "1-3", "1-4", "2-1"]);
     }
 }
@@ -237,14 +200,10 @@ fn each_fold_is_predicted_by_a_fit_without_it() {
     let mut angles = group1();
     angles.extend(random_group());
     let measured = measure(&cell, &group(angles), 4);
-    let options = {
-        let mut options = options(Estimator::Ordinary);
-        options.extra = vec![ExtraTerm::JointTilt(2)];
-        options
-    };
-    let result = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| cross_validate(&fit, 3, None))
-        .unwrap();
+    let options = changed(by(Estimator::Ordinary), |o| {
+        o.extra = vec![ExtraTerm::JointTilt(2)]
+    });
+    let result = folded(&cell, &measured, &options, 3, None).unwrap();
     for fold in 0..3 {
         let (left, others): (Vec<_>, Vec<_>) = measured
             .iter()
@@ -279,7 +238,7 @@ fn a_posture_that_alone_sees_a_joint_is_named() {
     // All but one posture under a wrench that leaves joint 1 dark.
     let mut measured = measure(&cell, &group(random_group()), 6);
     let truth = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(6, truth.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(truth);
     for m in measured.iter_mut().skip(1) {
         let wrench = Wrench::force(Vector3::new(0.0, 0.0, -500.0));
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, Some(&wrench)).unwrap();
@@ -291,9 +250,7 @@ fn a_posture_that_alone_sees_a_joint_is_named() {
         }
     }
     let count = measured.len();
-    let result = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
-        .and_then(|fit| cross_validate(&fit, count, Some(1.0)))
-        .unwrap();
+    let result = folded(&cell, &measured, &by(Estimator::Ordinary), count, Some(1.0)).unwrap();
     assert_eq!(result.unpredicted, ["1"]);
     assert_eq!(result.points.len(), 4 * (count - 1));
     assert_eq!(result.passed, Some(false));
@@ -331,22 +288,15 @@ fn further_terms_and_servo_give_are_predicted() {
         doubts: Vec::new(),
     };
     let result = validate_with(&cell, &predictor, &measured, Model::Linear, None).unwrap();
-    assert!(
-        result.deviation_max_m < 1e-15,
-        "{:e}",
-        result.deviation_max_m
-    );
+    let deviation_max_m = result.deviation_max_m;
+    assert!(deviation_max_m < 1e-15, "{deviation_max_m:e}");
     assert!(result.band.is_none() && result.points[0].band.is_none());
     let error = validate_with(&cell, &predictor, &measured, Model::Equilibrium, None).unwrap_err();
     assert_eq!(error.code(), Code::Unsupported);
     let without = validate(&cell, truth, &measured, Model::Linear, None).unwrap();
     assert!(without.deviation_max_m > 1e-5);
     // And through an identification.
-    let options = {
-        let mut options = options(Estimator::Ordinary);
-        options.extra = extra;
-        options
-    };
+    let options = changed(by(Estimator::Ordinary), |o| o.extra = extra);
     let fit = identify(&cell, &measured, &options).unwrap();
     let found = IdentifiedCompliance::from_identification(&cell, &fit).unwrap();
     for (a, b) in found.values.iter().zip(predictor.values.iter()) {
@@ -358,16 +308,12 @@ fn further_terms_and_servo_give_are_predicted() {
 fn wrong_requests_are_refused() {
     let cell = reference_cell();
     let measured = measure(&cell, &group(random_group()), 0);
-    let plain = options(Estimator::Ordinary);
+    let plain = by(Estimator::Ordinary);
     for folds in [0, 1, measured.len() + 1] {
-        let error = Fit::new(&cell, &measured, &plain)
-            .and_then(|fit| cross_validate(&fit, folds, None))
-            .unwrap_err();
+        let error = folded(&cell, &measured, &plain, folds, None).unwrap_err();
         assert_eq!(error.code(), Code::InvalidValue);
     }
-    let error = Fit::new(&cell, &measured, &plain)
-        .and_then(|fit| cross_validate(&fit, 2, Some(f64::NAN)))
-        .unwrap_err();
+    let error = folded(&cell, &measured, &plain, 2, Some(f64::NAN)).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     let mut dark = measured.clone();
     for m in &mut dark {

@@ -2,21 +2,7 @@
 //! stiffness: tracker anywhere, sensor turned and shifted, tool weight, three
 //! load states, repeats, drift, noise.
 
-use crate::common;
-
-use common::default_cell;
-use common::random::Dice;
-use common::runs::{most, runs, standard_error};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use stiffarm::estimate::identify::{IdentifyOptions, identify};
-use stiffarm::findings::{Finding, Severity};
-use stiffarm::measure::experiment::{DisplacementModel, Experiment, experiment};
-use stiffarm::measure::reduction::{ReduceOptions, reduce};
-use stiffarm::measure::screening::screen;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::posture::Posture;
-use stiffarm::plan::select::{StartKind, random_group};
+use crate::common::prelude::*;
 
 fn pose(dice: &mut Dice, reach: f64) -> Isometry3<f64> {
     let mut number = || dice.between(-1.0, 1.0);

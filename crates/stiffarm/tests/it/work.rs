@@ -1,8 +1,7 @@
 //! `[work]` of the cell file: each slip with its place, and what may be left out.
 
-use nalgebra::{Isometry3, Vector3};
-use stiffarm::files::cell::parse_cell;
-use stiffarm::model::process::{ForceAxes, Process};
+use crate::common::prelude::*;
+use stiffarm::model::process::Process;
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

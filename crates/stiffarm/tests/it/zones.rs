@@ -1,19 +1,12 @@
 //! Maps of dexterity and of the influence of K_C over joints 2 and 3.
 
-use crate::common;
-
-use common::{cases, default_cell, random::Dice, reference_cell};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_4;
-use stiffarm::model::cell::Cell;
+use stiffarm::Result;
 use stiffarm::model::dexterity::condition_number;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Axes, Load, Wrench};
-use stiffarm::model::observation::PostureTerms;
 use stiffarm::plan::zones::{ZoneMap, ZoneOptions, Zones};
 use stiffarm::units::rad_to_shortest_deg;
-use stiffarm::{Code, Control, Result};
 
 /// The maps of a search that nobody stops.
 fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
@@ -21,10 +14,10 @@ fn zones(cell: &Cell, options: &ZoneOptions) -> Result<Zones> {
 }
 
 fn held(steps: usize, q: Option<Vec<f64>>) -> ZoneOptions {
-    let mut options = ZoneOptions::default();
-    options.steps = steps;
-    options.q = q;
-    options
+    with(|o: &mut ZoneOptions| {
+        o.steps = steps;
+        o.q = q;
+    })
 }
 
 fn options(steps: usize) -> ZoneOptions {
@@ -170,17 +163,10 @@ fn the_best_zone_is_dexterous_untouched_and_in_one_piece() {
     for mut cell in [reference_cell(), default_cell()] {
         // Near the anchor the arm is most dexterous and the rope turns most: they do not meet.
         assert_eq!(zones(&cell, &options(31)).unwrap().best, None);
-        cell.setup.load = Load::Weight {
-            magnitude: 500.0,
-            direction: -Vector3::z(),
-        };
+        cell.setup.load = hanging(500.0);
         let found = zones(&cell, &options(31)).unwrap();
         let best = found.best.clone().unwrap();
-        let sorted = |map: &ZoneMap| {
-            let mut values = values(map);
-            values.sort_by(f64::total_cmp);
-            values
-        };
+        let sorted = |map: &ZoneMap| changed(values(map), |o| o.sort_by(f64::total_cmp));
         let dexterity = sorted(&found.inverse_condition);
         // As many postures as the upper quarter holds.
         let above = dexterity

@@ -6,26 +6,13 @@
 mod continuous;
 mod plans;
 
-use crate::common;
-
-use common::random::Dice;
-use common::{cases, default_cell, group1, reference_cell};
-use nalgebra::{DMatrix, DVector, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stiffarm::Code;
 use stiffarm::internals::design::{
     ContinuousDesign, Criterion, DesignOptions, DesignSpace, Effort, PostureSpace, optimal_design,
 };
-use stiffarm::internals::optimise::Options;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::plan::certificate::{
-    Certificate, CertificateOptions, Verification, certify, certify_further, joint_efficiencies,
-};
-use stiffarm::plan::index::{Index, evaluate};
-use stiffarm::plan::select::{StartKind, random_group, select_from};
-use stiffarm::{Control, Termination};
+use stiffarm::plan::certificate::{Certificate, Verification, certify_further, joint_efficiencies};
 
 /// tr(A G).
 fn slope(a: &DMatrix<f64>, g: &DMatrix<f64>) -> f64 {

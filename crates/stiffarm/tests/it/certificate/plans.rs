@@ -25,10 +25,11 @@ const GOOD_DEFAULT: [[f64; 6]; 6] = [
 
 fn plan(cell: &Cell, start: &[[f64; 6]; 6]) -> Vec<Vec<f64>> {
     let start = start.map(|q| q.map(f64::to_radians));
-    let index = Index::ExpectedError;
-    select_from(cell, index, &start, Options::default(), Control::default())
-        .unwrap()
-        .group
+    local(cell, Index::ExpectedError, &start).unwrap().group
+}
+
+fn samples(samples: usize) -> CertificateOptions {
+    with(|o: &mut CertificateOptions| o.samples = samples)
 }
 
 fn certificate(cell: &Cell, index: Index, postures: &[Vec<f64>]) -> Certificate {
@@ -88,8 +89,7 @@ fn bounds_scale_with_the_number_of_postures() {
     let cell = reference_cell();
     let six = plan(&cell, &GOOD_REFERENCE);
     let twelve = [six.clone(), six.clone()].concat();
-    let mut options = CertificateOptions::default();
-    options.samples = 256;
+    let options = samples(256);
     let run = |measured: &[Vec<f64>], postures: &[Vec<f64>]| {
         let index = Index::ExpectedError;
         certify_further(
@@ -123,8 +123,7 @@ fn bounds_scale_with_the_number_of_postures() {
 fn each_joint_has_its_own_bound() {
     let cell = default_cell();
     let plan = plan(&cell, &GOOD_DEFAULT);
-    let mut options = CertificateOptions::default();
-    options.samples = 256;
+    let options = samples(256);
     let joints = joint_efficiencies(&cell, &plan, &options, Control::default()).unwrap();
     let errors = evaluate(&cell, "", &plan).unwrap().relative_standard_error;
     assert_eq!(joints.len(), 6);
@@ -147,8 +146,7 @@ fn a_plan_outside_the_limits_has_no_efficiency() {
     let mut postures = group1();
     postures[1][2] = 10f64.to_radians();
     postures[4][1] = -70f64.to_radians();
-    let mut options = CertificateOptions::default();
-    options.samples = 64;
+    let options = samples(64);
     let index = Index::D;
     let found = certify(&cell, index, &postures, &options, Control::default()).unwrap();
     assert_eq!(found.outside, [2, 5]);
@@ -166,8 +164,7 @@ fn a_plan_outside_the_limits_has_no_efficiency() {
 #[test]
 fn faults_are_named() {
     let cell = reference_cell();
-    let mut options = CertificateOptions::default();
-    options.samples = 64;
+    let options = samples(64);
     let error = |cell: &Cell, index: Index, postures: &[Vec<f64>]| {
         certify(cell, index, postures, &options, Control::default()).unwrap_err()
     };
@@ -182,51 +179,28 @@ fn faults_are_named() {
     nan[2][3] = f64::NAN;
     assert_eq!(error(&cell, a, &nan).code(), Code::NotFinite);
     assert_eq!(error(&cell, a, &[vec![0.0; 5]]).code(), Code::Dimension);
-    let changed = |change: &dyn Fn(&mut Cell)| {
-        let mut cell = cell.clone();
-        change(&mut cell);
-        error(&cell, a, &postures)
-    };
-    assert_eq!(changed(&|c| c.prior = None).code(), Code::MissingKey);
-    assert_eq!(
-        changed(&|c| c.setup.load = Load::Measured).code(),
-        Code::MissingKey
-    );
-    assert_eq!(
-        changed(&|c| c.bounds[2].reverse()).code(),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        changed(&|c| c.bounds[2][1] = f64::INFINITY).code(),
-        Code::InvalidValue
-    );
-    assert_eq!(
-        changed(&|c| c.prior = Some(vec![1e6, 1e6, 0.0, 1e6, 1e6, 1e6])).code(),
-        Code::InvalidValue
-    );
-    let nothing = changed(&|c| {
-        c.limits.floor = Some(50.0);
+    let with = |change: &dyn Fn(&mut Cell)| error(&changed(cell.clone(), change), a, &postures);
+    let refused = |code: Code, change: &dyn Fn(&mut Cell)| assert_eq!(with(change).code(), code);
+    refused(Code::MissingKey, &|c| c.prior = None);
+    refused(Code::MissingKey, &|c| c.setup.load = Load::Measured);
+    refused(Code::InvalidValue, &|c| c.bounds[2].reverse());
+    refused(Code::InvalidValue, &|c| c.bounds[2][1] = f64::INFINITY);
+    refused(Code::InvalidValue, &|c| {
+        c.prior = Some(vec![1e6, 1e6, 0.0, 1e6, 1e6, 1e6]);
     });
+    let nothing = with(&|c| c.limits.floor = Some(50.0));
     assert_eq!(nothing.code(), Code::InvalidValue);
     assert_eq!(nothing.place().key.as_deref(), Some("limits"));
     // The load on the axis of joint 6, and a weight on a robot that stands upright.
-    let dark = changed(&|c| {
+    let dark = with(&|c| {
         c.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.3);
     });
     assert_eq!(dark.code(), Code::NotIdentifiable);
     assert_eq!(dark.message(), "No design can determine joint 6.");
-    let dark = changed(&|c| {
-        c.setup.load = Load::Weight {
-            magnitude: 500.0,
-            direction: -Vector3::z(),
-        };
-    });
+    let dark = with(&|c| c.setup.load = hanging(500.0));
     assert_eq!(dark.message(), "No design can determine joint 1.");
     let stop = || true;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
+    let control = stopped_by(&stop);
     let stopped = certify(&cell, a, &postures, &options, control).unwrap_err();
     assert_eq!(stopped.code(), Code::Interrupted);
 }
@@ -236,12 +210,8 @@ fn a_stop_keeps_the_bound_so_far() {
     let cell = reference_cell();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
-    let control = Control {
-        stop: Some(&stop),
-        progress: None,
-    };
-    let mut options = CertificateOptions::default();
-    options.samples = 256;
+    let control = stopped_by(&stop);
+    let options = samples(256);
     let index = Index::ExpectedError;
     let early = certify(&cell, index, &group1(), &options, control).unwrap();
     assert_eq!(early.termination, Termination::Interrupted);
@@ -255,14 +225,11 @@ fn a_stop_keeps_the_bound_so_far() {
 fn the_number_of_threads_changes_nothing() {
     let cell = default_cell();
     let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .unwrap();
-        let mut options = CertificateOptions::default();
-        options.samples = 256;
+        let options = samples(256);
         let index = Index::ExpectedError;
-        pool.install(|| certify(&cell, index, &group1(), &options, Control::default()).unwrap())
+        on_threads(threads, || {
+            certify(&cell, index, &group1(), &options, Control::default()).unwrap()
+        })
     };
     let one = with(1);
     assert_eq!(one, with(2));
@@ -292,11 +259,10 @@ proptest! {
         let count = 3 + dice.below(4);
         let index = [Index::ExpectedError, Index::D][which];
         let group = |stream: u64| random_group(&cell, StartKind::Uniform, count, seed, stream).unwrap();
-        let mut options = CertificateOptions::default();
-options.samples = 512;
+        let options = samples(512);
         let found = certify(&cell, index, &group(0), &options, Control::default());
         // Narrow bounds may leave a joint undetermined to rounding.
-        prop_assume!(found.as_ref().err().map(stiffarm::Error::code) != Some(Code::NotIdentifiable));
+        prop_assume!(found.as_ref().err().map(Error::code) != Some(Code::NotIdentifiable));
         let found = found.unwrap();
         prop_assert!(found.residual <= 1e-4, "{found:?}");
         let mut best = f64::INFINITY;

@@ -62,11 +62,8 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
         );
         let finding = &result.findings[0];
         assert_eq!(finding.code, "wrench-sign");
-        assert!(
-            finding.sentence.contains("sign or model fault"),
-            "{}",
-            finding.sentence
-        );
+        let said = &finding.sentence;
+        assert!(said.contains("sign or model fault"), "{said}");
     }
 }
 
@@ -181,71 +178,40 @@ fn the_size_of_friction_is_said_with_its_joint() {
 fn wrong_input_is_refused() {
     let cell = reference_cell();
     let data = exact(&cell, 3, 2, 1);
-    let refusal = |data: &[ClampedPosture], options: IdentifyOptions| {
-        let error = identify_clamped(&cell, data, None, &options).unwrap_err();
-        (error.code(), error.to_string())
+    let refused = |code: Code, data: &[ClampedPosture], options: &IdentifyOptions| {
+        let error = identify_clamped(&cell, data, None, options).unwrap_err();
+        assert_eq!(error.code(), code, "{error}");
     };
     let plain = IdentifyOptions::default;
-    assert_eq!(refusal(&[], plain()).0, Code::TooFewData);
-    let with = |change: fn(&mut ClampedPosture)| {
-        let mut data = data.clone();
-        change(&mut data[1]);
-        data
+    refused(Code::TooFewData, &[], &plain());
+    let spoiled = |code: Code, change: fn(&mut ClampedPosture)| {
+        refused(
+            code,
+            &changed(data.clone(), |d| change(&mut d[1])),
+            &plain(),
+        );
     };
-    assert_eq!(
-        refusal(&with(|c| c.motor[2] = f64::NAN), plain()).0,
-        Code::NotFinite
-    );
-    assert_eq!(
-        refusal(&with(|c| c.wrench.moment.y = f64::INFINITY), plain()).0,
-        Code::NotFinite
-    );
-    let motion = with(|c| c.fixture_motion = Some(Vector6::repeat(f64::NAN)));
-    assert_eq!(refusal(&motion, plain()).0, Code::NotFinite);
-    assert_eq!(
-        refusal(&with(|c| c.motor.truncate(5)), plain()).0,
-        Code::Dimension
-    );
-    let noise = |noise| {
-        let mut options = plain();
-        options.noise = noise;
-        options
+    spoiled(Code::NotFinite, |c| c.motor[2] = f64::NAN);
+    spoiled(Code::NotFinite, |c| c.wrench.moment.y = f64::INFINITY);
+    spoiled(Code::NotFinite, |c| {
+        c.fixture_motion = Some(Vector6::repeat(f64::NAN));
+    });
+    spoiled(Code::Dimension, |c| c.motor.truncate(5));
+    let wrong = |code: Code, change: &dyn Fn(&mut IdentifyOptions)| {
+        refused(code, &data, &changed(plain(), change));
     };
-    assert_eq!(
-        refusal(&data, noise(NoiseSource::Known)).0,
-        Code::MissingKey
-    );
-    assert_eq!(
-        refusal(&data, {
-            let mut options = noise(NoiseSource::Repeats);
-            options.estimator = Estimator::Weighted;
-            options
-        })
-        .0,
-        Code::Conflict
-    );
-    assert_eq!(
-        refusal(&data, {
-            let mut options = plain();
-            options.weights = Weights::Tracker;
-            options
-        })
-        .0,
-        Code::Conflict
-    );
-    let extra = |extra| {
-        let mut options = plain();
-        options.extra = extra;
-        options
-    };
-    assert_eq!(
-        refusal(&data, extra(vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt])).0,
-        Code::Duplicate
-    );
-    assert_eq!(
-        refusal(&data, extra(vec![ExtraTerm::JointTilt(6)])).0,
-        Code::UnknownName
-    );
+    wrong(Code::MissingKey, &|o| o.noise = NoiseSource::Known);
+    wrong(Code::Conflict, &|o| {
+        o.noise = NoiseSource::Repeats;
+        o.estimator = Estimator::Weighted;
+    });
+    wrong(Code::Conflict, &|o| o.weights = Weights::Tracker);
+    wrong(Code::Duplicate, &|o| {
+        o.extra = vec![ExtraTerm::BaseTilt, ExtraTerm::BaseTilt];
+    });
+    wrong(Code::UnknownName, &|o| {
+        o.extra = vec![ExtraTerm::JointTilt(6)];
+    });
     let error = identify_clamped(&cell, &data, Some(0.0), &plain()).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
 }

@@ -4,57 +4,22 @@ mod errors;
 mod noise;
 mod tables;
 
-use crate::common;
-
-use common::random::Dice;
-use common::{cases, reference_cell};
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3, Vector6,
-};
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use statrs::distribution::{Binomial, DiscreteCDF};
-use stiffarm::Code;
 use stiffarm::estimate::clamped::{
     ClampedPosture, ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
 };
-use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identify::{
-    Estimator, IdentifyOptions, NoiseSource, Verdict, Weights, identify,
-};
-use stiffarm::estimate::validate::{Model, simulate_measurements, validate_with};
 use stiffarm::files::table::{read_clamped, write_clamped};
 use stiffarm::internals::clamped_system;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
-use stiffarm::model::stiffness::{displacement_between, linear_displacement};
+use stiffarm::model::stiffness::displacement_between;
 
 const FALSE_ALARM: f64 = 1e-6;
 
 /// A seven-joint Panda with Franka's rows, loaded at the flange.
 fn panda() -> Cell {
-    let rows = [
-        [0.0, 0.0, 0.333],
-        [-std::f64::consts::FRAC_PI_2, 0.0, 0.0],
-        [std::f64::consts::FRAC_PI_2, 0.0, 0.316],
-        [std::f64::consts::FRAC_PI_2, 0.0825, 0.0],
-        [-std::f64::consts::FRAC_PI_2, -0.0825, 0.384],
-        [std::f64::consts::FRAC_PI_2, 0.0, 0.0],
-        [std::f64::consts::FRAC_PI_2, 0.088, 0.107],
-    ]
-    .map(|[alpha, a, d]| DhRow {
-        alpha,
-        a,
-        d,
-        offset: 0.0,
-    });
-    let base = Isometry3::identity();
     let mut cell = reference_cell();
-    cell.setup.robot = Robot::from_dh("Panda", DhConvention::Modified, &rows, base).unwrap();
+    cell.setup.robot = common::set_ups::panda();
     cell.prior = Some(vec![1.4e4, 2e4, 1.2e4, 1.1e4, 9e3, 8e3, 7e3]);
     cell
 }
@@ -234,11 +199,7 @@ fn a_posture_at_a_singularity_gives_what_the_flange_holds() {
         1e-9,
         "singular",
     );
-    let finding = result
-        .findings
-        .iter()
-        .find(|f| f.code == "near-singular")
-        .unwrap();
+    let finding = the(&result.findings, "near-singular");
     assert_eq!(finding.subject, "2");
     // Alone it separates neither joint 4 nor joint 6 … but tells what it can.
     let alone: Vec<ClampedPosture> = data.into_iter().filter(|c| c.posture.name == "2").collect();
@@ -295,11 +256,7 @@ fn a_tilting_joint_and_lost_motion_are_further_terms() {
                 *q -= m;
             }
         }
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.extra = vec![term];
-            options
-        };
+        let options = with(|o: &mut IdentifyOptions| o.extra = vec![term]);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert_close(
             &result.estimates.stiffness().unwrap(),
@@ -331,7 +288,7 @@ fn a_known_series_compliance_is_not_the_joints() {
     let truth = plain.require_prior().unwrap();
     let mut cell = plain.clone();
     cell.setup.tool.series_compliance = Some(
-        stiffarm::model::tool::SeriesCompliance::from_stiffness(
+        SeriesCompliance::from_stiffness(
             Vector3::new(0.0, 0.0, 0.05),
             [1e8, 1e8, 2e8],
             [3e5, 3e5, 4e5],
@@ -400,11 +357,7 @@ fn every_estimator_takes_clamped_rows() {
     let postures = postures(&cell, &mut dice, 6);
     let data = simulate_clamped(&cell, &postures, truth, &simulation, 6, 0).unwrap();
     for estimator in Estimator::ALL {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         assert!(result.estimates.independent_rows);
         let found = result.estimates.stiffness().unwrap();

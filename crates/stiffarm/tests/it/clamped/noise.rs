@@ -1,7 +1,6 @@
 //! Noise, intervals and gross errors of clamped data.
 
 use super::*;
-use common::runs::runs;
 
 #[test]
 fn intervals_cover_as_often_as_they_say() {
@@ -23,11 +22,7 @@ fn intervals_cover_as_often_as_they_say() {
             .fold(0.0_f64, |m, q| m.max(q.abs()));
         simulation.angle_std = 0.01 * largest;
         for noise in [NoiseSource::Estimated, NoiseSource::Known] {
-            let options = {
-                let mut options = IdentifyOptions::default();
-                options.noise = noise;
-                options
-            };
+            let options = with(|o: &mut IdentifyOptions| o.noise = noise);
             let mut covered = vec![0; n];
             for run in 0..runs {
                 let data = simulate_clamped(&cell, &postures, truth, &simulation, 9, run).unwrap();
@@ -96,11 +91,7 @@ fn states_against_one_reference_weigh_as_dense_least_squares() {
         .lu()
         .solve(&(system.psi.transpose() * precision * &system.delta))
         .unwrap();
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options
-    };
+    let options = by(Estimator::Weighted);
     let result = identify_clamped(&cell, &data, None, &options).unwrap();
     for (joint, h) in result.estimates.joints.iter().zip(expected.iter()) {
         assert!((joint.compliance.unwrap() / h - 1.0).abs() < 1e-9);
@@ -123,11 +114,7 @@ fn huber_finds_a_state_that_does_not_fit() {
         *q *= 3.0;
     }
     let error = |estimator| {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();
         let found = result.estimates.stiffness().unwrap();
         let worst = found

@@ -15,6 +15,14 @@ pub fn ln_index(cell: &Cell, index: Index, group: &[Vec<f64>]) -> f64 {
     }
 }
 
+/// Measuring points, loading point and flange.
+fn points_of(terms: &PostureTerms) -> Vec<Vector3<f64>> {
+    let mut points = terms.measuring_points().to_vec();
+    points.push(*terms.loading_point());
+    points.push(terms.frames().flange().translation.vector);
+    points
+}
+
 /// Largest violation of bounds \[rad\] and limits \[m\], written out by hand.
 pub fn violation(cell: &Cell, group: &[Vec<f64>]) -> f64 {
     let mut worst = 0.0_f64;
@@ -26,9 +34,7 @@ pub fn violation(cell: &Cell, group: &[Vec<f64>]) -> f64 {
         }
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
         let frames = terms.frames();
-        let mut points = terms.measuring_points().to_vec();
-        points.push(*terms.loading_point());
-        points.push(frames.flange().translation.vector);
+        let points = points_of(&terms);
         let wrist = frames.wrist_centre();
         let from_axis_1 =
             |p: &Vector3<f64>| (p - frames.origins()[0]).cross(&frames.axes()[0]).norm();
@@ -74,9 +80,7 @@ pub fn limits_around(cell: &Cell, group: &[Vec<f64>], spare: f64) -> Limits {
     for q in group {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
         let frames = terms.frames();
-        let mut points = terms.measuring_points().to_vec();
-        points.push(*terms.loading_point());
-        points.push(frames.flange().translation.vector);
+        let mut points = points_of(&terms);
         for p in &points {
             low = low.inf(p);
             high = high.sup(p);

@@ -7,18 +7,21 @@ pub mod cases;
 pub mod groups;
 pub mod meshes;
 pub mod model;
+pub mod prelude;
 pub mod random;
 pub mod readings;
 pub mod runs;
 pub mod segments;
+pub mod set_ups;
 
-use nalgebra::{DMatrix, Isometry3, Vector3};
+use nalgebra::{DMatrix, Vector3};
 use proptest::test_runner::{Config, RngSeed};
 use serde_json::Value;
+use std::f64::consts::PI;
 use stiffarm::model::cell::{Cell, Limits, Noise, Task};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::observation::Setup;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::model::robot::DhConvention;
 use stiffarm::model::tool::{NamedPoint, Tool};
 
 /// The reference cell with its answers.
@@ -72,67 +75,64 @@ pub fn random_group() -> Vec<Vec<f64>> {
 /// The reference cell: the paper's robot, load and noise, no limits beyond the bounds.
 pub fn reference_cell() -> Cell {
     let data = reference();
-    let rows: Vec<DhRow> = list(&data["robot"]["dh_rows_alpha_a_d_offset"])
-        .iter()
-        .map(|row| {
-            let r = numbers(row);
-            DhRow {
-                alpha: r[0],
-                a: r[1],
-                d: r[2],
-                offset: r[3],
-            }
-        })
-        .collect();
-    let robot = Robot::from_dh(
-        "COMAU NJ 165-3.0",
-        DhConvention::Modified,
-        &rows,
-        Isometry3::identity(),
-    )
-    .unwrap()
-    .with_coupling(matrix(&data["robot"]["theta_from_q"]))
-    .unwrap();
-    let measuring_points = list(&data["tool"]["measuring_points"])
-        .iter()
-        .enumerate()
-        .map(|(i, p)| NamedPoint {
-            name: (i + 1).to_string(),
-            position: vector3(p),
-        })
-        .collect();
+    let rows = list(&data["robot"]["dh_rows_alpha_a_d_offset"]).iter();
+    let rows: Vec<[f64; 4]> = rows.map(|row| numbers(row).try_into().unwrap()).collect();
+    let robot = set_ups::chain("COMAU NJ 165-3.0", DhConvention::Modified, &rows)
+        .with_coupling(matrix(&data["robot"]["theta_from_q"]))
+        .unwrap();
+    let points = list(&data["tool"]["measuring_points"]).iter().map(vector3);
+    let tool = tool(vector3(&data["tool"]["loading_point"]), points);
+    let load = Load::Rope {
+        anchor: vector3(&data["load"]["anchor"]),
+        magnitude: number(&data["load"]["magnitude_n"]),
+    };
+    let bounds = list(&data["robot"]["bounds_deg"]).iter();
+    // Table 3: level 2 is 9.23e-5 mm² per axis, counted once.
+    let noise = Noise {
+        reading_variance: 9.23e-11,
+        readings_per_displacement: 1,
+        posture_common_std: 0.0,
+    };
     Cell {
         name: "reference".to_string(),
-        setup: Setup {
-            robot,
-            tool: Tool {
-                loading_point: vector3(&data["tool"]["loading_point"]),
-                measuring_points,
-                has_sensor: false,
-                series_compliance: None,
-            },
-            load: Load::Rope {
-                anchor: vector3(&data["load"]["anchor"]),
-                magnitude: number(&data["load"]["magnitude_n"]),
-            },
-        },
-        bounds: list(&data["robot"]["bounds_deg"])
-            .iter()
+        bounds: bounds
             .map(|b| [number(&b[0]).to_radians(), number(&b[1]).to_radians()])
             .collect(),
+        prior: Some(numbers(&data["robot"]["k_theta"])),
+        characteristic_length: Some(number(&data["characteristic_length_m"])),
+        tasks: tasks(),
+        ..plain_cell(Setup { robot, tool, load }, noise)
+    }
+}
+
+/// A tool with these points, named 1, 2, 3, …
+pub fn tool(loading_point: Vector3<f64>, points: impl Iterator<Item = Vector3<f64>>) -> Tool {
+    let point = |(i, position): (usize, Vector3<f64>)| NamedPoint {
+        name: (i + 1).to_string(),
+        position,
+    };
+    Tool {
+        loading_point,
+        measuring_points: points.enumerate().map(point).collect(),
+        has_sensor: false,
+        series_compliance: None,
+    }
+}
+
+/// A cell of which nothing else is known, bounds ±π.
+pub fn plain_cell(setup: Setup, noise: Noise) -> Cell {
+    Cell {
+        name: "plain".to_string(),
+        bounds: vec![[-PI, PI]; setup.robot.joint_count()],
+        setup,
         limits: Limits::default(),
         scene: Default::default(),
-        // Table 3: level 2 is 9.23e-5 mm² per axis, counted once.
-        noise: Noise {
-            reading_variance: 9.23e-11,
-            readings_per_displacement: 1,
-            posture_common_std: 0.0,
-        },
-        prior: Some(numbers(&data["robot"]["k_theta"])),
+        noise,
+        prior: None,
         elastic: None,
-        characteristic_length: Some(number(&data["characteristic_length_m"])),
+        characteristic_length: None,
         validation: Vec::new(),
-        tasks: tasks(),
+        tasks: Vec::new(),
         sensor: None,
         tracker: Default::default(),
         uncertainty: Default::default(),

@@ -3,13 +3,14 @@
 //!
 //! Shares only data types with the library (its `Load` and `Task`), no arithmetic.
 
+use super::set_ups::chain;
+use super::{plain_cell, tool};
 use nalgebra::{DMatrix, Isometry3, SVD, Vector3};
 use num_dual::{Dual64, DualNum};
-use stiffarm::model::cell::{Cell, Limits, Noise, Task};
+use stiffarm::model::cell::{Cell, Noise, Task};
 use stiffarm::model::load::{Axes, Load};
 use stiffarm::model::observation::Setup;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
-use stiffarm::model::tool::{NamedPoint, Tool};
+use stiffarm::model::robot::DhConvention;
 
 /// A real or dual number.
 pub trait Scalar: DualNum<Primitive = f64> + Copy {}
@@ -124,68 +125,35 @@ impl Model {
 
     /// The library's cell with the same numbers, bounds ±π and no limits.
     pub fn cell(&self) -> Cell {
-        let rows: Vec<DhRow> = self
-            .rows
-            .iter()
-            .map(|r| DhRow {
-                alpha: r[0],
-                a: r[1],
-                d: r[2],
-                offset: r[3],
-            })
-            .collect();
         let convention = if self.modified {
             DhConvention::Modified
         } else {
             DhConvention::Standard
         };
-        let mut robot = Robot::from_dh("random", convention, &rows, self.base)
-            .unwrap()
+        let mut robot = chain("random", convention, &self.rows)
+            .with_base(&self.base)
             .with_coupling(self.coupling.clone())
             .unwrap();
         if let Some(e) = &self.elastic {
             robot = robot.with_elastic_coordinates(e.clone()).unwrap();
         }
-        let measuring_points = self
-            .measuring_points
-            .iter()
-            .enumerate()
-            .map(|(i, p)| NamedPoint {
-                name: (i + 1).to_string(),
-                position: Vector3::from(*p),
-            })
-            .collect();
+        let points = self.measuring_points.iter().copied().map(Vector3::from);
+        let setup = Setup {
+            robot,
+            tool: tool(self.loading_point.into(), points),
+            load: self.load.clone(),
+        };
+        let noise = Noise {
+            reading_variance: self.sigma * self.sigma,
+            readings_per_displacement: 1,
+            posture_common_std: self.tau,
+        };
         Cell {
             name: "random".to_string(),
-            setup: Setup {
-                robot,
-                tool: Tool {
-                    loading_point: Vector3::from(self.loading_point),
-                    measuring_points,
-                    has_sensor: false,
-                    series_compliance: None,
-                },
-                load: self.load.clone(),
-            },
-            bounds: vec![[-std::f64::consts::PI, std::f64::consts::PI]; self.rows.len()],
-            limits: Limits::default(),
-            scene: Default::default(),
-            noise: Noise {
-                reading_variance: self.sigma * self.sigma,
-                readings_per_displacement: 1,
-                posture_common_std: self.tau,
-            },
             prior: Some(self.prior.clone()),
-            elastic: None,
             characteristic_length: Some(self.length),
-            validation: Vec::new(),
             tasks: self.tasks.clone(),
-            sensor: None,
-            tracker: Default::default(),
-            uncertainty: Default::default(),
-            route: Default::default(),
-            columns: Default::default(),
-            work: Default::default(),
+            ..plain_cell(setup, noise)
         }
     }
 
@@ -376,24 +344,27 @@ impl Model {
     /// Ψ of each task, loaded and measured at its tip, stacked, so that the mean
     /// square of a predicted shift is the squared norm.
     pub fn task_rows(&self) -> DMatrix<f64> {
-        let blocks: Vec<DMatrix<f64>> = self
-            .tasks
-            .iter()
-            .map(|task| {
-                let mut work = self.clone();
-                work.loading_point = task.tip.into();
-                work.measuring_points = vec![task.tip.into()];
-                work.load = Load::Constant {
-                    wrench: task.wrench,
-                    axes: task.axes,
-                };
-                work.psi::<f64>(&task.q)
-            })
+        let tasks = self.tasks.iter();
+        let blocks: Vec<DMatrix<f64>> = tasks
+            .map(|task| self.at_work(task).psi::<f64>(&task.q))
             .collect();
         let count = blocks.len();
         DMatrix::from_fn(3 * count, self.rows.len(), |i, j| {
             blocks[i / 3][(i % 3, j)] / (count as f64).sqrt()
         })
+    }
+
+    /// The model loaded and measured at the tip of a task.
+    pub fn at_work(&self, task: &Task) -> Model {
+        Model {
+            loading_point: task.tip.into(),
+            measuring_points: vec![task.tip.into()],
+            load: Load::Constant {
+                wrench: task.wrench,
+                axes: task.axes,
+            },
+            ..self.clone()
+        }
     }
 
     /// J_N at measuring point 1, Eq. (20).
@@ -496,4 +467,11 @@ pub fn condition_number<T: Scalar>(normalised_jacobian: &DMatrix<T>) -> T {
         .into_iter()
         .fold(T::from(0.0), |s, v| s + v);
     (square * inverse_trace).sqrt() / 6.0
+}
+
+/// Postures of `n` angles as dual numbers, with the derivative by angle `k` of them all.
+pub fn duals(flat: &[f64], n: usize, k: usize) -> Vec<Vec<Dual64>> {
+    let dual = |(i, v): (usize, &f64)| Dual64::new(*v, if i == k { 1.0 } else { 0.0 });
+    let all: Vec<Dual64> = flat.iter().enumerate().map(dual).collect();
+    all.chunks_exact(n).map(<[_]>::to_vec).collect()
 }

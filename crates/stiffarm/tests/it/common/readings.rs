@@ -1,5 +1,6 @@
 //! Simulated experiments and what their reduction should give.
 
+use super::set_ups::{changed, compliance_of, numbered, with};
 use super::{group1, reference_cell};
 use nalgebra::{DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
 use stiffarm::findings::Finding;
@@ -10,16 +11,18 @@ use stiffarm::measure::reduction::{ReduceOptions, Reduction, reduce};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::{MeasuredPosture, Reading, ReadingTable};
+use stiffarm::model::measurement::{
+    MeasuredPosture, Reading, ReadingTable, ReadingTarget, StateReadings,
+};
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::NamedPoint;
 
 /// What the controllers give way per torque \[rad/(N·m)\].
 pub const GIVE: [f64; 6] = [2e-8, 1e-8, 3e-8, 5e-8, 4e-8, 6e-8];
 
 pub fn postures() -> Vec<Posture> {
-    PostureGroup::from_angles("group 1", group1()).postures
+    numbered(group1())
 }
 
 pub fn pose(x: f64, y: f64, z: f64, turn: [f64; 3]) -> Isometry3<f64> {
@@ -82,10 +85,13 @@ pub fn reduced(cell: &Cell, table: &ReadingTable) -> Reduction {
     reduce(cell, table, &ReduceOptions::default()).unwrap()
 }
 
+/// Reduced with the tracker where it is said to stand.
+pub fn reduced_by(cell: &Cell, table: &ReadingTable, transform: Isometry3<f64>) -> Reduction {
+    reduce(cell, table, &given(transform)).unwrap()
+}
+
 pub fn given(transform: Isometry3<f64>) -> ReduceOptions {
-    let mut options = ReduceOptions::default();
-    options.base_from_tracker = Some(transform);
-    options
+    with(|o: &mut ReduceOptions| o.base_from_tracker = Some(transform))
 }
 
 /// Displacements of the measuring points and wrench under `factor` times the
@@ -98,9 +104,7 @@ pub fn truth(
 ) -> (Vec<Vector3<f64>>, Wrench) {
     let robot = &cell.setup.robot;
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
-    let prior = cell.prior.as_ref().unwrap();
-    let compliance = DVector::from_iterator(6, prior.iter().map(|k| factor / k));
-    let mut moved = terms.block(robot) * compliance;
+    let mut moved = terms.block(robot) * compliance_of(cell.require_prior().unwrap()) * factor;
     if let Some(give) = give {
         let torque = robot
             .coupling()
@@ -118,12 +122,8 @@ pub fn truth(
 
 /// Planned angles of a measured posture.
 pub fn planned(m: &MeasuredPosture) -> Vec<f64> {
-    let list = postures();
-    list.iter()
-        .find(|p| p.name == m.posture.name)
-        .unwrap()
-        .q
-        .clone()
+    let mut list = postures().into_iter();
+    list.find(|p| p.name == m.posture.name).unwrap().q
 }
 
 /// Largest error of the displacements of `measured` over the largest displacement.
@@ -163,12 +163,21 @@ pub fn wrench_error(
     errors.fold(0.0, f64::max)
 }
 
+/// Asserts that the displacements are those of `factor` times the load, to rounding of coordinates.
+#[track_caller]
+pub fn assert_displaced(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    factor: impl Fn(&str) -> f64,
+    give: Option<[f64; 6]>,
+) {
+    let error = displacement_error(cell, measured, factor, give);
+    assert!(error < 1e-11, "{error:e}");
+}
+
 pub fn found<'a>(reduction: &'a Reduction, code: &str) -> Vec<&'a Finding> {
-    reduction
-        .findings
-        .iter()
-        .filter(|f| f.code == code)
-        .collect()
+    let findings = reduction.findings.iter();
+    findings.filter(|f| f.code == code).collect()
 }
 
 pub fn codes(reduction: &Reduction) -> Vec<&str> {
@@ -178,6 +187,16 @@ pub fn codes(reduction: &Reduction) -> Vec<&str> {
 pub fn readings(table: &mut ReadingTable) -> impl Iterator<Item = &mut Reading> {
     let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
     states.flat_map(|s| &mut s.readings)
+}
+
+/// Keeps the readings of these targets in one state.
+pub fn keep(state: &mut StateReadings, which: impl Fn(&ReadingTarget) -> bool) {
+    state.readings.retain(|r| which(&r.target));
+}
+
+/// A measuring point, no reflector of the base.
+pub fn is_point(target: &ReadingTarget) -> bool {
+    matches!(target, ReadingTarget::Point(_))
 }
 
 /// An experiment with everything in it, as a table with noise.
@@ -207,8 +226,8 @@ pub fn full_table(cell: &Cell, seed: u64) -> ReadingTable {
 }
 
 pub fn sensor_cell() -> Cell {
-    let mut cell = reference_cell();
-    cell.sensor = Some(sensor());
-    cell.noise.reading_variance = 1e-10;
-    cell
+    changed(reference_cell(), |cell| {
+        cell.sensor = Some(sensor());
+        cell.noise.reading_variance = 1e-10;
+    })
 }

@@ -1,7 +1,6 @@
 //! How often a sound experiment raises a finding.
 
 use super::*;
-use common::runs::{most, runs};
 
 /// Findings that say that something is wrong, in `seeds` clean experiments.
 fn false_alarms(
@@ -26,9 +25,7 @@ fn false_alarms(
     for seed in 0..seeds {
         let truth = truth(cell);
         let measured = simulate_measurements(cell, postures, &truth, Model::Linear, seed, 0);
-        let found = Fit::new(cell, measured.unwrap(), &options(estimator))
-            .and_then(|fit| diagnose(&fit))
-            .unwrap();
+        let found = diagnose(&Fit::new(cell, measured.unwrap(), &by(estimator)).unwrap()).unwrap();
         for fault in faults.iter().filter(|f| codes(&found).contains(f)) {
             *counts.entry((*fault).to_string()).or_default() += 1;
         }
@@ -89,10 +86,8 @@ fn clean_load_states_raise_few_findings() {
         let mut counts: BTreeMap<String, u64> = BTreeMap::new();
         for seed in 0..seeds {
             let measured = in_states(&cell, states, seed, |_, _, _| Vector3::zeros());
-            let options = options(Estimator::TwoVariance);
-            let noise = Fit::new(&cell, &measured, &options)
-                .and_then(|fit| noise_test(&fit))
-                .unwrap();
+            let options = by(Estimator::TwoVariance);
+            let noise = noise_test(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
             let found = Fit::new(&cell, &measured, &options)
                 .and_then(|fit| load_states(&fit, noise.as_ref()))
                 .unwrap()
@@ -121,8 +116,7 @@ fn residuals_are_compared_with_the_noise_in_words() {
     let test = |factor: f64| {
         let mut stated = cell.clone();
         stated.noise.reading_variance /= factor * factor;
-        Fit::new(&stated, &measured, &options(Estimator::Ordinary))
-            .and_then(|fit| noise_test(&fit))
+        noise_test(&Fit::new(&stated, &measured, &by(Estimator::Ordinary)).unwrap())
             .unwrap()
             .unwrap()
     };
@@ -144,17 +138,13 @@ fn residuals_are_compared_with_the_noise_in_words() {
     assert_eq!(overstated.finding(None).code, "residuals-below-noise");
     // The whitened residual with the declared common part is what it is.
     let cell = noisy_cell(3.0);
-    let shared = Fit::new(&cell, measure(&cell, 5), &options(Estimator::TwoVariance))
+    let shared = Fit::new(&cell, measure(&cell, 5), &by(Estimator::TwoVariance))
         .and_then(|fit| noise_test(&fit));
     assert_eq!(shared.unwrap().unwrap().agreement, Agreement::Agrees);
     let mut undeclared = cell.clone();
     undeclared.noise.posture_common_std = 0.0;
-    let test = Fit::new(
-        &undeclared,
-        measure(&cell, 5),
-        &options(Estimator::TwoVariance),
-    )
-    .and_then(|fit| noise_test(&fit));
+    let test = Fit::new(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance))
+        .and_then(|fit| noise_test(&fit));
     let test = test.unwrap().unwrap();
     assert_eq!(test.agreement, Agreement::Larger);
     assert!(test.within_ratio.is_some_and(|r| r < 1.3), "{test:?}");
@@ -164,10 +154,6 @@ fn residuals_are_compared_with_the_noise_in_words() {
             .contains("moves all points alike")
     );
     // As the result says it, where no common part is declared.
-    let result = identify(
-        &undeclared,
-        measure(&cell, 5),
-        &options(Estimator::TwoVariance),
-    );
+    let result = identify(&undeclared, measure(&cell, 5), &by(Estimator::TwoVariance));
     assert!((result.unwrap().total_std_m.unwrap() / test.residual_std_m - 1.0).abs() < 1e-12);
 }

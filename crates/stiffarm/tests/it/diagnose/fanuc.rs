@@ -1,7 +1,6 @@
 //! The measured robot of the reference data.
 
 use super::*;
-use stiffarm::files::builtin;
 use stiffarm::files::table::read_displacements;
 
 /// Its cell and its 43 displacements.
@@ -24,9 +23,8 @@ pub fn measured_robot() -> (Cell, Vec<MeasuredPosture>) {
 #[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn what_a_careful_engineer_would_say() {
     let (cell, measured) = measured_robot();
-    let found = Fit::new(&cell, &measured, &IdentifyOptions::default())
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap()).unwrap();
     for finding in &found.findings {
         println!("[{}] {}", finding.code, finding.sentence);
     }

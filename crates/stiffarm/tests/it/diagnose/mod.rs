@@ -5,33 +5,24 @@ mod alarms;
 pub mod fanuc;
 mod outliers;
 
-use crate::common;
 #[path = "../../../examples/convert_fanuc.rs"]
 #[allow(dead_code, missing_docs, reason = "its main belongs to the example")]
 mod convert_fanuc;
 
-use common::random::Dice;
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
 use stiffarm::estimate::diagnose::{
-    Agreement, Diagnosis, OutlierKind, diagnose, joint_signals, load_states, noise_test, outliers,
+    Agreement, Diagnosis, OutlierKind, joint_signals, load_states, noise_test, outliers,
     second_order_shares, try_terms,
 };
-use stiffarm::estimate::identify::{Estimator, Fit, IdentifyOptions, identify};
-use stiffarm::estimate::validate::{Model, calculated_displacements, simulate_measurements};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Load;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::{ExtraTerm, PostureTerms};
-use stiffarm::model::posture::{Posture, PostureGroup};
 
 /// Twelve postures: Group 1 and the random group.
 fn postures() -> Vec<Posture> {
-    let angles = common::group1().into_iter().chain(common::random_group());
-    PostureGroup::from_angles("", angles).postures
+    let angles = group1().into_iter().chain(common::random_group());
+    numbered(angles)
 }
 
 fn truth(cell: &Cell) -> Vec<f64> {
@@ -42,22 +33,18 @@ fn measure(cell: &Cell, seed: u64) -> Vec<MeasuredPosture> {
     simulate_measurements(cell, &postures(), &truth(cell), Model::Linear, seed, 0).unwrap()
 }
 
-fn options(estimator: Estimator) -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = estimator;
-    options
-}
-
 fn codes(diagnosis: &Diagnosis) -> Vec<&str> {
     diagnosis.findings.iter().map(|f| f.code.as_str()).collect()
 }
 
 /// The cell with an honest difference of two readings and a common part.
 fn noisy_cell(common_part: f64) -> Cell {
-    let mut cell = common::default_cell();
-    cell.noise.readings_per_displacement = 2;
-    cell.noise.posture_common_std = common_part * cell.noise.displacement_std();
-    cell
+    {
+        let mut cell = default_cell();
+        cell.noise.readings_per_displacement = 2;
+        cell.noise.posture_common_std = common_part * cell.noise.displacement_std();
+        cell
+    }
 }
 
 /// Measurements in several load states: name and force \[N\] of each; every
@@ -83,17 +70,12 @@ fn in_states(
         let unloaded: Vec<Vector3<f64>> = (0..points).map(|_| draw()).collect();
         for (s, (state, newton)) in states.iter().enumerate() {
             let mut loaded = cell.clone();
-            if let Load::Rope { magnitude, .. } = &mut loaded.setup.load {
-                *magnitude = *newton;
-            }
+            *rope_force(&mut loaded) = *newton;
             let terms = PostureTerms::new(&loaded.setup, &posture.q, None).unwrap();
             let mut measured = MeasuredPosture {
-                posture: posture.clone(),
                 state: (*state).to_string(),
                 wrench: Some(*terms.wrench()),
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: Vec::new(),
+                ..MeasuredPosture::new(posture.clone(), Vec::new())
             };
             let exact = calculated_displacements(&loaded, &measured, &truth(cell), Model::Linear);
             for (point, value) in exact.unwrap().into_iter().enumerate() {
@@ -119,11 +101,9 @@ const BOTH: [(&str, f64); 5] = [
 #[test]
 fn lost_motion_loops_and_curvature_are_told_apart() {
     let cell = noisy_cell(0.0);
-    let options = options(Estimator::TwoVariance);
+    let options = by(Estimator::TwoVariance);
     let states = |measured: &[MeasuredPosture]| {
-        let noise = Fit::new(&cell, measured, &options)
-            .and_then(|fit| noise_test(&fit))
-            .unwrap();
+        let noise = noise_test(&Fit::new(&cell, measured, &options).unwrap()).unwrap();
         Fit::new(&cell, measured, &options)
             .and_then(|fit| load_states(&fit, noise.as_ref()))
             .unwrap()
@@ -178,23 +158,15 @@ fn lost_motion_loops_and_curvature_are_told_apart() {
 #[test]
 fn the_tilt_that_is_there_is_found() {
     let cell = noisy_cell(0.0);
-    let options = options(Estimator::TwoVariance);
+    let options = by(Estimator::TwoVariance);
     for (term, size) in [
         (ExtraTerm::JointTilt(2), 2e-7),
         (ExtraTerm::BaseTilt, 1e-7),
         (ExtraTerm::LostMotion(0), 5e-5),
     ] {
         let mut measured = measure(&cell, 9);
-        for m in &mut measured {
-            let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
-            let column = term.column(&terms) * size;
-            for d in &mut m.displacements {
-                d.value += column.fixed_rows::<3>(3 * d.point);
-            }
-        }
-        let found = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| try_terms(&fit))
-            .unwrap();
+        move_points(&cell, &mut measured, |terms| term.column(terms) * size);
+        let found = try_terms(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
         // On this robot joint 1 tilts at the foot of the base.
         assert_eq!(found.trials.len(), 12);
         assert_eq!(
@@ -214,9 +186,7 @@ fn the_tilt_that_is_there_is_found() {
         // With it in the model nothing more is asked for.
         let mut with = options.clone();
         with.extra.push(term);
-        let found = Fit::new(&cell, &measured, &with)
-            .and_then(|fit| try_terms(&fit))
-            .unwrap();
+        let found = try_terms(&Fit::new(&cell, &measured, &with).unwrap()).unwrap();
         assert!(found.trials.len() <= 11 && !found.axis_only);
         assert_eq!(found.finding(), None);
     }
@@ -224,7 +194,7 @@ fn the_tilt_that_is_there_is_found() {
 
 #[test]
 fn the_linear_model_is_judged_posture_by_posture() {
-    let cell = common::default_cell();
+    let cell = default_cell();
     let measured = measure(&cell, 1);
     let shares = second_order_shares(&cell, &measured, &truth(&cell)).unwrap();
     assert_eq!(shares.len(), 12);
@@ -239,36 +209,17 @@ fn the_linear_model_is_judged_posture_by_posture() {
             .iter()
             .all(|s| s.correction_m > 1e-8 && s.correction_share < 0.05)
     );
-    let said = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
-    let finding = said
-        .findings
-        .iter()
-        .find(|f| f.code == "second-order")
-        .unwrap();
-    assert!(
-        finding.sentence.contains("linear model is enough"),
-        "{}",
-        finding.sentence
-    );
+    let said = diagnose(&Fit::new(&cell, &measured, &by(Estimator::Ordinary)).unwrap()).unwrap();
+    let finding = the(&said.findings, "second-order");
+    let said = &finding.sentence;
+    assert!(said.contains("linear model is enough"), "{said}");
     let mut heavy = cell.clone();
-    if let Load::Rope { magnitude, .. } = &mut heavy.setup.load {
-        *magnitude = 30_000.0;
-    }
-    let found = Fit::new(&heavy, measure(&heavy, 1), &options(Estimator::Ordinary))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
-    let finding = found
-        .findings
-        .iter()
-        .find(|f| f.code == "second-order")
-        .unwrap();
-    assert!(
-        finding.sentence.contains("predict with the equilibrium"),
-        "{}",
-        finding.sentence
-    );
+    *rope_force(&mut heavy) = 30_000.0;
+    let found =
+        diagnose(&Fit::new(&heavy, measure(&heavy, 1), &by(Estimator::Ordinary)).unwrap()).unwrap();
+    let finding = the(&found.findings, "second-order");
+    let said = &finding.sentence;
+    assert!(said.contains("predict with the equilibrium"), "{said}");
 }
 
 #[test]
@@ -278,14 +229,13 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     let height = cell.setup.tool.loading_point.z;
     cell.setup.tool.loading_point = Vector3::new(3e-3, 0.0, height);
     let measured = measure(&cell, 3);
-    let signals = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
+    let signals = Fit::new(&cell, &measured, &by(Estimator::TwoVariance))
         .map(|fit| joint_signals(&fit))
         .unwrap();
     assert!(signals[5].torque_rms_nm < 2.0 && signals[1].torque_rms_nm > 100.0);
     assert!(signals[5].to_residual.unwrap() < 1.0 && signals[1].to_residual.unwrap() > 10.0);
-    let found = Fit::new(&cell, &measured, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found =
+        diagnose(&Fit::new(&cell, &measured, &by(Estimator::TwoVariance)).unwrap()).unwrap();
     let weak: Vec<&str> = found
         .findings
         .iter()
@@ -310,9 +260,7 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     for displacement in limited.iter_mut().flat_map(|m| &mut m.displacements) {
         displacement.value += dice.vector(2e-4);
     }
-    let found = Fit::new(&cell, &limited, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found = diagnose(&Fit::new(&cell, &limited, &by(Estimator::TwoVariance)).unwrap()).unwrap();
     let sentence = weak_sentence(&found);
     assert!(
         sentence.contains("more postures of this kind would not much"),
@@ -322,14 +270,12 @@ fn a_joint_with_little_leverage_is_named_and_pairs_are() {
     // Six times nearly the same posture: pairs of joints cannot be told apart.
     let cell = noisy_cell(0.0);
     let mut dice = Dice::new(1);
-    let base = &common::group1()[0];
+    let base = &group1()[0];
     let alike = (0..6).map(|_| base.iter().map(|a| a + dice.between(-0.01, 0.01)).collect());
-    let group = PostureGroup::from_angles("", alike).postures;
+    let group = numbered(alike);
     let measured =
         simulate_measurements(&cell, &group, &truth(&cell), Model::Linear, 1, 0).unwrap();
-    let found = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found = diagnose(&Fit::new(&cell, &measured, &by(Estimator::Ordinary)).unwrap()).unwrap();
     assert!(!found.correlated.is_empty() && codes(&found).contains(&"correlated"));
     assert!(found.correlated.iter().all(|p| p.correlation.abs() > 0.9));
 }
@@ -341,17 +287,13 @@ fn diagnoses_of_poor_data() {
     let all = measure(&cell, 1);
     for estimator in Estimator::ALL {
         for count in [1, 2, 3] {
-            Fit::new(&cell, &all[..count], &options(estimator))
-                .and_then(|fit| diagnose(&fit))
-                .unwrap();
+            diagnose(&Fit::new(&cell, &all[..count], &by(estimator)).unwrap()).unwrap();
         }
     }
     let mut quiet = cell.clone();
     quiet.noise.reading_variance = 0.0;
     let exact = measure(&quiet, 1);
-    let found = Fit::new(&quiet, &exact, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found = diagnose(&Fit::new(&quiet, &exact, &by(Estimator::TwoVariance)).unwrap()).unwrap();
     assert!(
         found.noise.is_none() && found.outliers.found.is_empty(),
         "{:?}",
@@ -362,9 +304,7 @@ fn diagnoses_of_poor_data() {
     for m in &mut single {
         m.displacements.truncate(1);
     }
-    let found = Fit::new(&cell, &single, &options(Estimator::TwoVariance))
-        .and_then(|fit| diagnose(&fit))
-        .unwrap();
+    let found = diagnose(&Fit::new(&cell, &single, &by(Estimator::TwoVariance)).unwrap()).unwrap();
     assert!(found.outliers.found.is_empty());
     let json = serde_json::to_string(&found).unwrap();
     let back: Diagnosis = serde_json::from_str(&json).unwrap();
@@ -375,12 +315,11 @@ fn diagnoses_of_poor_data() {
 #[test]
 fn sentences() {
     let cell = noisy_cell(0.0);
-    let two = options(Estimator::TwoVariance);
+    let two = by(Estimator::TwoVariance);
     let mut out = String::new();
     let mut tell = |title: &str, cell: &Cell, measured: &[MeasuredPosture]| {
         out += &format!("» {title}\n");
-        for finding in Fit::new(cell, measured, &two)
-            .and_then(|fit| diagnose(&fit))
+        for finding in diagnose(&Fit::new(cell, measured, &two).unwrap())
             .unwrap()
             .findings
         {
@@ -396,13 +335,8 @@ fn sentences() {
     measured[3].displacements[1].value.x += 1e-3;
     tell("one reading off by 1 mm", &cell, &measured);
     let mut measured = measure(&cell, 2);
-    for m in &mut measured {
-        let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
-        let column = ExtraTerm::JointTilt(2).column(&terms) * 5e-7;
-        for d in &mut m.displacements {
-            d.value += column.fixed_rows::<3>(3 * d.point);
-        }
-    }
+    let tilted = |terms: &PostureTerms| ExtraTerm::JointTilt(2).column(terms) * 5e-7;
+    move_points(&cell, &mut measured, tilted);
     tell("joint 3 tilts", &cell, &measured);
     let lost = in_states(&cell, &BOTH, 2, |terms, s, d| {
         let column = ExtraTerm::LostMotion(1).column(terms);

@@ -13,9 +13,7 @@ fn one_displaced_reading_is_named() {
             let mut measured = measure(&cell, 1000 + i as u64);
             let (posture, point) = (i / 4, i % 4);
             measured[posture].displacements[point].value[axis] -= 1e-3;
-            let found = Fit::new(&cell, &measured, &options(estimator))
-                .and_then(|fit| outliers(&fit))
-                .unwrap();
+            let found = outliers(&Fit::new(&cell, &measured, &by(estimator)).unwrap()).unwrap();
             let first = &found.found[0];
             assert_eq!(first.kind, OutlierKind::Displacement, "{i}: {first:?}");
             assert_eq!(
@@ -50,9 +48,8 @@ fn deleted_residuals_are_those_of_fits_without() {
     let cell = noisy_cell(0.0);
     let mut measured = measure(&cell, 7);
     measured[4].displacements[2].value.y += 2e-4;
-    let options = options(Estimator::Ordinary);
-    let found = &Fit::new(&cell, &measured, &options)
-        .and_then(|fit| outliers(&fit))
+    let options = by(Estimator::Ordinary);
+    let found = &outliers(&Fit::new(&cell, &measured, &options).unwrap())
         .unwrap()
         .found[0];
     let mut without = measured.clone();
@@ -75,7 +72,7 @@ fn deleted_residuals_are_those_of_fits_without() {
 fn points_are_judged_by_fits_without_them() {
     let cell = noisy_cell(0.0);
     let measured = measure(&cell, 8);
-    let options = options(Estimator::Ordinary);
+    let options = by(Estimator::Ordinary);
     let fit = Fit::new(&cell, &measured, &options).unwrap();
     let found = outliers(&fit).unwrap();
     // Sum of squares and degrees of freedom.
@@ -112,9 +109,7 @@ fn a_posture_that_does_not_fit_is_named_as_a_whole() {
             for d in &mut measured[posture].displacements {
                 d.value += exact[d.point] * 0.2;
             }
-            let found = Fit::new(&cell, &measured, &options(estimator))
-                .and_then(|fit| outliers(&fit))
-                .unwrap();
+            let found = outliers(&Fit::new(&cell, &measured, &by(estimator)).unwrap()).unwrap();
             let first = &found.found[0];
             assert_eq!(
                 first.kind,
@@ -142,9 +137,7 @@ fn a_loose_reflector_is_named() {
             for m in &mut measured {
                 m.displacements[point].value += dice.vector(2e-4);
             }
-            let found = Fit::new(&cell, &measured, &options(estimator))
-                .and_then(|fit| outliers(&fit))
-                .unwrap();
+            let found = outliers(&Fit::new(&cell, &measured, &by(estimator)).unwrap()).unwrap();
             let first = &found.found[0];
             assert_eq!(first.kind, OutlierKind::Point, "{point}: {:?}", found.found);
             assert_eq!(
@@ -164,9 +157,7 @@ fn many_contradictions_are_the_model() {
     for m in &mut measured {
         m.displacements[dice.below(4)].value += dice.direction() * 5e-3 * dice.between(0.5, 2.0);
     }
-    let found = Fit::new(&cell, &measured, &options(Estimator::Ordinary))
-        .and_then(|fit| outliers(&fit))
-        .unwrap();
+    let found = outliers(&Fit::new(&cell, &measured, &by(Estimator::Ordinary)).unwrap()).unwrap();
     assert!(found.more && found.found.len() == 5);
     assert_eq!(found.findings().last().unwrap().code, "more-outliers");
 }

@@ -1,31 +1,29 @@
 //! Estimators on measured displacements.
 
 use super::*;
+use stiffarm::estimate::identify::Identification;
 
 /// Exact displacements of the reference cell under fractions of its load, plus
 /// errors of size `sigma`, all against one unloaded reading.
 fn measured(cell: &Cell, loads: &[f64], sigma: f64, dice: &mut Dice) -> Vec<MeasuredPosture> {
     let prior = cell.require_prior().unwrap();
-    let compliance = DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k));
+    let compliance = compliance_of(prior);
     let mut out = Vec::new();
-    for posture in named(&random_group()) {
+    for posture in numbered(random_group()) {
         let force = PostureTerms::new(&cell.setup, &posture.q, None).unwrap();
         for load in loads {
             let wrench = Wrench::force(force.wrench().force * *load);
             let terms = PostureTerms::new(&cell.setup, &posture.q, Some(&wrench)).unwrap();
             let exact = terms.block(&cell.setup.robot) * &compliance;
+            let points = 0..cell.setup.tool.point_count();
+            let displacements = points.map(|a| {
+                let error = dice.vector(sigma * 3f64.sqrt());
+                Displacement::new(a, exact.fixed_rows::<3>(3 * a) + error)
+            });
             out.push(MeasuredPosture {
-                posture: posture.clone(),
                 state: format!("load {load}"),
                 wrench: Some(wrench),
-                common_readings: [0.0; 2],
-                servo_deflection: None,
-                displacements: (0..cell.setup.tool.point_count())
-                    .map(|a| {
-                        let error = dice.vector(sigma * 3f64.sqrt());
-                        Displacement::new(a, exact.fixed_rows::<3>(3 * a) + error)
-                    })
-                    .collect(),
+                ..MeasuredPosture::new(posture.clone(), displacements.collect())
             });
         }
     }
@@ -92,12 +90,10 @@ fn tracker_weights_are_least_squares_with_the_trackers_covariance() {
             blocks.push(covariance);
         }
     }
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Weighted;
-        options.weights = Weights::Tracker;
-        options
-    };
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Weighted;
+        o.weights = Weights::Tracker;
+    });
     let ours = identify(&cell, &measured, &options).unwrap();
     let system = measured_system(&cell, &measured, &[], Weights::Readings).unwrap();
     let mut v = DMatrix::zeros(72, 72);
@@ -116,7 +112,7 @@ fn tracker_weights_are_least_squares_with_the_trackers_covariance() {
     // Without the tracker's covariance there is nothing to weigh by.
     measured[0].displacements[0].covariance = None;
     let error = identify(&cell, &measured, &options).unwrap_err();
-    assert_eq!(error.code(), stiffarm::Code::MissingKey);
+    assert_eq!(error.code(), Code::MissingKey);
 }
 
 #[test]
@@ -126,25 +122,17 @@ fn the_robust_fit_ignores_a_gross_error_and_names_it() {
     let mut spoiled = clean.clone();
     spoiled[2].displacements[1].value += Vector3::new(0.3, -0.2, 1.0);
     let with = |measured: &[MeasuredPosture], estimator| {
-        let options = {
-            let mut options = IdentifyOptions::default();
-            options.estimator = estimator;
-            options
-        };
+        let options = by(estimator);
         identify(&cell, measured, &options).unwrap()
     };
     let reference = with(&clean, Estimator::Huber);
     let robust = with(&spoiled, Estimator::Huber);
     let plain = with(&spoiled, Estimator::Ordinary);
     for j in 0..6 {
-        let shift = |found: &stiffarm::estimate::identify::Identification| {
-            let error = reference.estimates.joints[j]
-                .compliance_standard_error
-                .unwrap();
-            (found.estimates.joints[j].compliance.unwrap()
-                - reference.estimates.joints[j].compliance.unwrap())
-            .abs()
-                / error
+        let shift = |found: &Identification| {
+            let [own, other] = [found, &reference].map(|f| &f.estimates.joints[j]);
+            let moved = own.compliance.unwrap() - other.compliance.unwrap();
+            moved.abs() / other.compliance_standard_error.unwrap()
         };
         assert!(shift(&robust) < 2.0, "joint {}: {}", j + 1, shift(&robust));
         assert!(shift(&plain) > 20.0 * shift(&robust));
@@ -160,11 +148,7 @@ fn the_non_negative_fit_says_nothing_about_a_joint_without_load() {
     let mut cell = reference_cell();
     cell.setup.tool.loading_point = Vector3::new(0.0, 0.0, 0.25);
     let measured = measured(&cell, &[1.0], 1e-5, &mut Dice::new(5));
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::NonNegative;
-        options
-    };
+    let options = by(Estimator::NonNegative);
     let found = identify(&cell, &measured, &options).unwrap();
     assert_eq!(found.estimates.undetermined_joints, ["joint 6"]);
     let blind = &found.estimates.joints[5];
@@ -245,14 +229,9 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
             many.push(posture);
         }
     }
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Ordinary;
-        options
-    };
-    let found = Fit::new(&cell, &many, &options)
-        .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
-        .unwrap();
+    let options = by(Estimator::Ordinary);
+    let fit = Fit::new(&cell, &many, &options).unwrap();
+    let found = bootstrap(&fit, 800, 1, 0.95).unwrap();
     let formula = identify(&cell, &many, &options).unwrap();
     assert_eq!((found.postures, found.skipped), (72, 0));
     assert_eq!(found.degrees_of_freedom, 3 * 72 - 6);
@@ -264,17 +243,9 @@ fn a_bootstrap_agrees_with_the_formula_where_both_hold() {
         assert!(low < a.stiffness.unwrap() && a.stiffness.unwrap() < high);
     }
     // The same seed, the same numbers; another, others.
-    let again = Fit::new(&cell, &many, &options)
-        .and_then(|fit| bootstrap(&fit, 800, 1, 0.95))
-        .unwrap();
-    assert_eq!(found, again);
-    assert_ne!(
-        found.joints,
-        Fit::new(&cell, &many, &options)
-            .and_then(|fit| bootstrap(&fit, 800, 2, 0.95))
-            .unwrap()
-            .joints
-    );
+    assert_eq!(found, bootstrap(&fit, 800, 1, 0.95).unwrap());
+    let other = bootstrap(&fit, 800, 2, 0.95).unwrap();
+    assert_ne!(found.joints, other.joints);
 }
 
 #[test]
@@ -283,30 +254,23 @@ fn a_bootstrap_skips_resamples_that_lose_a_joint() {
     let mut cell = honest_cell();
     cell.setup.tool.measuring_points.truncate(1);
     let measured = measured(&cell, &[1.0], 1e-6, &mut Dice::new(4));
-    let options = {
-        let mut options = IdentifyOptions::default();
-        options.estimator = Estimator::Ordinary;
-        options.noise = NoiseSource::Known;
-        options
+    let options = with(|o: &mut IdentifyOptions| {
+        o.estimator = Estimator::Ordinary;
+        o.noise = NoiseSource::Known;
+    });
+    let refused = |measured: &[MeasuredPosture], resamples, confidence, code| {
+        let fit = Fit::new(&cell, measured, &options).unwrap();
+        let error = bootstrap(&fit, resamples, 1, confidence).unwrap_err();
+        assert_eq!(error.code(), code);
     };
     // A resample with one posture only, 1 in 1296 of six … and 1 in 3 of two.
-    let found = Fit::new(&cell, &measured[..2], &options)
-        .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
-        .unwrap();
+    let two = Fit::new(&cell, &measured[..2], &options).unwrap();
+    let found = bootstrap(&two, 600, 1, 0.95).unwrap();
     let share = found.skipped as f64 / 600.0;
     assert!((share - 0.5).abs() < 0.1, "{share}");
-    let one = Fit::new(&cell, &measured[..1], &options)
-        .and_then(|fit| bootstrap(&fit, 600, 1, 0.95))
-        .unwrap_err();
-    assert_eq!(one.code(), stiffarm::Code::TooFewData);
+    refused(&measured[..1], 600, 0.95, Code::TooFewData);
     for confidence in [0.0, 1.0, f64::NAN] {
-        let error = Fit::new(&cell, &measured, &options)
-            .and_then(|fit| bootstrap(&fit, 600, 1, confidence))
-            .unwrap_err();
-        assert_eq!(error.code(), stiffarm::Code::InvalidValue);
+        refused(&measured, 600, confidence, Code::InvalidValue);
     }
-    let few = Fit::new(&cell, &measured, &options)
-        .and_then(|fit| bootstrap(&fit, 199, 1, 0.95))
-        .unwrap_err();
-    assert_eq!(few.code(), stiffarm::Code::InvalidValue);
+    refused(&measured, 199, 0.95, Code::InvalidValue);
 }

@@ -4,24 +4,15 @@
 mod dense;
 mod fits;
 
-use crate::common;
-
-use common::random::Dice;
-use common::{cases, random_group, reference_cell};
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use crate::common::prelude::*;
+use crate::common::random_group;
+use nalgebra::Matrix3;
 use proptest::prelude::*;
-use stiffarm::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, NoiseSource, Verdict, Weights, bootstrap, identify,
-};
+use stiffarm::estimate::identify::bootstrap;
 use stiffarm::internals::{
     Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
-    Solution, Whitened, measured_system, solutions_without,
+    Solution, Whitened, solutions_without,
 };
-use stiffarm::model::cell::Cell;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::{Posture, PostureGroup};
 
 fn assume(estimator: Estimator, scale: Scale) -> Assumptions {
     Assumptions {
@@ -51,14 +42,8 @@ fn same_matrix(ours: &DMatrix<f64>, theirs: &DMatrix<f64>) -> f64 {
     worst
 }
 
-fn named(postures: &[Vec<f64>]) -> Vec<Posture> {
-    PostureGroup::from_angles("", postures.iter().cloned()).postures
-}
-
 fn honest_cell() -> Cell {
-    let mut cell = reference_cell();
-    cell.noise.readings_per_displacement = 2;
-    cell
+    changed(reference_cell(), |o| o.noise.readings_per_displacement = 2)
 }
 
 /// A random system of `postures` blocks with up to four displacements each,

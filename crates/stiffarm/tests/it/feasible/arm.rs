@@ -3,8 +3,7 @@
 
 use super::distance::Shape;
 use crate::common::model::{M4, rot_x, rot_z, shift, times};
-use nalgebra::{DMatrix, Vector3};
-use stiffarm::model::robot::{DhConvention, find_in_catalogue};
+use crate::common::prelude::*;
 
 const TEXT: &str = include_str!("../../../data/robots.toml");
 

@@ -2,8 +2,7 @@
 
 use super::arm::Arm;
 use super::distance::Shape;
-use crate::common::random::Dice;
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 
 /// The robots.
 pub const ROBOTS: [&str; 3] = ["kuka-kr210-r2700-2", "abb-irb4600-60-205", "ur10e"];

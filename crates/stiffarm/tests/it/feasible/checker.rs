@@ -5,7 +5,7 @@
 use super::arm::{Frame, Reached};
 use super::cases::{Case, Load, Pull};
 use super::distance::{Body, Shape};
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use std::collections::BTreeMap;
 
 type V = Vector3<f64>;
@@ -113,9 +113,8 @@ impl<'a> Checker<'a> {
     }
 
     pub fn names(&self, (i, j): (usize, usize)) -> [&str; 2] {
-        let mut names = [&*self.pieces[i].name, &*self.pieces[j].name];
-        names.sort_unstable();
-        names
+        let names = [&*self.pieces[i].name, &*self.pieces[j].name];
+        changed(names, |names| names.sort_unstable())
     }
 
     fn reached(&self, serial: &[f64]) -> Reached {

@@ -1,8 +1,9 @@
 //! Every margin of a posture as the library tells it against the checker's.
 
 use super::checker::Checker;
+use crate::common::prelude::*;
 use std::collections::BTreeMap;
-use stiffarm::model::cell::{Cell, LimitKind, LimitMargin};
+use stiffarm::model::cell::LimitMargin;
 
 /// What both may differ by \[m, rad, share\]; torques rest on finite differences.
 const DIFFERENCE: f64 = 1e-7;

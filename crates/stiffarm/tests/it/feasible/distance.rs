@@ -3,8 +3,8 @@
 //! the edges of one against the other.
 
 use super::arm::Frame;
+use crate::common::prelude::*;
 use crate::common::segments::segments_apart;
-use nalgebra::Vector3;
 
 type V = Vector3<f64>;
 

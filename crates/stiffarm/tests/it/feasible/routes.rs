@@ -4,12 +4,8 @@
 use super::cases::Case;
 use super::checker::Checker;
 use super::run::leave_out;
-use crate::common::random::Dice;
-use stiffarm::Control;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::model::cell::Cell;
+use crate::common::prelude::*;
 use stiffarm::plan::route::{Route, RouteOptions, route};
-use stiffarm::plan::select::{StartKind, random_group};
 
 /// Turn between two looks \[rad\].
 const LOOK_EACH: f64 = 1.5e-3;
@@ -150,7 +146,7 @@ fn shortest(length: &[Vec<f64>]) -> f64 {
 
 #[test]
 fn free_moves_touch_nothing_and_the_order_is_the_shortest() {
-    let plans = crate::common::runs::runs(8);
+    let plans = runs(8);
     let (mut total, mut seen) = (Looked::default(), 0);
     // Cells with something in the way are among the first of these.
     for number in FIRST..FIRST + plans {

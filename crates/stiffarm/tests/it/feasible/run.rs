@@ -2,17 +2,8 @@
 
 use super::cases::Case;
 use super::checker::Checker;
-use crate::common::random::Dice;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::Candidate;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::route::rounded;
-use stiffarm::plan::select::{
-    CandidateOptions, GlobalOptions, LocalOptions, StartKind, random_group, select,
-    select_candidates, select_from, space_filling,
-};
-use stiffarm::{Code, Control, Error};
+use crate::common::prelude::*;
+use stiffarm::plan::select::space_filling;
 
 /// What a margin may lack \[m, rad, share\].
 const TOLERANCE: f64 = 1e-6;
@@ -190,11 +181,8 @@ pub fn leave_out(
     number: u64,
 ) -> Result<(), String> {
     let kept_apart = case.clearance.shapes.unwrap_or(20.0) * 1e-3;
-    let sorted = |(a, b): (&str, &str)| {
-        let mut names = [a.to_string(), b.to_string()];
-        names.sort_unstable();
-        names
-    };
+    let sorted =
+        |(a, b): (&str, &str)| changed([a.to_string(), b.to_string()], |o| o.sort_unstable());
     let dropped: Vec<[String; 2]> = cell.scene.dropped_pairs().map(sorted).collect();
     let mut kept = Vec::new();
     let mut dice = Dice::new(80_000 + number);

@@ -4,27 +4,17 @@
 
 mod robots;
 
-use crate::common;
-
-use common::model::{M4, rot_x, rot_z, shift, times};
-use common::random::Dice;
-use common::{
+use crate::common::model::{M4, rot_x, rot_z, shift, times};
+use crate::common::prelude::*;
+use crate::common::{
     entrywise_error, list, matrix, number, numbers, postures_from_deg, random_group, reference,
-    reference_cell, relative_error, vector3,
+    vector3,
 };
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix4, UnitQuaternion, Vector3};
+use nalgebra::Matrix4;
 use serde_json::Value;
-use std::f64::consts::{FRAC_PI_2, PI};
-use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, identify};
-use stiffarm::internals::information::Factor;
+use stiffarm::estimate::identify::JointEstimate;
 use stiffarm::model::dexterity;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture};
-use stiffarm::model::observation::{PostureTerms, Rows, observation_matrix};
-use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot, catalogue, find_in_catalogue};
-use stiffarm::model::stiffness::{linear_displacement, stiffness_correction};
-use stiffarm::plan::index::evaluate;
+use stiffarm::model::robot::catalogue;
 
 /// Agreement asked of everything that is not a finite difference.
 const TIGHT: f64 = 1e-9;
@@ -41,13 +31,6 @@ fn slice(m: &DMatrix<f64>) -> &[f64] {
     m.as_slice()
 }
 
-/// Rows independent and alike, as the reference computed.
-fn ordinary() -> IdentifyOptions {
-    let mut options = IdentifyOptions::default();
-    options.estimator = Estimator::Ordinary;
-    options
-}
-
 #[test]
 fn terms_of_single_postures() {
     let cell = reference_cell();
@@ -60,80 +43,47 @@ fn terms_of_single_postures() {
     ));
     assert_eq!(angles.len(), 5);
     let mut worst = std::collections::BTreeMap::<&str, f64>::new();
-    let mut note = |what, error: f64| {
+    let mut note = |what, ours: &[f64], golden: &[f64]| {
         let entry = worst.entry(what).or_insert(0.0);
-        *entry = entry.max(error);
+        *entry = entry.max(relative_error(ours, golden));
     };
     for (golden, q) in postures.iter().zip(&angles) {
         let terms = PostureTerms::new(setup, q, None).unwrap();
         let p = terms.loading_point();
-        note(
-            "loading point",
-            relative_error(p.as_slice(), &numbers(&golden["loading_point_xyz"])),
-        );
+        let loading = numbers(&golden["loading_point_xyz"]);
+        note("loading point", p.as_slice(), &loading);
         let measuring = terms.measuring_points()[0];
         for (what, at) in [("J_loading", p), ("J_measuring_1", &measuring)] {
             let ours = terms.frames().jacobian(at);
-            note(
-                what,
-                relative_error(ours.as_slice(), slice(&matrix(&golden[what]))),
-            );
+            note(what, ours.as_slice(), slice(&matrix(&golden[what])));
         }
-        note(
-            "force",
-            relative_error(terms.wrench().force.as_slice(), &numbers(&golden["force"])),
-        );
-        note(
-            "torque",
-            relative_error(terms.torque(), &numbers(&golden["torque"])),
-        );
-        note(
-            "psi",
-            relative_error(
-                slice(&terms.block(&setup.robot)),
-                slice(&matrix(&golden["psi"])),
-            ),
-        );
+        let force = terms.wrench().force;
+        note("force", force.as_slice(), &numbers(&golden["force"]));
+        note("torque", terms.torque(), &numbers(&golden["torque"]));
+        let psi = terms.block(&setup.robot);
+        note("psi", slice(&psi), slice(&matrix(&golden["psi"])));
         let k = dexterity::condition_number(terms.frames(), &measuring, 0.773).unwrap();
-        note("k_jn", relative_error(&[k], &[number(&golden["k_jn"])]));
-        let correction = stiffness_correction(&terms);
-        let golden_correction = matrix(&golden["k_c"]);
-        note(
-            "k_c (finite differences)",
-            relative_error(slice(&correction), slice(&golden_correction)),
-        );
-        let plain = linear_displacement(setup, &terms, &measuring, &stiffness, None).unwrap();
-        note(
-            "displacement",
-            relative_error(plain.as_slice(), &numbers(&golden["displacement_m1"])),
-        );
-        // With the reference's own K_C, so that its finite differences don't count here.
-        let corrected = linear_displacement(
-            setup,
-            &terms,
-            &measuring,
-            &stiffness,
-            Some(&golden_correction),
-        )
-        .unwrap();
+        note("k_jn", &[k], &[number(&golden["k_jn"])]);
+        let ours = stiffness_correction(&terms);
+        let theirs = matrix(&golden["k_c"]);
+        note("k_c (finite differences)", slice(&ours), slice(&theirs));
+        let displacement = |correction: Option<&DMatrix<f64>>| {
+            linear_displacement(setup, &terms, &measuring, &stiffness, correction).unwrap()
+        };
+        let expected = numbers(&golden["displacement_m1"]);
+        note("displacement", displacement(None).as_slice(), &expected);
         let expected = numbers(&golden["displacement_m1_with_kc"]);
-        note(
-            "displacement with K_C",
-            relative_error(corrected.as_slice(), &expected),
-        );
-        let ours =
-            linear_displacement(setup, &terms, &measuring, &stiffness, Some(&correction)).unwrap();
-        note(
-            "displacement with our K_C",
-            relative_error(ours.as_slice(), &expected),
-        );
+        // With the reference's own K_C its finite differences don't count.
+        for (what, correction) in [
+            ("displacement with K_C", &theirs),
+            ("displacement with our K_C", &ours),
+        ] {
+            note(what, displacement(Some(correction)).as_slice(), &expected);
+        }
     }
     for (what, error) in worst {
-        check(
-            what,
-            error,
-            if what.contains("finite") { 1e-8 } else { TIGHT },
-        );
+        let is_finite_difference = what.contains("finite");
+        check(what, error, if is_finite_difference { 1e-8 } else { TIGHT });
     }
 }
 
@@ -147,86 +97,45 @@ fn indices_and_expected_errors_of_groups() {
         let group = postures_from_deg(&golden["q_deg"]);
         let ours = evaluate(&cell, name, &group).unwrap();
         let all = |v: &[Option<f64>]| v.iter().map(|v| v.unwrap()).collect::<Vec<f64>>();
-        let per_joint = |what: &str, ours: &[f64], key: &str| {
-            check(
-                &format!("{name} {what}"),
-                entrywise_error(ours, &numbers(&golden[key])),
-                TIGHT,
-            );
+        let per_joint = |ours: &[f64], key: &str| {
+            let error = entrywise_error(ours, &numbers(&golden[key]));
+            check(&format!("{name} {key}"), error, TIGHT);
         };
-        per_joint("k(J_N)", &all(&ours.k_jn), "k_jn");
-        per_joint(
-            "singular values",
-            &ours.singular_values,
-            "singular_values_psi",
-        );
-        let per_unit: Vec<f64> = all(&ours.relative_standard_error)
-            .iter()
-            .map(|e| e / sigma)
-            .collect();
-        per_joint(
-            "relative standard errors",
-            &per_unit,
-            "relative_std_per_unit_sigma_m",
-        );
-        per_joint(
-            "expected deviation",
-            &all(&ours.expected_deviation),
-            "expected_deviation_level2",
-        );
+        per_joint(&all(&ours.k_jn), "k_jn");
+        per_joint(&ours.singular_values, "singular_values_psi");
+        let per_unit = all(&ours.relative_standard_error);
+        let per_unit: Vec<f64> = per_unit.iter().map(|e| e / sigma).collect();
+        per_joint(&per_unit, "relative_std_per_unit_sigma_m");
+        let deviation = all(&ours.expected_deviation);
+        per_joint(&deviation, "expected_deviation_level2");
         let indices = ours.indices;
-        let observability = &golden["observability"];
-        for (what, ours, golden) in [
-            ("cond(psi)", indices.condition, &golden["cond_psi"]),
-            ("novel", indices.novel, &golden["novel"]),
-            (
-                "scaled condition",
-                indices.scaled_condition,
-                &golden["cond_psi_scaled"],
-            ),
-            (
-                "d",
-                indices.d.map(|d| d / sigma),
-                &golden["d_per_unit_sigma_m"],
-            ),
-            ("O1", indices.o1, &observability["O1"]),
-            ("O2", indices.o2, &observability["O2"]),
-            ("O3", indices.o3, &observability["O3"]),
-            ("O4", indices.o4, &observability["O4"]),
-            ("O5", indices.o5, &observability["O5"]),
-        ] {
-            check(
-                &format!("{name} {what}"),
-                relative_error(&[ours.unwrap()], &[number(golden)]),
-                TIGHT,
-            );
-        }
         let k_max = numbers(&golden["k_jn"]).into_iter().fold(0.0, f64::max);
-        check(
-            &format!("{name} classical"),
-            relative_error(&[indices.classical.unwrap()], &[k_max]),
-            TIGHT,
-        );
-        let scaled = k_max * number(&golden["cond_psi_scaled"]);
-        check(
-            &format!("{name} scaled"),
-            relative_error(&[indices.scaled.unwrap()], &[scaled]),
-            TIGHT,
-        );
         // The RMS and the largest of the reference's own errors.
         let errors = numbers(&golden["relative_std_per_unit_sigma_m"]);
         let rms = sigma * (errors.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt();
-        check(
-            &format!("{name} expected error"),
-            relative_error(&[indices.expected_error.unwrap()], &[rms]),
-            TIGHT,
-        );
         let largest = sigma * errors.iter().copied().fold(0.0, f64::max);
-        check(
-            &format!("{name} worst joint"),
-            relative_error(&[indices.worst_joint.unwrap()], &[largest]),
-            TIGHT,
-        );
+        let condition = number(&golden["cond_psi"]);
+        let scaled = number(&golden["cond_psi_scaled"]);
+        let o = |i: usize| number(&golden["observability"][format!("O{i}")]);
+        let d = sigma * number(&golden["d_per_unit_sigma_m"]);
+        for (what, ours, golden) in [
+            ("cond(psi)", indices.condition, condition),
+            ("novel", indices.novel, number(&golden["novel"])),
+            ("scaled condition", indices.scaled_condition, scaled),
+            ("d", indices.d, d),
+            ("O1", indices.o1, o(1)),
+            ("O2", indices.o2, o(2)),
+            ("O3", indices.o3, o(3)),
+            ("O4", indices.o4, o(4)),
+            ("O5", indices.o5, o(5)),
+            ("classical", indices.classical, k_max),
+            ("scaled", indices.scaled, k_max * scaled),
+            ("expected error", indices.expected_error, rms),
+            ("worst joint", indices.worst_joint, largest),
+        ] {
+            let error = relative_error(&[ours.unwrap()], &[golden]);
+            check(&format!("{name} {what}"), error, TIGHT);
+        }
     }
 }
 
@@ -235,80 +144,50 @@ fn identification_of_noisy_displacements() {
     let cell = reference_cell();
     let golden = &reference()["identification"];
     let displacements = numbers(&golden["displacements_m"]);
-    let measured: Vec<MeasuredPosture> = random_group()
+    let measured: Vec<MeasuredPosture> = numbered(random_group())
         .into_iter()
         .zip(displacements.chunks_exact(12))
-        .enumerate()
-        .map(|(i, (q, rows))| MeasuredPosture {
-            posture: Posture {
-                name: (i + 1).to_string(),
-                q,
-            },
-            state: "loaded".to_string(),
-            wrench: None,
-            common_readings: [0.0; 2],
-            servo_deflection: None,
-            displacements: rows
-                .chunks_exact(3)
+        .map(|(posture, rows)| {
+            let points = rows.chunks_exact(3).map(Vector3::from_column_slice);
+            let displacements = points
                 .enumerate()
-                .map(|(point, v)| Displacement::new(point, Vector3::from_column_slice(v)))
-                .collect(),
+                .map(|(point, v)| Displacement::new(point, v));
+            MeasuredPosture::new(posture, displacements.collect())
         })
         .collect();
     assert_eq!(measured.len(), 6);
-    let result = identify(&cell, &measured, &ordinary()).unwrap();
+    let result = identify(&cell, &measured, &by(Estimator::Ordinary)).unwrap();
     assert_eq!(
         (result.estimates.rows, result.estimates.degrees_of_freedom),
         (72, 66)
     );
     assert!(result.estimates.is_complete());
-    let per_joint = |get: &dyn Fn(&stiffarm::estimate::identify::JointEstimate) -> Option<f64>| {
-        result
-            .estimates
-            .joints
-            .iter()
-            .map(|j| get(j).unwrap())
-            .collect::<Vec<f64>>()
+    let joints = &result.estimates.joints;
+    let per_joint = |what: &str, get: &dyn Fn(&JointEstimate) -> Option<f64>| -> Vec<f64> {
+        let ours: Vec<f64> = joints.iter().map(|j| get(j).unwrap()).collect();
+        check(what, entrywise_error(&ours, &numbers(&golden[what])), TIGHT);
+        ours
     };
-    let compliance = per_joint(&|j| j.compliance);
-    let errors = per_joint(&|j| j.compliance_standard_error);
-    check(
-        "compliance",
-        entrywise_error(&compliance, &numbers(&golden["compliance"])),
-        TIGHT,
-    );
-    check(
-        "stiffness",
-        entrywise_error(&per_joint(&|j| j.stiffness), &numbers(&golden["stiffness"])),
-        TIGHT,
-    );
-    check(
-        "compliance std",
-        entrywise_error(&errors, &numbers(&golden["compliance_std"])),
-        TIGHT,
-    );
+    per_joint("compliance", &|j| j.compliance);
+    per_joint("stiffness", &|j| j.stiffness);
+    let errors = per_joint("compliance_std", &|j| j.compliance_standard_error);
     let variance = result.residual_std_m.unwrap().powi(2);
+    let expected = number(&golden["residual_variance_m2"]);
     check(
         "residual variance",
-        relative_error(&[variance], &[number(&golden["residual_variance_m2"])]),
+        relative_error(&[variance], &[expected]),
         TIGHT,
     );
 
     // The same with the size of the noise known: the errors scale by σ/s.
-    let options = {
-        let mut options = ordinary();
-        options.noise = NoiseSource::Known;
-        options
-    };
+    let options = changed(by(Estimator::Ordinary), |o| o.noise = NoiseSource::Known);
     let known = identify(&cell, &measured, &options).unwrap();
     let ratio = cell.noise.displacement_std() / variance.sqrt();
     for (known, error) in known.estimates.joints.iter().zip(&errors) {
+        let known = known.compliance_standard_error.unwrap();
         check(
             "known noise",
-            relative_error(
-                &[known.compliance_standard_error.unwrap()],
-                &[error * ratio],
-            ),
+            relative_error(&[known], &[error * ratio]),
             TIGHT,
         );
     }

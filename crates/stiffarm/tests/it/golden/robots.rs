@@ -32,30 +32,8 @@ fn comau_agrees_with_pinocchio() {
 
 #[test]
 fn panda_agrees_with_pinocchio() {
-    // Modified rows, seven joints: `alpha, a, d` as Franka gives them.
-    let rows = [
-        [0.0, 0.0, 0.333],
-        [-FRAC_PI_2, 0.0, 0.0],
-        [FRAC_PI_2, 0.0, 0.316],
-        [FRAC_PI_2, 0.0825, 0.0],
-        [-FRAC_PI_2, -0.0825, 0.384],
-        [FRAC_PI_2, 0.0, 0.0],
-        [FRAC_PI_2, 0.088, 0.107],
-    ]
-    .map(|[alpha, a, d]| DhRow {
-        alpha,
-        a,
-        d,
-        offset: 0.0,
-    });
-    let robot = Robot::from_dh(
-        "Panda",
-        DhConvention::Modified,
-        &rows,
-        Isometry3::identity(),
-    )
-    .unwrap();
-    against_pinocchio(include_str!("../../golden/pinocchio/panda.json"), &robot);
+    let text = include_str!("../../golden/pinocchio/panda.json");
+    against_pinocchio(text, &common::set_ups::panda());
 }
 
 #[test]
@@ -70,16 +48,10 @@ fn ur10_agrees_with_pinocchio() {
         [FRAC_PI_2, 0.0, 0.220_941 - 0.1719 + 0.1149, short],
         [-FRAC_PI_2, 0.0, 0.1157, 0.0],
         [-short, 0.0, 0.0922, 0.0],
-    ]
-    .map(|[alpha, a, d, offset]| DhRow {
-        alpha,
-        a,
-        d,
-        offset,
-    });
+    ];
     let half_turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI);
     let base = Isometry3::from_parts(Vector3::zeros().into(), half_turn);
-    let robot = Robot::from_dh("UR10", DhConvention::Standard, &rows, base).unwrap();
+    let robot = chain("UR10", DhConvention::Standard, &rows).with_base(&base);
     against_pinocchio(include_str!("../../golden/pinocchio/ur10.json"), &robot);
 }
 

@@ -5,19 +5,11 @@ mod singular;
 mod turns;
 mod unreachable;
 
-use crate::common;
-
-use common::cases;
-use common::random::Dice;
-use nalgebra::{DMatrix, DVector, Isometry3, Translation3, UnitQuaternion, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use stiffarm::Code;
-use stiffarm::model::inverse::{Branch, InverseKinematics, Method, Outcome, Region, Unreachable};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::robot::{
-    CatalogueEntry, DhConvention, DhRow, Robot, catalogue, find_in_catalogue,
-};
+use std::f64::consts::TAU;
+use stiffarm::model::inverse::{Branch, Method, Outcome, Region, Unreachable};
+use stiffarm::model::robot::{CatalogueEntry, catalogue};
 
 fn robot(key: &str) -> Robot {
     find_in_catalogue(key).unwrap().robot().unwrap()
@@ -35,41 +27,8 @@ fn arms() -> Vec<&'static CatalogueEntry> {
     keys.map(|key| find_in_catalogue(key).unwrap()).to_vec()
 }
 
-fn chain(name: &str, convention: DhConvention, rows: &[[f64; 4]]) -> Robot {
-    let row = |r: &[f64; 4]| DhRow {
-        alpha: r[0],
-        a: r[1],
-        d: r[2],
-        offset: r[3],
-    };
-    let rows: Vec<DhRow> = rows.iter().map(row).collect();
-    Robot::from_dh(name, convention, &rows, Isometry3::identity()).unwrap()
-}
-
-/// Universal Robots' published lengths, with axis 4 twisted against axis 3 \[rad\].
-fn ur10(twist: f64) -> Robot {
-    let rows = [
-        [FRAC_PI_2, 0.0, 0.1273, 0.0],
-        [0.0, -0.612, 0.0, 0.0],
-        [twist, -0.5723, 0.0, 0.0],
-        [FRAC_PI_2, 0.0, 0.163_941, 0.0],
-        [-FRAC_PI_2, 0.0, 0.1157, 0.0],
-        [0.0, 0.0, 0.0922, 0.0],
-    ];
-    chain("UR10", DhConvention::Standard, &rows)
-}
-
-/// Franka's published lengths and limits.
+/// Franka's published arm with its limits.
 fn panda() -> Robot {
-    let rows = [
-        [0.0, 0.0, 0.333, 0.0],
-        [-FRAC_PI_2, 0.0, 0.0, 0.0],
-        [FRAC_PI_2, 0.0, 0.316, 0.0],
-        [FRAC_PI_2, 0.0825, 0.0, 0.0],
-        [-FRAC_PI_2, -0.0825, 0.384, 0.0],
-        [FRAC_PI_2, 0.0, 0.0, 0.0],
-        [FRAC_PI_2, 0.088, 0.107, 0.0],
-    ];
     let limits = [
         [-2.8973, 2.8973],
         [-1.7628, 1.7628],
@@ -79,8 +38,7 @@ fn panda() -> Robot {
         [-0.0175, 3.7525],
         [-2.8973, 2.8973],
     ];
-    let robot = chain("Panda", DhConvention::Modified, &rows);
-    robot.with_limits(&limits).unwrap()
+    common::set_ups::panda().with_limits(&limits).unwrap()
 }
 
 fn flange(robot: &Robot, q: &[f64]) -> Isometry3<f64> {

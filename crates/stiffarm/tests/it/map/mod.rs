@@ -3,25 +3,15 @@
 mod nodes;
 mod places;
 
-use crate::common;
-
-use common::{default_cell, random::Dice};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
-use std::f64::consts::{FRAC_PI_2, PI};
-use stiffarm::Code;
-use stiffarm::Control;
-use stiffarm::estimate::compliance::{IdentifiedCompliance, Spread};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::inverse::InverseKinematics;
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::Wrench;
-use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
-use stiffarm::model::process::{ForceAxes, Process, TipLoad};
+use crate::common::prelude::*;
+use nalgebra::UnitVector3;
+use stiffarm::estimate::compliance::Spread;
+use stiffarm::model::path::{PathPoint, PathTarget, tip_wrenches};
+use stiffarm::model::process::{Process, TipLoad};
 use stiffarm::work::map::{
     MapOptions, PlaceOptions, Placement, Status, StiffnessMap, place, stiffness_map,
 };
-use stiffarm::work::predict::{LoadedArm, PredictOptions, Prediction, predict};
+use stiffarm::work::predict::Prediction;
 
 fn down() -> UnitQuaternion<f64> {
     UnitQuaternion::from_euler_angles(PI, 0.0, 0.0)
@@ -39,16 +29,12 @@ fn options() -> MapOptions {
     options
 }
 
-fn prior(cell: &Cell) -> IdentifiedCompliance {
-    IdentifiedCompliance::from_stiffness(cell, cell.prior.as_ref().unwrap()).unwrap()
-}
-
 /// The prior with a covariance of 2 % per joint.
 fn unsure(cell: &Cell) -> IdentifiedCompliance {
     let mut predictor = prior(cell);
     let variances = predictor.values.map(|h| (0.02 * h).powi(2));
     predictor.spread = Some(Spread {
-        covariance: nalgebra::DMatrix::from_diagonal(&variances),
+        covariance: DMatrix::from_diagonal(&variances),
         sigma: 1e-5,
         shift: 0.0,
         degrees_of_freedom: None,

@@ -15,18 +15,9 @@ fn pointwise(
 ) -> Prediction {
     let reached = map.nodes.iter().filter_map(|n| n.values.as_ref());
     let postures: Vec<LoadedPosture> = reached
-        .map(|values| LoadedPosture {
-            name: "".into(),
-            line: None,
-            q: values.q.clone(),
-            wrench,
-        })
+        .map(|values| LoadedPosture::new("", values.q.clone(), wrench))
         .collect();
-    let options = {
-        let mut options = PredictOptions::default();
-        options.stiffness = true;
-        options
-    };
+    let options = with(|o: &mut PredictOptions| o.stiffness = true);
     predict(cell, predictor, &postures, &options, Control::default()).unwrap()
 }
 
@@ -35,11 +26,7 @@ fn values_are_those_of_pointwise_predictions() {
     let cell = default_cell();
     let predictor = unsure(&cell);
     for free_turn in [None, Some(5)] {
-        let options = {
-            let mut options = options();
-            options.free_turn = free_turn;
-            options
-        };
+        let options = changed(options(), |o| o.free_turn = free_turn);
         let map = map(&cell, &predictor, &options);
         let points = pointwise(&cell, &predictor, &map, options.wrench).points;
         assert!(points.len() > 20, "{}", points.len());
@@ -81,11 +68,9 @@ fn values_are_those_of_pointwise_predictions() {
 #[test]
 fn stiffness_along_a_direction_is_force_per_shift() {
     let cell = default_cell();
-    let options = {
-        let mut options = options();
-        options.wrench = Wrench::force(Vector3::new(1.0, 0.3, -0.2).normalize());
-        options
-    };
+    let options = changed(options(), |o| {
+        o.wrench = Wrench::force(Vector3::new(1.0, 0.3, -0.2).normalize())
+    });
     let map = map(&cell, &prior(&cell), &options);
     for values in map.nodes.iter().filter_map(|n| n.values.as_ref()) {
         let along = Vector3::from(values.shift_m).dot(&options.direction);
@@ -126,18 +111,14 @@ fn allowed(cell: &Cell, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, Status> 
 fn each_node_has_the_allowed_posture_that_bends_least() {
     let mut cell = default_cell();
     // The whole turns of the wrist leave no pose to the joint limits alone.
-    let mut limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
-    limits[1] = [-0.4, 0.6];
-    cell.setup.robot = cell.setup.robot.clone().with_limits(&limits).unwrap();
+    limit_joint(&mut cell, 1, [-0.4, 0.6]);
     let predictor = prior(&cell);
     let arm = LoadedArm::new(&cell, &predictor).unwrap();
-    let options = {
-        let mut options = options();
-        options.lower = [0.2, -2.4, -0.4];
-        options.upper = [3.6, 2.4, 2.8];
-        options.steps = [9, 9, 4];
-        options
-    };
+    let options = changed(options(), |o| {
+        o.lower = [0.2, -2.4, -0.4];
+        o.upper = [3.6, 2.4, 2.8];
+        o.steps = [9, 9, 4];
+    });
     let map = map(&cell, &predictor, &options);
     let mut seen = [0; 4];
     for (i, node) in map.nodes.iter().enumerate() {
@@ -195,11 +176,11 @@ fn a_free_turn_can_only_help() {
     let cell = default_cell();
     let predictor = prior(&cell);
     let fixed = map(&cell, &predictor, &options());
-    let free = map(&cell, &predictor, &{
-        let mut options = options();
-        options.free_turn = Some(12);
-        options
-    });
+    let free = map(
+        &cell,
+        &predictor,
+        &changed(options(), |o| o.free_turn = Some(12)),
+    );
     let mut gained = 0;
     for (fixed, free) in fixed.nodes.iter().zip(&free.nodes) {
         let Some(values) = &fixed.values else {
@@ -224,13 +205,11 @@ fn the_tip_itself_stays_within_the_limits() {
     let mut cell = default_cell();
     // 300 mm below the reflectors' plane.
     cell.work.tip = Some(Isometry3::translation(0.0, 0.0, 0.5));
-    let options = {
-        let mut options = options();
-        options.lower = [1.4, 0.0, 0.2];
-        options.upper = [1.4, 0.0, 0.4];
-        options.steps = [1, 1, 2];
-        options
-    };
+    let options = changed(options(), |o| {
+        o.lower = [1.4, 0.0, 0.2];
+        o.upper = [1.4, 0.0, 0.4];
+        o.steps = [1, 1, 2];
+    });
     let nodes = map(&cell, &prior(&cell), &options).nodes;
     assert_eq!(nodes[0].status, Status::Forbidden);
     let reason = nodes[0].reason.as_ref().unwrap();
@@ -242,13 +221,11 @@ fn the_tip_itself_stays_within_the_limits() {
 #[test]
 fn nothing_reachable_is_a_serious_finding_that_says_what_comes_closest() {
     let cell = default_cell();
-    let options = {
-        let mut options = options();
-        options.lower = [5.0, 0.0, 0.8];
-        options.upper = [6.0, 0.0, 0.8];
-        options.steps = [3, 1, 1];
-        options
-    };
+    let options = changed(options(), |o| {
+        o.lower = [5.0, 0.0, 0.8];
+        o.upper = [6.0, 0.0, 0.8];
+        o.steps = [3, 1, 1];
+    });
     let map = map(&cell, &prior(&cell), &options);
     assert_eq!(map.counts.unreachable, 3);
     assert!(map.extremes.is_none() && map.deflection_per_newton_m.is_none());

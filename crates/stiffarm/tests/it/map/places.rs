@@ -32,12 +32,12 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
 }
 
 fn place_options() -> PlaceOptions {
-    let mut options = PlaceOptions::default();
-    options.lower = [1.1, -0.9, 0.7];
-    options.upper = [2.3, 0.9, 0.7];
-    options.steps = [5, 7, 1];
-    options.yaws = vec![0.0, FRAC_PI_2];
-    options
+    with(|o: &mut PlaceOptions| {
+        o.lower = [1.1, -0.9, 0.7];
+        o.upper = [2.3, 0.9, 0.7];
+        o.steps = [5, 7, 1];
+        o.yaws = vec![0.0, FRAC_PI_2];
+    })
 }
 
 fn search(cell: &Cell, points: &[PathPoint], options: &PlaceOptions) -> Placement {
@@ -123,13 +123,11 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
 fn places_that_fail_say_where_and_why() {
     let mut cell = default_cell();
     let points = rectangle(&mut cell, ForceAxes::Path);
-    let options = {
-        let mut options = PlaceOptions::default();
-        options.lower = [0.7, 0.0, 0.7];
-        options.upper = [3.5, 0.0, 0.7];
-        options.steps = [8, 1, 1];
-        options
-    };
+    let options = with(|o: &mut PlaceOptions| {
+        o.lower = [0.7, 0.0, 0.7];
+        o.upper = [3.5, 0.0, 0.7];
+        o.steps = [8, 1, 1];
+    });
     let found = search(&cell, &points, &options);
     let status = |at: usize| found.candidates[at].status;
     assert_eq!(
@@ -145,13 +143,11 @@ fn places_that_fail_say_where_and_why() {
         );
     }
     // Nowhere.
-    let far = {
-        let mut options = PlaceOptions::default();
-        options.lower = [4.0, 0.0, 0.7];
-        options.upper = [5.0, 0.0, 0.7];
-        options.steps = [3, 1, 1];
-        options
-    };
+    let far = with(|o: &mut PlaceOptions| {
+        o.lower = [4.0, 0.0, 0.7];
+        o.upper = [5.0, 0.0, 0.7];
+        o.steps = [3, 1, 1];
+    });
     let found = search(&cell, &points, &far);
     assert!(found.best.is_none() && found.gain.is_none());
     assert_eq!(found.findings[0].code, "nowhere");
@@ -180,20 +176,15 @@ fn full_turns_are_chosen_for_the_whole_path() {
             }
         })
         .collect();
-    let options = {
-        let mut options = PlaceOptions::default();
-        options.lower = [1.8, 0.0, 0.8];
-        options.upper = [1.8, 0.0, 0.8];
-        options
-    };
+    let options = with(|o: &mut PlaceOptions| {
+        o.lower = [1.8, 0.0, 0.8];
+        o.upper = [1.8, 0.0, 0.8];
+    });
     let found = search(&cell, &points, &options);
     assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
     assert!((found.gain.unwrap() - 1.0).abs() < 1e-12);
     // Within ±200° there is no way.
-    let limits: Vec<[f64; 2]> = cell.setup.robot.joints().iter().map(|j| j.limits).collect();
-    let mut narrow = limits.clone();
-    narrow[5] = [-190_f64.to_radians(), 190_f64.to_radians()];
-    cell.setup.robot = cell.setup.robot.clone().with_limits(&narrow).unwrap();
+    limit_joint(&mut cell, 5, [-190_f64.to_radians(), 190_f64.to_radians()]);
     let found = search(&cell, &points, &options);
     assert_eq!(
         found.given.status,
@@ -220,11 +211,7 @@ fn a_free_tool_axis_takes_the_best_turn() {
             other => panic!("{other:?}"),
         })
         .collect();
-    let options = {
-        let mut options = place_options();
-        options.refinements = 0;
-        options
-    };
+    let options = changed(place_options(), |o| o.refinements = 0);
     let found = search(&cell, &free, &options);
     let fixed = search(&cell, &points, &options);
     let rms = |p: &Placement| p.best.as_ref().unwrap().deflection_rms_m.unwrap();
@@ -249,13 +236,11 @@ fn long_paths_are_searched_thinned_and_judged_whole() {
         moment: Vector3::zeros(),
         axes: ForceAxes::Base,
     });
-    let options = {
-        let mut options = place_options();
-        options.steps = [3, 3, 1];
-        options.yaws = vec![0.0];
-        options.refinements = 0;
-        options
-    };
+    let options = changed(place_options(), |o| {
+        o.steps = [3, 3, 1];
+        o.yaws = vec![0.0];
+        o.refinements = 0;
+    });
     let found = search(&cell, &points, &options);
     assert_eq!(found.point_count, 1200);
     assert!(found.searched_points <= 200, "{}", found.searched_points);

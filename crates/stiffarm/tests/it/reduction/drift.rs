@@ -19,16 +19,15 @@ fn drift_is_removed_by_time_and_by_order() {
     };
     let factor = |state: &str| if state == "up" { 0.5 } else { 1.0 };
     let mut table = take(&cell, &options, 1);
-    let by_time = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    let by_time = reduced_by(&cell, &table, tracker_pose());
     let drift = by_time.drift.as_ref().unwrap();
     assert!(drift.postures.iter().all(|p| p.clock == Clock::Time));
-    let error = displacement_error(&cell, &by_time.measured, factor, None);
-    assert!(error < 1e-11, "{error:e}");
+    assert_displaced(&cell, &by_time.measured, factor, None);
     // States equally long: their order tells as much.
     for reading in readings(&mut table) {
         reading.time = None;
     }
-    let by_order = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    let by_order = reduced_by(&cell, &table, tracker_pose());
     assert!(by_order.drift.as_ref().unwrap().rate_m_per_hour.is_none());
     assert!(
         by_order
@@ -36,18 +35,17 @@ fn drift_is_removed_by_time_and_by_order() {
             .iter()
             .all(|m| m.displacements[0].time.is_none())
     );
-    let error = displacement_error(&cell, &by_order.measured, factor, None);
-    assert!(error < 1e-11, "{error:e}");
+    assert_displaced(&cell, &by_order.measured, factor, None);
     // Some times only: the order again, and a note.
     table.postures[2].states[1].readings[0].time = Some(4.0);
-    let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    let result = reduced_by(&cell, &table, tracker_pose());
     assert_eq!(result.measured, by_order.measured);
     assert_eq!(found(&result, "times-incomplete").len(), 1);
     // Nothing after the load: nothing removed, and said.
     for posture in &mut table.postures {
         posture.states.pop();
     }
-    let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+    let result = reduced_by(&cell, &table, tracker_pose());
     assert!(result.drift.is_none());
     assert_eq!(found(&result, "drift-unknown").len(), 1);
     assert!(displacement_error(&cell, &result.measured, factor, None) > 1e-3);
@@ -67,9 +65,8 @@ fn one_state_read_before_and_after_the_load_shows_drift_by_its_times() {
         let after = posture.states.pop().unwrap();
         posture.states[0].readings.extend(after.readings);
     }
-    let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
-    let error = displacement_error(&cell, &result.measured, |_| 1.0, None);
-    assert!(error < 1e-11, "{error:e}");
+    let result = reduced_by(&cell, &table, Isometry3::identity());
+    assert_displaced(&cell, &result.measured, |_| 1.0, None);
     assert!(
         result
             .measured
@@ -98,7 +95,7 @@ fn a_load_after_the_last_unloaded_reading_takes_the_nearest() {
             reading.position.x += 1e-5;
         }
     }
-    let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
+    let result = reduced_by(&cell, &table, Isometry3::identity());
     let [first, second] = [&result.measured[0], &result.measured[1]];
     let q = &postures()[0].q;
     let (points, _) = truth(&cell, q, 1.0, None);

@@ -2,9 +2,6 @@
 
 use super::*;
 
-/// Spoils a table.
-type Change = Box<dyn Fn(&mut ReadingTable)>;
-
 #[test]
 fn faults_of_a_table_are_errors() {
     let cell = sensor_cell();
@@ -14,67 +11,45 @@ fn faults_of_a_table_are_errors() {
         change(&mut table);
         reduce(&cell, &table, &ReduceOptions::default()).unwrap_err()
     };
-    let cases: Vec<(Code, Change)> = vec![
-        (Code::TooFewData, Box::new(|t| t.postures.clear())),
-        (
-            Code::Duplicate,
-            Box::new(|t| t.postures[1].posture.name = "1".to_string()),
-        ),
-        (
-            Code::Duplicate,
-            Box::new(|t| t.postures[1].states[1].state = "unloaded".to_string()),
-        ),
-        (
-            Code::Dimension,
-            Box::new(|t| t.postures[1].posture.q.truncate(5)),
-        ),
-        (
-            Code::Dimension,
-            Box::new(|t| t.postures[1].states[0].angles = Some(vec![0.0; 7])),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| t.postures[1].states[0].readings[2].position.y = f64::NAN),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| t.postures[1].states[0].readings[2].time = Some(f64::INFINITY)),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| t.postures[1].states[0].load = Some(f64::NAN)),
-        ),
-        (
-            Code::NotFinite,
-            Box::new(|t| {
-                t.postures[1].states[0].wrench = Some(Wrench::force(Vector3::repeat(f64::NAN)))
-            }),
-        ),
-        (
-            Code::UnknownName,
-            Box::new(|t| t.postures[1].states[0].readings[2].target = ReadingTarget::Point(4)),
-        ),
-        (
-            Code::MissingKey,
-            Box::new(|t| t.postures[1].states[1].wrench = None),
-        ),
-        (
-            Code::TooFewData,
-            Box::new(|t| t.postures.iter_mut().for_each(|p| p.states.truncate(1))),
-        ),
-        (
-            Code::TooFewData,
-            Box::new(|t| {
-                for state in t.postures.iter_mut().flat_map(|p| &mut p.states) {
-                    state.readings.clear();
-                }
-            }),
-        ),
-    ];
-    for (i, (code, change)) in cases.iter().enumerate() {
-        let error = error(change);
-        assert_eq!(error.code(), *code, "case {i}: {error}");
-    }
+    let refused = |code: Code, change: fn(&mut ReadingTable)| {
+        let error = error(&change);
+        assert_eq!(error.code(), code, "{error}");
+    };
+    refused(Code::TooFewData, |t| t.postures.clear());
+    refused(Code::Duplicate, |t| {
+        t.postures[1].posture.name = "1".to_string();
+    });
+    refused(Code::Duplicate, |t| {
+        t.postures[1].states[1].state = "unloaded".to_string();
+    });
+    refused(Code::Dimension, |t| t.postures[1].posture.q.truncate(5));
+    refused(Code::Dimension, |t| {
+        t.postures[1].states[0].angles = Some(vec![0.0; 7]);
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].readings[2].position.y = f64::NAN;
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].readings[2].time = Some(f64::INFINITY);
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].load = Some(f64::NAN);
+    });
+    refused(Code::NotFinite, |t| {
+        t.postures[1].states[0].wrench = Some(Wrench::force(Vector3::repeat(f64::NAN)));
+    });
+    refused(Code::UnknownName, |t| {
+        t.postures[1].states[0].readings[2].target = ReadingTarget::Point(4);
+    });
+    refused(Code::MissingKey, |t| t.postures[1].states[1].wrench = None);
+    refused(Code::TooFewData, |t| {
+        t.postures.iter_mut().for_each(|p| p.states.truncate(1));
+    });
+    refused(Code::TooFewData, |t| {
+        for state in t.postures.iter_mut().flat_map(|p| &mut p.states) {
+            state.readings.clear();
+        }
+    });
     let mut table = good.clone();
     table.postures[1].states[1].wrench = None;
     table.postures[1].states[1].readings[0].line = 17;
@@ -130,9 +105,9 @@ fn postures_and_points_without_reference_are_named() {
     let mut table = take(&cell, &Experiment::default(), 1);
     table.postures[0].states.remove(0);
     table.postures[1].states.remove(1);
-    table.postures[2].states[0]
-        .readings
-        .retain(|r| r.target != ReadingTarget::Point(3));
+    keep(&mut table.postures[2].states[0], |t| {
+        *t != ReadingTarget::Point(3)
+    });
     let result = reduced(&cell, &table);
     assert_eq!(result.measured.len(), 4);
     let points: Vec<usize> = result.measured[0]
@@ -232,27 +207,23 @@ fn findings_in_words() {
     show("one base reflector", &cell, &few, &none);
 
     let mut gap = table.clone();
-    gap.postures[0].states[3]
-        .readings
-        .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
+    keep(&mut gap.postures[0].states[3], is_point);
     gap.postures[1].states.pop();
     gap.postures[2].states.remove(0);
     gap.postures[2].states.pop();
-    gap.postures[4].states[0]
-        .readings
-        .retain(|r| r.target != ReadingTarget::Point(1));
-    gap.postures[4].states[3]
-        .readings
-        .retain(|r| r.target != ReadingTarget::Point(1));
+    keep(&mut gap.postures[4].states[0], |t| {
+        *t != ReadingTarget::Point(1)
+    });
+    keep(&mut gap.postures[4].states[3], |t| {
+        *t != ReadingTarget::Point(1)
+    });
     gap.postures[5].states.truncate(1);
     show("gaps", &cell, &gap, &none);
 
     let mut line = table.clone();
     line.postures.truncate(1);
     for state in &mut line.postures[0].states {
-        state
-            .readings
-            .retain(|r| r.target == ReadingTarget::Point(0));
+        keep(state, |t| *t == ReadingTarget::Point(0));
     }
     show("one point of one posture", &cell, &line, &none);
 

@@ -6,27 +6,12 @@ mod faults;
 mod registration;
 mod wrench;
 
-use crate::common;
-
-use common::random::Dice;
-use common::readings::*;
-use common::{cases, reference_cell};
-use nalgebra::{DVector, Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
+use crate::common::prelude::*;
+use crate::common::readings::*;
+use nalgebra::Matrix3;
 use proptest::prelude::*;
-use stiffarm::Code;
-use stiffarm::findings::Severity;
-use stiffarm::measure::experiment::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise,
-};
-use stiffarm::measure::reduction::{Clock, ReduceOptions, reduce};
-use stiffarm::model::cell::Cell;
-use stiffarm::model::instruments::{Mount, Sensor, TrackerAccuracy};
-use stiffarm::model::kinematics::Frames;
-use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{
-    Displacement, MeasuredPosture, Reading, ReadingTable, ReadingTarget,
-};
-use stiffarm::model::observation::PostureTerms;
+use stiffarm::measure::reduction::Clock;
+use stiffarm::model::measurement::Reading;
 use stiffarm::model::tool::NamedPoint;
 
 /// Tracker anywhere, sensor turned and shifted, weights, offsets, drift, servo
@@ -83,7 +68,7 @@ fn everything_at_once_comes_back() {
                 0.5 - preload
             }
         };
-        let result = reduce(&cell, &table, &given(tracker_pose())).unwrap();
+        let result = reduced_by(&cell, &table, tracker_pose());
         assert_eq!(result.measured.len(), 18);
         let error = displacement_error(&cell, &result.measured, factor, Some(GIVE));
         // Rounding of coordinates of 6 m, against displacements of 1 mm.
@@ -184,12 +169,8 @@ fn a_reflector_read_in_some_states_only_is_left_out_of_its_posture() {
     };
     let mut table = take(&cell, &options, 1);
     let second = ReadingTarget::Base("base-2".to_string());
-    table.postures[0].states[2]
-        .readings
-        .retain(|r| r.target != second);
-    table.postures[1].states[1]
-        .readings
-        .retain(|r| matches!(r.target, ReadingTarget::Point(_)));
+    keep(&mut table.postures[0].states[2], |t| *t != second);
+    keep(&mut table.postures[1].states[1], is_point);
     let result = reduced(&cell, &table);
     assert_eq!(found(&result, "base-reflector-incomplete").len(), 2);
     assert_eq!(found(&result, "base-motion-unknown").len(), 1);
@@ -205,7 +186,7 @@ fn a_reflector_read_in_some_states_only_is_left_out_of_its_posture() {
         .filter(|m| m.posture.name != "2")
         .cloned()
         .collect();
-    assert!(displacement_error(&cell, &good, |_| 1.0, None) < 1e-11);
+    assert_displaced(&cell, &good, |_| 1.0, None);
 }
 
 #[test]
@@ -226,7 +207,7 @@ fn servo_give_needs_angles_that_change() {
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         state.angles = Some(vec![0.1; 6]);
     }
-    let result = reduce(&cell, &table, &given(Isometry3::identity())).unwrap();
+    let result = reduced_by(&cell, &table, Isometry3::identity());
     assert!(
         result
             .measured

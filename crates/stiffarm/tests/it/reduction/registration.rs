@@ -31,20 +31,18 @@ fn registration_comes_from_the_unloaded_readings() {
             .iter()
             .all(|p| p.used && p.points.len() == 4)
     );
-    let error = displacement_error(&cell, &result.measured, |_| 1.0, Some(GIVE));
-    assert!(error < 1e-11, "{error:e}");
+    assert_displaced(&cell, &result.measured, |_| 1.0, Some(GIVE));
     // Given, by the options or by the cell: the same, and the readings check it.
     let mut with_pose = cell.clone();
     with_pose.tracker.base_from_tracker = Some(tracker_pose());
     for result in [
-        reduce(&cell, &table, &given(tracker_pose())).unwrap(),
+        reduced_by(&cell, &table, tracker_pose()),
         reduced(&with_pose, &table),
     ] {
         let registration = result.registration.as_ref().unwrap();
         assert!(registration.given && registration.rms_m < 1e-13 && registration.fit.is_none());
         assert!(found(&result, "given-registration").is_empty());
-        let error = displacement_error(&cell, &result.measured, |_| 1.0, Some(GIVE));
-        assert!(error < 1e-11, "{error:e}");
+        assert_displaced(&cell, &result.measured, |_| 1.0, Some(GIVE));
     }
     // The options go before the cell.
     with_pose.tracker.base_from_tracker = Some(Isometry3::identity());
@@ -93,10 +91,7 @@ fn a_given_transform_that_is_wrong_is_named() {
     let result = reduce(&cell, &table, &given(turned)).unwrap();
     let finding = found(&result, "given-registration")[0];
     assert_eq!(finding.severity, Severity::Caution);
-    assert!(
-        finding.sentence.contains("5.00 mrad"),
-        "{}",
-        finding.sentence
-    );
+    let said = &finding.sentence;
+    assert!(said.contains("5.00 mrad"), "{said}");
     assert!(result.registration.unwrap().rms_m > 1e-3);
 }

@@ -103,7 +103,15 @@ fn repeats_that_stray_and_reflectors_that_move() {
     let mut said = Vec::new();
     let mut options = options(14);
     options.states.iter_mut().for_each(|s| s.repeats = 3);
-    let three = experiment(&cell(), &named(group1()), &truth(&cell()), &options, 14, 0).unwrap();
+    let three = experiment(
+        &cell(),
+        &numbered(group1()),
+        &truth(&cell()),
+        &options,
+        14,
+        0,
+    )
+    .unwrap();
     assert!(screen(&cell(), &three, None).unwrap().findings.is_empty());
     let mut table = three.clone();
     // Third round of point 2.
@@ -111,18 +119,23 @@ fn repeats_that_stray_and_reflectors_that_move() {
     assert_eq!(reading.target, ReadingTarget::Point(1));
     reading.position.y += 1e-3;
     reading.line = 38;
-    let sanity = screen(&cell(), &table, None).unwrap();
-    let found = only(&sanity);
+    let (sanity, found) = alone(&cell(), &table);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, Some(3)));
     assert_eq!((&found.points, &found.lines), (&names(&["2"]), &vec![38]));
     said.push(sentences(&sanity));
     // Of two repeats nobody can say which.
     options.states.iter_mut().for_each(|s| s.repeats = 2);
-    let mut table =
-        experiment(&cell(), &named(group1()), &truth(&cell()), &options, 14, 0).unwrap();
+    let mut table = experiment(
+        &cell(),
+        &numbered(group1()),
+        &truth(&cell()),
+        &options,
+        14,
+        0,
+    )
+    .unwrap();
     table.postures[1].states[0].readings[5].position.y += 1e-3;
-    let sanity = screen(&cell(), &table, None).unwrap();
-    let found = only(&sanity);
+    let (sanity, found) = alone(&cell(), &table);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, None));
     said.push(sentences(&sanity));
     // A reflector knocked after the fourth posture.
@@ -133,12 +146,9 @@ fn repeats_that_stray_and_reflectors_that_move() {
             state.readings[2].position += along.normalize() * 8e-4;
         }
     }
-    let sanity = screen(&cell(), &table, None).unwrap();
-    let found = only(&sanity);
-    assert_eq!(
-        (found.cause, &found.postures),
-        (Cause::MovedReflector, &names(&["5", "6"]))
-    );
+    let (sanity, found) = alone(&cell(), &table);
+    assert_eq!(found.cause, Cause::MovedReflector);
+    assert_eq!(found.postures, ["5", "6"]);
     assert_eq!(found.points, ["3"]);
     said.push(sentences(&sanity));
     insta::assert_snapshot!("repeats", said.join("\n"));
@@ -150,16 +160,15 @@ fn a_reading_off_by_a_millimetre_in_words() {
     // Along the plane of the points; across it on an arm that nobody knows well.
     let mut table = group1_table(15);
     table.postures[2].states[1].readings[1].position.x += 1e-3;
-    let sanity = screen(&cell(), &table, None).unwrap();
-    assert_eq!(only(&sanity).points, ["2"]);
+    let (sanity, found) = alone(&cell(), &table);
+    assert_eq!(found.points, ["2"]);
     said.push(sentences(&sanity));
     let mut table = random_table(&cell(), Arm::Rough, 6, 2);
     let readings = &mut table.postures[2].states[1].readings;
     let edge = |i: usize| readings[i].position - readings[0].position;
     let direction = edge(1).cross(&edge(2)).normalize();
     readings[1].position += direction * 1e-3;
-    let sanity = screen(&cell(), &table, None).unwrap();
-    let found = only(&sanity);
+    let (sanity, found) = alone(&cell(), &table);
     assert!(
         !found.certain && found.points.len() > 1,
         "{}",
@@ -173,16 +182,13 @@ fn a_reading_off_by_a_millimetre_in_words() {
 fn of_three_points_one_is_said_to_be_off_by_its_size() {
     let mut three = cell();
     three.setup.tool.measuring_points.pop();
-    let mut table = simulated(&three, &named(group1()), 21);
+    let mut table = simulated(&three, &numbered(group1()), 21);
     let readings = &mut table.postures[1].states[1].readings;
     let along = (readings[0].position - readings[1].position).normalize();
     readings[1].position += along * 1e-3;
-    let sanity = screen(&three, &table, None).unwrap();
-    let found = only(&sanity);
-    assert_eq!(
-        (found.cause, &found.postures),
-        (Cause::StrayReading, &names(&["2"]))
-    );
+    let (_, found) = alone(&three, &table);
+    assert_eq!(found.cause, Cause::StrayReading);
+    assert_eq!(found.postures, ["2"]);
     // Named by the motion under load, or one of those that the distance allows.
     assert!(found.points.contains(&"2".to_string()));
     let off = found.off_m.unwrap();

@@ -6,24 +6,10 @@ mod poor_tables;
 mod robots;
 mod single_faults;
 
-use crate::common;
-
-use common::{group1, random::Dice, runs::most, runs::runs};
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use crate::common::prelude::*;
 use rayon::prelude::*;
-use stiffarm::files::builtin;
-use stiffarm::findings::Severity;
-use stiffarm::measure::experiment::{
-    BaseCompliance, Experiment, ExperimentState, ForceRecord, ToolWeight, TrackerNoise, experiment,
-};
-use stiffarm::measure::screening::{Cause, Screening, Suspicion, screen};
-use stiffarm::model::cell::{Cell, Limits};
-use stiffarm::model::instruments::{Mount, Sensor};
-use stiffarm::model::load::Load;
-use stiffarm::model::measurement::{ReadingTable, ReadingTarget, WrenchColumns};
-use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm::model::robot::{DhConvention, DhRow, Robot, find_in_catalogue};
-use stiffarm::plan::select::{StartKind, random_group};
+use stiffarm::measure::screening::{Cause, Screening, Suspicion};
+use stiffarm::model::measurement::WrenchColumns;
 use stiffarm::units::{mm_to_m, rad_to_deg};
 
 /// The default cell with a turned flange sensor.
@@ -37,12 +23,14 @@ fn cell() -> Cell {
     cell
 }
 
-/// Other robots: bounds that suit them, the default tool and rope.
-fn cell_of(robot: &str, bounds_deg: [[f64; 2]; 6]) -> Cell {
+/// Other robots: bounds that suit them, those of joints 2 and 3 given; the default tool and rope.
+fn cell_of(robot: &str, q2_deg: [f64; 2], q3_deg: [f64; 2]) -> Cell {
     let mut cell = cell();
     let entry = find_in_catalogue(robot).unwrap();
     cell.setup.robot = entry.robot().unwrap();
-    cell.bounds = bounds_deg.map(|b| b.map(f64::to_radians)).to_vec();
+    let (first, wrist) = ([-90.0, 90.0], [-170.0, 170.0]);
+    let bounds = [first, q2_deg, q3_deg, wrist, [-100.0, 100.0], wrist];
+    cell.bounds = bounds.map(|b| b.map(f64::to_radians)).to_vec();
     cell.limits = Limits::default();
     cell.prior = entry.stiffness.first().map(|s| s.values.to_vec());
     cell
@@ -68,10 +56,6 @@ fn options(seed: u64) -> Experiment {
     }
 }
 
-fn named(q: Vec<Vec<f64>>) -> Vec<Posture> {
-    PostureGroup::from_angles("", q).postures
-}
-
 fn truth(cell: &Cell) -> Vec<f64> {
     let usual = [1.2e6, 2.6e6, 1.1e6, 2e5, 1.7e5, 1.1e5];
     cell.prior.clone().unwrap_or_else(|| usual.to_vec())
@@ -82,7 +66,7 @@ fn simulated(cell: &Cell, postures: &[Posture], seed: u64) -> ReadingTable {
 }
 
 fn group1_table(seed: u64) -> ReadingTable {
-    simulated(&cell(), &named(group1()), seed)
+    simulated(&cell(), &numbered(group1()), seed)
 }
 
 /// Sentences, with a code before each.
@@ -102,6 +86,13 @@ fn only(sanity: &Screening) -> &Suspicion {
     assert_eq!(sanity.suspicions.len(), 1, "{}", sentences(sanity));
     assert_eq!(sanity.findings.len(), 1);
     &sanity.suspicions[0]
+}
+
+/// What screening says of a table with one fault, and that fault.
+fn alone(cell: &Cell, table: &ReadingTable) -> (Screening, Suspicion) {
+    let sanity = screen(cell, table, None).unwrap();
+    let found = only(&sanity).clone();
+    (sanity, found)
 }
 
 fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: usize) {
@@ -167,7 +158,7 @@ enum Arm {
 
 /// A random group of postures as the cell has them, measured on that arm.
 fn random_table(cell: &Cell, arm: Arm, count: usize, seed: u64) -> ReadingTable {
-    let postures = named(random_group(cell, StartKind::Uniform, count, seed, 0).unwrap());
+    let postures = numbered(random_group(cell, StartKind::Uniform, count, seed, 0).unwrap());
     let (real, driven) = match arm {
         Arm::Exact => (cell.clone(), postures.clone()),
         Arm::Uncalibrated | Arm::Rough => uncalibrated(cell, &postures, seed),
@@ -191,68 +182,22 @@ fn random_table(cell: &Cell, arm: Arm, count: usize, seed: u64) -> ReadingTable 
 }
 
 fn kuka() -> Cell {
-    cell_of(
-        "kuka-kr240-2",
-        [
-            [-90.0, 90.0],
-            [-60.0, 10.0],
-            [20.0, 120.0],
-            [-170.0, 170.0],
-            [-100.0, 100.0],
-            [-170.0, 170.0],
-        ],
-    )
+    cell_of("kuka-kr240-2", [-60.0, 10.0], [20.0, 120.0])
 }
 
 fn big_kuka() -> Cell {
-    cell_of(
-        "kuka-kr500-r2800-2",
-        [
-            [-90.0, 90.0],
-            [-100.0, -30.0],
-            [20.0, 120.0],
-            [-170.0, 170.0],
-            [-100.0, 100.0],
-            [-170.0, 170.0],
-        ],
-    )
+    cell_of("kuka-kr500-r2800-2", [-100.0, -30.0], [20.0, 120.0])
 }
 
 fn fanuc() -> Cell {
-    cell_of(
-        "fanuc-r2000ic-165f",
-        [
-            [-90.0, 90.0],
-            [-50.0, 50.0],
-            [-40.0, 40.0],
-            [-170.0, 170.0],
-            [-100.0, 100.0],
-            [-170.0, 170.0],
-        ],
-    )
+    cell_of("fanuc-r2000ic-165f", [-50.0, 50.0], [-40.0, 40.0])
 }
 
 /// UR10 (maker's DH table: a in mm −612, −572.3; d 127.3, 163.941, 115.7, 92.2).
 /// A small arm without a spherical wrist and without the usual offset at joint 1.
 fn ur10() -> Cell {
     let mut cell = kuka();
-    let row = |alpha: f64, a: f64, d: f64| DhRow {
-        alpha,
-        a,
-        d,
-        offset: 0.0,
-    };
-    let right = std::f64::consts::FRAC_PI_2;
-    let rows = [
-        row(right, 0.0, 0.1273),
-        row(0.0, -0.612, 0.0),
-        row(0.0, -0.5723, 0.0),
-        row(right, 0.0, 0.163_941),
-        row(-right, 0.0, 0.1157),
-        row(0.0, 0.0, 0.0922),
-    ];
-    cell.setup.robot =
-        Robot::from_dh("UR10", DhConvention::Standard, &rows, Isometry3::identity()).unwrap();
+    cell.setup.robot = common::set_ups::ur10(0.0);
     cell.bounds = [
         [-90.0, 90.0],
         [-120.0, -30.0],
@@ -265,9 +210,6 @@ fn ur10() -> Cell {
     .to_vec();
     // Orders of magnitude of a small arm, under a small load.
     cell.prior = Some(vec![4e4, 4e4, 3e4, 1e4, 1e4, 1e4]);
-    let Load::Rope { magnitude, .. } = &mut cell.setup.load else {
-        panic!("the default cell pulls by a rope")
-    };
-    *magnitude = 80.0;
+    *rope_force(&mut cell) = 80.0;
     cell
 }

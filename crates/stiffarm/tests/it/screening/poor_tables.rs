@@ -9,12 +9,9 @@ fn a_tool_that_differs_from_its_drawing() {
     for off in [8e-4, 3e-2] {
         let mut wrong = cell();
         wrong.setup.tool.measuring_points[2].position.x += off;
-        let sanity = screen(&wrong, &table, None).unwrap();
-        let found = only(&sanity);
-        assert_eq!(
-            (found.cause, &found.points),
-            (Cause::Drawing, &names(&["3"]))
-        );
+        let (sanity, found) = alone(&wrong, &table);
+        assert_eq!(found.cause, Cause::Drawing);
+        assert_eq!(found.points, ["3"]);
         assert!((found.off_m.unwrap() - off).abs() < 5e-5);
         let expected = if off < 1e-3 {
             Severity::Note
@@ -47,9 +44,8 @@ fn a_transform_that_is_given() {
 fn too_few_readings_are_said_to_be_too_few() {
     let mut few = cell();
     few.setup.tool.measuring_points.truncate(1);
-    let table = simulated(&few, &named(group1()[..2].to_vec()), 18);
-    let sanity = screen(&few, &table, None).unwrap();
-    let found = only(&sanity);
+    let table = simulated(&few, &numbered(group1()[..2].to_vec()), 18);
+    let (sanity, found) = alone(&few, &table);
     assert_eq!(
         (found.cause, sanity.unloaded_rms_m),
         (Cause::NotChecked, None)
@@ -122,11 +118,8 @@ fn mangled_tables_are_survived() {
             }
             let sanity = screen(&cell(), &table, None).unwrap();
             for finding in &sanity.findings {
-                assert!(
-                    !finding.sentence.contains("NaN") && !finding.sentence.contains("inf "),
-                    "{}",
-                    finding.sentence
-                );
+                let said = &finding.sentence;
+                assert!(!said.contains("NaN") && !said.contains("inf "), "{said}");
             }
             sanity.findings.len()
         })

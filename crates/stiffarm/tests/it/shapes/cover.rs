@@ -1,9 +1,7 @@
 //! Shapes that contain others.
 
 use super::{pose, solid};
-use crate::common::cases;
-use crate::common::random::Dice;
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use proptest::prelude::*;
 use stiffarm::model::shape::{Solid, capsules_around, solids_around};
 

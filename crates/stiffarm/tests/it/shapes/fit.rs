@@ -1,13 +1,10 @@
 //! Capsules around meshes.
 
 use super::pose;
-use crate::common::cases;
 use crate::common::meshes::{box_mesh, capsule_mesh, joined, l_mesh};
-use crate::common::random::Dice;
-use nalgebra::{Isometry3, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::f64::consts::PI;
-use stiffarm::model::shape::{Capsule, TriangleMesh, capsules_of_mesh};
+use stiffarm::model::shape::capsules_of_mesh;
 
 fn volume(capsules: &[Capsule]) -> f64 {
     capsules.iter().map(Capsule::volume).sum()

@@ -1,12 +1,10 @@
 //! Distances of meshes against the smallest signed distance over every triangle.
 
 use super::{pose, solid};
-use crate::common::cases;
 use crate::common::meshes::{box_mesh, capsule_mesh, joined, l_mesh};
-use crate::common::random::Dice;
-use nalgebra::{Isometry3, Vector3};
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use stiffarm::model::shape::{Capsule, MeshBody, Solid, TriangleMesh, hull_volume};
+use stiffarm::model::shape::{MeshBody, Solid, hull_volume};
 
 /// The smallest value of a convex function on \[0, 1\], by golden sections.
 fn smallest(f: impl Fn(f64) -> f64) -> f64 {

@@ -1,13 +1,10 @@
 //! Meshes of files.
 
 use crate::common::meshes::{box_mesh, l_mesh};
-use crate::common::random::Dice;
-use crate::common::runs::runs;
-use nalgebra::Vector3;
+use crate::common::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
 use stiffarm::files::mesh::{parse_mesh, read_mesh};
-use stiffarm::model::shape::TriangleMesh;
 
 fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
     let mut out = vec![b' '; 80];
@@ -162,36 +159,18 @@ fn what_is_no_mesh_is_refused() {
     refused(b"v 0 0 0\nf 1 2 3\n", "a.obj", "");
     refused(b"<a>", "a.dae", "in COLLADA");
     let dae = String::from_utf8(collada(&mesh, "")).unwrap();
-    refused(
-        dae.replace("#part", "#other").as_bytes(),
-        "a.dae",
-        "no \"#other\"",
-    );
-    refused(
-        dae.replace("<p>0", "<p>99").as_bytes(),
-        "a.dae",
-        "corner that is not there",
-    );
-    refused(
-        dae.replace("<p>0", "<p>0.5").as_bytes(),
-        "a.dae",
-        "corner that is not there",
-    );
-    refused(
-        dae.replace("<p>0 ", "<p>").as_bytes(),
-        "a.dae",
-        "no triangle",
-    );
-    let lookat = dae
-        .replace("<rotate>", "<lookat>")
-        .replace("</rotate>", "</lookat>");
-    refused(lookat.as_bytes(), "a.dae", "<lookat>");
     let circle = r##"<instance_node url="#outer"/><translate>"##;
-    refused(
-        dae.replace("<translate>", circle).as_bytes(),
-        "a.dae",
-        "circle",
-    );
+    let lookat = dae.replace("</rotate>", "</lookat>");
+    for (text, from, to, said) in [
+        (&dae, "#part", "#other", "no \"#other\""),
+        (&dae, "<p>0", "<p>99", "corner that is not there"),
+        (&dae, "<p>0", "<p>0.5", "corner that is not there"),
+        (&dae, "<p>0 ", "<p>", "no triangle"),
+        (&lookat, "<rotate>", "<lookat>", "<lookat>"),
+        (&dae, "<translate>", circle, "circle"),
+    ] {
+        refused(text.replace(from, to).as_bytes(), "a.dae", said);
+    }
     refused(&[0xff, 0xfe, b'<'], "a.dae", "UTF-8");
     let mut nan = mesh.clone();
     nan.vertices[3].y = f64::NAN;

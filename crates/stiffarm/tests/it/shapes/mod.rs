@@ -5,12 +5,11 @@ mod fit;
 mod mesh_distance;
 mod mesh_files;
 
-use crate::common::cases;
-use crate::common::random::Dice;
+use crate::common::prelude::*;
 use crate::common::segments::segments_apart;
-use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::Unit;
 use proptest::prelude::*;
-use stiffarm::model::shape::{Capsule, Solid, between, nearest};
+use stiffarm::model::shape::{Solid, between, nearest};
 
 fn pose(dice: &mut Dice) -> Isometry3<f64> {
     let turn = Unit::new_unchecked(dice.direction());
