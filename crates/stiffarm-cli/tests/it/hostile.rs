@@ -187,7 +187,7 @@ fn a_file_name_of_two_lines_makes_one() {
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert_shown(&ran);
     assert!(
-        ran.out.starts_with("cell: a\\ncell: b\\u{1b}[1m.toml ("),
+        ran.out.contains("\ncell: a\\ncell: b\\u{1b}[1m.toml ("),
         "{}",
         ran.out
     );

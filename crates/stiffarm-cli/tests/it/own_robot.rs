@@ -44,7 +44,7 @@ fn a_robot_of_ones_own_gets_a_plan_as_the_page_says() {
             other => panic!("{other}: {text}"),
         }
     }
-    assert!(said.contains("nothing to complain about"), "{said}");
+    assert!(said.contains("Nothing to complain about"), "{said}");
     assert!(
         said.contains("Clear of shapes, beams and torques"),
         "{said}"

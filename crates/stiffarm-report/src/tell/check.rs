@@ -87,6 +87,10 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
         "joint",
         names,
     )
+    .words("", |j| match check.joints[j].determined {
+        true => Text::default(),
+        false => Text::default().strong("not determined"),
+    })
     .words("bounds [°]", |j| {
         let bounds = given.cell.and_then(|cell| cell.bounds.get(j));
         bounds.map_or_else(Text::default, |bounds| range(*bounds))
@@ -107,10 +111,6 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
         Quantity::new("mm", 1e3, Form::Significant(3)),
         |j| number(j, "largest_displacement_m"),
     )
-    .words("", |j| match check.joints[j].determined {
-        true => Text::default(),
-        false => Text::default().strong("not determined"),
-    })
 }
 
 /// The set-up, a row for each part.

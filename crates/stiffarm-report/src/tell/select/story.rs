@@ -185,12 +185,10 @@ fn next(context: &Given<'_>, plan: &Plan) -> Text {
             .code("--rounds")
             .words(", or leave them out; or measure with this one.");
     }
-    let mut text = match context.saved.arguments.iter().any(|word| word == "--sheet") {
-        true => Text::new("Drive to the postures in this order, fill in the sheet, and let "),
-        false => Text::new("Write the sheet for the readings (")
+    let mut text =
+        Text::new("Drive to the postures in this order, fill in the sheet for the readings (")
             .code("--sheet measurements.xlsx")
-            .words("), drive to the postures in this order, and let "),
-    };
+            .words("), and let ");
     text = text.code("stiffarm identify").words(" give the stiffness.");
     if !plan.repeats.is_empty() {
         text = text.words(
