@@ -91,6 +91,10 @@ fn finding(finding: &Finding) -> String {
 
 /// A text in lines of the terminal's width.
 fn sentence(text: &Text) -> String {
+    // A line of a file is there to be copied.
+    if let [Piece::Code(words)] = text.0.as_slice() {
+        return format!("{words}\n");
+    }
     let pieces = text.0.iter().map(|piece| match piece {
         Piece::Words(words) | Piece::Link(words, _) | Piece::Different(words) => words.clone(),
         Piece::Strong(words) => paint(Style::new().bold(), words),
