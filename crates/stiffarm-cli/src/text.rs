@@ -110,8 +110,9 @@ fn finding(finding: &Finding) -> String {
 
 /// A text in lines of the terminal's width; one that is only to be typed is a line of its own.
 fn sentence(text: &Text) -> String {
-    if let [Piece::Code(typed)] = text.0.as_slice() {
-        return format!("  {typed}\n");
+    // A line of a file is there to be copied.
+    if let [Piece::Code(words)] = text.0.as_slice() {
+        return format!("{words}\n");
     }
     let pieces = text.0.iter().map(|piece| match piece {
         Piece::Words(words) | Piece::Link(words, _) | Piece::Different(words) => words.clone(),

@@ -110,10 +110,11 @@ fn the_load_of_the_cell_is_taken_in_its_axes() {
         working_cell("force_n = [10, 20, 30]\naxes = \"path\""),
     );
     assert_eq!(force(&folder.json(line)), [0.0, 0.0, 1.0]);
+    let said = folder.ok(line);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
-        folder
-            .ok(line)
-            .contains("axes of a path, which a map has not")
+        said.contains("axes of a path, which a map has not"),
+        "{said}"
     );
 }
 

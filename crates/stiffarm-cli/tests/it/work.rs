@@ -33,7 +33,9 @@ fn tasks_and_the_contour() {
         "matrices",
         folder.ok("predict builtin:comau prior --matrix")
     );
-    let line = "predict builtin:comau k.json builtin:contour --free-turn=18 --load-uncertainty-percent 5 --details";
+    let line = "predict builtin:comau k.json --load-uncertainty-percent 5 --details";
+    assert_snapshot!("tasks", folder.ok(line));
+    let line = "predict builtin:comau k.json builtin:contour --free-turn=18";
     assert_snapshot!("contour", folder.ok(line));
     let line = "compensate builtin:comau k.json builtin:contour --output c.csv --figure c.svg";
     assert_snapshot!("compensated", folder.ok(line));
