@@ -182,10 +182,10 @@ fn key(context: &Given<'_>, study: &Study) -> DataTable {
     // The last row holds their means.
     let names = study.joints.iter().map(|j| Text::new(visible(j)));
     let names = names.chain([Text::default().strong("mean")]);
-    let caption = "Expected deviation of the joint stiffness [%] at the cell's noise, closed form";
+    let caption = "Expected deviation of the joint stiffness at the cell's noise, closed form";
     let mut table = DataTable::of(caption, "joint", names);
     for (g, group) in study.groups.iter().enumerate() {
-        table = table.numbers(&visible(&group.name), DEVIATION.bare(), |row| {
+        table = table.numbers(&visible(&group.name), DEVIATION, |row| {
             if row < study.joints.len() {
                 let below = format!("/groups/{g}/evaluation/expected_deviation/{row}");
                 return Some(context.number(&below));

@@ -132,28 +132,30 @@ fn key(context: &Given<'_>, study: &MeasuredStudy) -> DataTable {
     };
     let number = |i: usize, key: &str| context.number(&format!("/choices/{i}/{key}"));
     let mut table = DataTable::of(
-        "RMS error of a displacement component at the postures outside the pool [mm], ± its standard error, and share \
-         of the splits in which the choice predicts better than chance [%]",
+        "RMS error of a displacement component at the postures outside the pool, ± its standard error, and share \
+         of the splits in which the choice predicts better than chance",
         "postures, chosen by",
         rows.iter()
             .map(|own| format!("{}, {}", own.postures, in_words(own.choice))),
     );
     let models = [ElasticChoice::Axes, ElasticChoice::Mixed];
     for model in models {
-        table = table.words(model.in_words(), |row| match place(row, model) {
-            Some(i) => Text::from(number(i, "mean_m").of(Quantity::LENGTH.bare()))
-                .words(" ")
-                .number(
-                    number(i, "standard_error_m")
-                        .of(Quantity::LENGTH.bare())
-                        .plus_minus(),
-                ),
-            None => Text::default(),
+        table = table.words(format!("{} [mm]", model.in_words()), |row| {
+            match place(row, model) {
+                Some(i) => Text::from(number(i, "mean_m").of(Quantity::LENGTH.bare()))
+                    .words(" ")
+                    .number(
+                        number(i, "standard_error_m")
+                            .of(Quantity::LENGTH.bare())
+                            .plus_minus(),
+                    ),
+                None => Text::default(),
+            }
         });
     }
     for model in models {
         let heading = format!("better than chance, {}", model.in_words());
-        table = table.numbers(&heading, Quantity::PERCENT.digits(3).bare(), |row| {
+        table = table.numbers(&heading, Quantity::PERCENT.digits(3), |row| {
             let i = place(row, model)?;
             study.choices[i].better_than_random?;
             Some(number(i, "better_than_random"))

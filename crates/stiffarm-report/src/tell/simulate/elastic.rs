@@ -195,21 +195,21 @@ fn errors(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
             .number(error.significant(2).plus_minus())
     };
     DataTable::of(
-        "RMS error of a predicted deflection [mm], ± its Monte Carlo standard error; expected: the index prediction, the \
+        "RMS error of a predicted deflection, ± its Monte Carlo standard error; expected: the index prediction, the \
          error of the mixed model if its sizes and those of the noise were known",
         "group",
         rows.iter().map(|row| row.1.clone()),
     )
-    .words("joint axes alone", |row| both(row, "axes"))
-    .words("mixed model", |row| match rows[row].2.mixed {
+    .words("joint axes alone [mm]", |row| both(row, "axes"))
+    .words("mixed model [mm]", |row| match rows[row].2.mixed {
         Some(_) => both(row, "mixed"),
         None => Text::default(),
     })
-    .words("expected", |row| match rows[row].2.expected_prediction_m {
+    .words("expected [mm]", |row| match rows[row].2.expected_prediction_m {
         Some(_) => mm(row, "expected_prediction_m").into(),
         None => Text::default(),
     })
-    .words("auto", |row| match rows[row].2.auto {
+    .words("auto [mm]", |row| match rows[row].2.auto {
         Some(_) => both(row, "auto"),
         None => Text::default(),
     })

@@ -246,13 +246,8 @@ fn next(best: Option<&Shown<'_>>) -> Text {
 fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
     let is_wide = shown.len() <= SIDE_BY_SIDE && !has_model_errors(context);
     let factor = shown.first().map_or(1.0, |one| one.level.variance_factor);
-    let star = if shown.iter().any(|one| is_beyond(one.level)) {
-        "; * median"
-    } else {
-        ""
-    };
     let caption = format!(
-        "Mean deviation |k̂ − k|/k [%] at {factor} × the noise variance, ± its Monte Carlo standard error{star}"
+        "Mean deviation |k̂ − k|/k at {factor} × the noise variance, ± its Monte Carlo standard error"
     );
     // The last row holds their means.
     let names = joints.iter().map(|joint| Text::new(joint.clone()));
@@ -263,7 +258,7 @@ fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable
             let number = context.number(&format!("{}/{key}/{row}", group.at));
             number.of(DEVIATION.bare())
         };
-        table = table.words(group.name.clone(), |row| {
+        table = table.words(format!("{} [%]", group.name), |row| {
             if row == joints.len() {
                 return match is_beyond(group.level) {
                     true => Text::default(),
@@ -273,14 +268,14 @@ fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable
             let (key, _) = typical(group.level, row);
             let text = Text::from(number(key, row));
             match key {
-                "median_deviation" => text.words(" *"),
+                "median_deviation" => text.words(" (median)"),
                 _ => text
                     .words(" ")
                     .number(number("standard_error", row).plus_minus()),
             }
         });
         if is_wide {
-            table = table.words("closed form", |row| match row < joints.len() {
+            table = table.words("closed form [%]", |row| match row < joints.len() {
                 true => number("expected_deviation", row).into(),
                 false => mean(&group.level.expected_deviation).into(),
             });
