@@ -156,18 +156,5 @@ def test_scipy_reaches_our_optimum(cell: stiffarm.Cell, index: str) -> None:
     assert best <= plan.value * (1 + 1e-6)
 
 
-def test_callable_from_jax_and_casadi_is_tested_where_they_are() -> None:
-    casadi = pytest.importorskip("casadi", reason="casadi is not installed")
-    from stiffarm.objective import for_casadi
-
-    cell = stiffarm.Cell.built_in("comau-reference")
-    objective = stiffarm.Objective(cell, "d", postures=3)
-    function = for_casadi(objective)
-    q = drawn(cell, 3, 1).ravel()
-    x = casadi.MX.sym("x", q.size)
-    jacobian = casadi.Function("j", [x], [casadi.jacobian(function(x), x)])
-    assert np.allclose(np.array(jacobian(q)).ravel(), objective.log_and_gradient(q)[1])
-
-
 def test_names_say_what_is_calculated() -> None:
     assert "over √postures" in stiffarm.index_names()["o1"]

@@ -121,8 +121,7 @@ def test_words(command: Any, inputs: Any, name: str, monkeypatch: pytest.MonkeyP
 
 
 def test_long_work_stops_with_the_best_so_far() -> None:
-    cell = stiffarm.Cell.built_in("comau-reference")
-    plan = stiffarm.select(cell, postures=6, rounds=1_000_000, time_limit=1, no_certificate=True)
+    plan = stiffarm.select("builtin:comau-reference", postures=6, rounds=1_000_000, time_limit=1, no_certificate=True)
     assert plan.termination == "time_limit" and len(plan.postures) == 6 and not plan.interrupted
 
 
