@@ -525,6 +525,8 @@ def test_groups_have_their_names(cell: stiffarm.Cell, group: stiffarm.Postures) 
     named = stiffarm.Postures(group.angles, name="mine")
     assert stiffarm.evaluate(cell, [named, group.angles]).table()["group"] == ["mine", "group 2"]
     assert stiffarm.evaluate(cell, named.angles).table()["group"] == ["postures"]
+    for form in (group, "builtin:comau-group1"):
+        assert stiffarm.evaluate(cell, form).table()["group"] == ["comau-group1"]
 
 
 def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant() -> None:
