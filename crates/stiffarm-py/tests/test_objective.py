@@ -94,7 +94,9 @@ def test_beside_given_postures(cell: stiffarm.Cell) -> None:
 
 
 def test_many_groups_are_those_of_evaluate(full: stiffarm.Cell) -> None:
-    groups = np.stack([drawn(full, 5, seed) for seed in range(40)])
+    # `evaluate` reads angles as a posture file has them: in degrees.
+    degrees = [np.degrees(drawn(full, 5, seed)).round(2) for seed in range(40)]
+    groups = np.stack([stiffarm.Postures(one, degrees=True).angles for one in degrees])
     many = stiffarm.indices(full, groups, INDICES)
     evaluated = stiffarm.evaluate(full, {str(i): group for i, group in enumerate(groups)}).to_dict()["groups"]
     for i, group in enumerate(evaluated):
@@ -104,8 +106,7 @@ def test_many_groups_are_those_of_evaluate(full: stiffarm.Cell) -> None:
             assert np.array_equal(many[name][i], expected, equal_nan=True), (i, name)
     one = stiffarm.indices(full, groups[3], INDICES)
     assert all(one[name] == many[name][3] for name in INDICES)
-    degrees = stiffarm.indices(full, np.degrees(groups), ["d"], degrees=True)["d"]
-    assert np.allclose(degrees, many["d"], rtol=1e-9, atol=0)
+    assert np.array_equal(stiffarm.indices(full, degrees, ["d"], degrees=True)["d"], many["d"])
     assert set(stiffarm.indices(full, groups[0])) == set(INDICES) - {"prediction"}
 
 
