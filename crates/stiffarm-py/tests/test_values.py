@@ -387,13 +387,20 @@ def test_a_changed_built_in_cell_is_the_one_that_is_used(tmp_path: Path) -> None
     assert told.inputs["cell"] in (heavier.inputs["cell"], lighter.inputs["cell"])
 
 
-def test_groups_have_their_names(cell: stiffarm.Cell, group: stiffarm.Postures) -> None:
+def test_groups_have_their_names(
+    cell: stiffarm.Cell, group: stiffarm.Postures, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Whatever it is: a folder, an option, markup."""
     for name in ("a/b", "-x", "plan.2", "Group 1", "100 %", HOSTILE, "größer"):
         assert stiffarm.evaluate(cell, {name: group, "other": group[:5]}).table()["group"] == [name, "other"]
     named = stiffarm.Postures(group.angles, name="mine")
     assert stiffarm.evaluate(cell, [named, group.angles]).table()["group"] == ["mine", "group 2"]
     assert stiffarm.evaluate(cell, named.angles).table()["group"] == ["postures"]
+    # Two groups of one name, and one of the name of a file.
+    group[:4].save(tmp_path / "mine.csv")
+    monkeypatch.chdir(tmp_path)
+    table = stiffarm.evaluate(cell, [named, named[:5], "mine.csv"]).table()
+    assert table["group"] == ["mine", "mine (2)", "mine (3)"] and table["postures"].tolist() == [6, 5, 4]
     for form in (group, "builtin:comau-group1"):
         assert stiffarm.evaluate(cell, form).table()["group"] == ["comau-group1"]
 

@@ -234,13 +234,13 @@ class _Call:
             single = f"<{key}>" if len(listed) == 1 else ""
             return [self.file(key, one, single or f"<{key} {i}>") for i, one in enumerate(listed, 1)]
         out = []
-        for name, one in _inputs.groups(value):
+        for number, (name, one) in enumerate(_inputs.groups(value), 1):
             if name and isinstance(one, (str, os.PathLike)):
                 one = _inputs.named(one, self.cell)
-            name = name.removeprefix("builtin:")
             # The command takes the name of the group from that of the file, or what stands behind builtin: as it is.
-            is_plain = Path(f"{name}.csv").name == f"{name}.csv" and not name.startswith("-")
-            out.append(self.file(key, one, f"{name}.csv" if is_plain else f"builtin:{name}"))
+            name = name.removeprefix("builtin:")
+            is_plain = Path(f"{name}.csv").name == f"{name}.csv"
+            out.append(self.file(key, one, f"<postures {number}>/{name}.csv" if is_plain else f"builtin:{name}"))
         return out
 
 
