@@ -171,7 +171,7 @@ def test_every_result_tells_itself(
         (own.Placement, stiffarm.map(full, "prior", place="builtin:contour", steps=2)),
         (own.Plan, stiffarm.select(cell, postures=3, sensitivity=True, **quick)),
         (own.Plan, stiffarm.select(full, postures=3, prices=True, largest_load_n=700, **quick)),
-        (own.Predicted, stiffarm.predict(full, found, "builtin:contour", matrix=True)),
+        (own.Predicted, stiffarm.predict(full, found.stiffness, "builtin:contour", matrix=True)),
         (own.Registered, stiffarm.register("builtin:example-pairs")),
         (own.Simulation, stiffarm.simulate(cell, group, runs=3)),
         (own.Simulation, stiffarm.simulate(cell, group, runs=2, elastic="auto")),
