@@ -230,6 +230,8 @@ def test_unknown_names(cell: stiffarm.Cell) -> None:
 def test_files(cell: stiffarm.Cell, tmp_path: Path) -> None:
     """Broken files: file, line and column say where."""
     missing = tmp_path / "missing.csv"
+    # Of a file whose name begins as an option does, too.
+    refused(lambda: stiffarm.evaluate(cell, "-missing.csv"), "file-read")
     for call in (
         lambda: stiffarm.Cell(missing),
         lambda: stiffarm.Postures.read(missing, cell),

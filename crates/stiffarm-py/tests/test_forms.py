@@ -135,7 +135,7 @@ def test_files_are_those_of_the_command(command: Any, measured: stiffarm.Table, 
     command(["identify", "builtin:comau", str(file), "--quiet", f"--output={tmp_path / 'command.json'}"])
     theirs = type(found).load(tmp_path / "command.json")
     assert type(found).load(saved) == found and unsigned(theirs) == unsigned(found)
-    with pytest.raises(stiffarm.StiffarmError, match="not of predict"):
+    with pytest.raises(stiffarm.StiffarmError, match="its class is Identified, not Predicted"):
         stiffarm.results.Predicted.load(saved)
     plan = stiffarm.select(CELL, postures=3, rounds=1, no_certificate=True, output=str(tmp_path / "option.csv"))
     plan.postures.save(tmp_path / "own.csv")

@@ -21,7 +21,7 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "check": (["cell"], {"postures": "postures", "posture": "2", "figure": "figure.svg", "force": True}),
     "compensate": (["cell", "stiffness", "path"], {"axes": "base", "load_uncertainty_percent": 5.5}),
     "coverage": (["cell", "postures"], {"runs": 60, "terms": ["tilt1"]}),
-    "evaluate": (["cell", "postures"], {}),
+    "evaluate": (["cell", "groups"], {}),
     "export": (["cell", "postures"], {"language": "pdl2", "name": "plan", "output_dir": "program", "force": True}),
     "identify": (["cell", "readings"], {"registration": "registration", "bootstrap": 200, "exclude": ["3"]}),
     "init": ([], {"robot": "fanuc-m20ia", "output_dir": "start", "force": True}),
@@ -35,11 +35,11 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "route": (["cell", "postures"], {"keep_order": True}),
     "schema": ([], {"what": "result-select"}),
     "select": (["cell"], {"given": "postures", "add": 2, "rounds": 1, "no_certificate": True, "seed": 7}),
-    "simulate": (["cell", "postures"], {"runs": 3, "levels": [1.0, 2.25], "force_percent": 0.5}),
+    "simulate": (["cell", "groups"], {"runs": 3, "levels": [1.0, 2.25], "force_percent": 0.5}),
     "study": (["cell"], {"initial": "postures", "runs": 2, "starts": 1, "output_dir": "study", "force": True}),
-    "validate": (["cell", "measurements"], {"folds": 4, "estimator": "ordinary"}),
+    "validate": (["cell", "nothing", "measurements"], {"folds": 4, "estimator": "ordinary"}),
     "zones": (["cell"], {"steps": 4}),
-}  # fmt: skip
+}
 #: Commands whose text on a terminal is the telling of their result; the others have tables of their own.
 TOLD = {"coverage", "identify"}
 
@@ -53,7 +53,9 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], di
     measured = stiffarm.simulate_measurements(cell, plan, seed=5)
     memory: dict[str, Any] = {
         "cell": cell,
-        "postures": {"plan": plan.postures.angles},
+        "postures": plan.postures.angles,
+        "groups": {"plan": plan.postures.angles},
+        "nothing": None,
         "measurements": measured.to_frame("polars"),
         "readings": stiffarm.simulate_measurements(cell, plan, seed=7, readings=True).to_frame("pandas"),
         "registration": stiffarm.register("builtin:example-pairs"),
@@ -66,42 +68,32 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], di
     text = "v 0 0 0\nv 90 0 0\nv 0 100 0\nv 0 0 300\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
     Path(memory["meshes"]).write_text(text, encoding="utf-8")
     files = {key: value for key, value in memory.items() if isinstance(value, str)}
+    files |= {"postures": str(plan.postures.save(folder / "plan.csv")), "groups": str(folder / "plan.csv")}
     for key, value in memory.items():
-        if key not in files:
-            ending = "toml" if key == "cell" else "json" if isinstance(value, stiffarm.Result) else "csv"
-            files[key] = str(folder / f"{'plan' if key == 'postures' else key}.{ending}")
-            own = plan.postures if key == "postures" else value
-            own.save(files[key]) if hasattr(own, "save") else Path(files[key]).write_text(stiffarm.Table.of(own).to_csv())
+        if isinstance(value, (stiffarm.Cell, stiffarm.Result)):
+            files[key] = str(value.save(folder / f"{key}.{'toml' if key == 'cell' else 'json'}"))
+        elif key not in files and value is not None:
+            files[key] = str(folder / f"{key}.csv")
+            Path(files[key]).write_text(stiffarm.Table.of(value).to_csv(), encoding="utf-8")
     return memory, files, folder
-
-
-def words_of(options: Mapping[str, Any]) -> list[str]:
-    """Options as the command line has them."""
-    words = []
-    for name, value in options.items():
-        option = f"--{name.rstrip('_').replace('_', '-')}"
-        text = ",".join(map(str, value)) if isinstance(value, list) else value
-        words.append(option if value is True else f"{option}={text}")
-    return words
 
 
 def call(name: str, memory: Mapping[str, Any]) -> Any:
     """The function with what is in memory."""
     given, options = CASES[name]
-    one = name in ("check", "measure", "pose", "route", "export", "select", "coverage", "study")
-    values = {**memory, "postures": memory["postures"]["plan"] if one else memory["postures"]}
-    known = {key: values.get(value, value) if isinstance(value, str) else value for key, value in options.items()}
-    if name == "validate":
-        return stiffarm.validate(values["cell"], measurements=values["measurements"], **known)
-    return getattr(stiffarm, name)(*[values[key] for key in given], **known)
+    known = {key: memory.get(value, value) if isinstance(value, str) else value for key, value in options.items()}
+    return getattr(stiffarm, name)(*[memory[key] for key in given], **known)
 
 
 def words(name: str, files: Mapping[str, str]) -> list[str]:
     """The command with the same as files."""
     given, options = CASES[name]
-    known = {key: files.get(value, value) if isinstance(value, str) else value for key, value in options.items()}
-    places = [known.pop("what")] if name == "schema" else []
-    return [name, *[files[key] for key in given], *places, *words_of(known)]
+    found = [name, *[files[key] for key in given if key in files]]
+    for key, value in options.items():
+        known = ",".join(map(str, value)) if isinstance(value, list) else files.get(value, value)
+        option = f"--{key.replace('_', '-')}"
+        found.append(known if key == "what" else option if value is True else f"{option}={known}")
+    return found
 
 
 def compared(document: dict[str, Any]) -> dict[str, Any]:
@@ -129,8 +121,7 @@ def test_words(command: Any, inputs: Any, name: str, monkeypatch: pytest.MonkeyP
 
 
 def test_long_work_stops_with_the_best_so_far() -> None:
-    cell = stiffarm.Cell.built_in("comau-reference")
-    plan = stiffarm.select(cell, postures=6, rounds=1_000_000, time_limit=1, no_certificate=True)
+    plan = stiffarm.select("builtin:comau-reference", postures=6, rounds=1_000_000, time_limit=1, no_certificate=True)
     assert plan.termination == "time_limit" and len(plan.postures) == 6 and not plan.interrupted
 
 

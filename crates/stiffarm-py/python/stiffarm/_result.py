@@ -188,7 +188,7 @@ class Result(Record):
         except (ValueError, KeyError, TypeError):
             raise StiffarmError("This is not a saved result.", "result-file", {"file": file}) from None
         if not isinstance(found, cls):
-            message = f"This is the result of {found.command}, a {type(found).__name__}, not a {cls.__name__}."
+            message = f"This is the result of {found.command}: its class is {type(found).__name__}, not {cls.__name__}."
             raise StiffarmError(message, "result-file", {"file": file})
         return found
 

@@ -87,7 +87,8 @@ def indices(
 
     Returns:
         For one group numbers, for many arrays, by name; NaN where an index does not exist. The numbers are those of
-        :func:`evaluate`.
+        :func:`evaluate`, which takes angles as a posture file has them, in degrees: others than those that degrees reach
+        are off there by the last bit.
 
     Raises:
         StiffarmError: An unknown index, angles of the wrong number or not finite.

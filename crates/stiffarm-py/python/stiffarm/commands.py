@@ -106,7 +106,7 @@ def _extras(spec: _Spec) -> list[str]:
 def _documentation(spec: _Spec) -> str:
     lines = [f"{spec['about']} (``stiffarm {spec['name']}``).", "", "Args:"]
     for argument in spec["arguments"]:
-        said = argument["help"].replace("`", "``")
+        said = _OPTION.sub(lambda found: _keyword(found[1]), argument["help"]).replace("`", "``")
         choices = "".join(f" ``{choice}``" for choice in argument["choices"])
         lines.append(f"    {python_name(argument)}: {said}.{f' One of{choices}.' if choices else ''}")
     lines += [f"    {extra}" for extra in _extras(spec)]
@@ -221,7 +221,9 @@ class _Call:
         if key == "cell":
             _checks.cell(value, key)
         if isinstance(value, (str, os.PathLike)):
-            return _checks.path(value, key)
+            path = _checks.path(value, key)
+            # A name with a dash in front would be an option.
+            return os.path.join(os.curdir, path) if path.startswith("-") and path != "-" else path
         self.inputs[name] = _inputs.contents(key, value, self.degrees, self.cell)
         return name
 
@@ -232,12 +234,13 @@ class _Call:
             single = f"<{key}>" if len(listed) == 1 else ""
             return [self.file(key, one, single or f"<{key} {i}>") for i, one in enumerate(listed, 1)]
         out = []
-        for name, one in _inputs.groups(value):
+        for number, (name, one) in enumerate(_inputs.groups(value), 1):
             if name and isinstance(one, (str, os.PathLike)):
                 one = _inputs.named(one, self.cell)
             # The command takes the name of the group from that of the file, or what stands behind builtin: as it is.
-            is_plain = Path(f"{name}.csv").name == f"{name}.csv" and not name.startswith("-")
-            out.append(self.file(key, one, f"{name}.csv" if is_plain else f"builtin:{name}"))
+            name = name.removeprefix("builtin:")
+            is_plain = Path(f"{name}.csv").name == f"{name}.csv"
+            out.append(self.file(key, one, f"<postures {number}>/{name}.csv" if is_plain else f"builtin:{name}"))
         return out
 
 
