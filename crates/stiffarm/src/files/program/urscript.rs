@@ -101,7 +101,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         }
         line.expect(")")?;
         line.end()?;
-        reader.go(q);
+        reader.go(reader.options.to_cell(&q));
     } else {
         return Ok(false);
     }
