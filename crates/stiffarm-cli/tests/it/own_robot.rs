@@ -45,10 +45,8 @@ fn a_robot_of_ones_own_gets_a_plan_as_the_page_says() {
         }
     }
     assert!(said.contains("Nothing to complain about"), "{said}");
-    assert!(
-        said.contains("Clear of shapes, beams and torques"),
-        "{said}"
-    );
+    // What leaves each posture the least room.
+    assert!(said.contains("least at"), "{said}");
     for picture in ["cell.svg", "plan.svg"] {
         assert!(folder.read(picture).starts_with("<svg"), "{picture}");
     }
