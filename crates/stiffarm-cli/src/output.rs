@@ -115,7 +115,8 @@ impl Session {
         details: bool,
     ) -> Result<()> {
         // The object alone needs no words.
-        if self.json && !matches!(target, Some(Target::Stdout)) {
+        let beside = *self.stdout_is_taken.borrow() || matches!(target, Some(Target::Stdout));
+        if self.json && !beside {
             return self.deliver(target, envelope, String::new);
         }
         let words = self.in_words(envelope, cell.into(), details)?;
@@ -154,25 +155,6 @@ impl Session {
         }
         let is_serious = |finding: &Finding| finding.severity == Severity::Serious;
         Ok(Exit::finding(findings.iter().any(is_serious)))
-    }
-
-    /// Delivers what a result says beside files: as a remark where one of them went to standard output.
-    ///
-    /// # Errors
-    /// As [`Session::deliver`].
-    pub fn deliver_beside(
-        &self,
-        is_stdout: bool,
-        envelope: &impl Serialize,
-        cell: &NamedCell,
-        details: bool,
-    ) -> Result<()> {
-        if !is_stdout {
-            return self.deliver_told(None, envelope, cell, details);
-        }
-        self.write_page(envelope)?;
-        self.remark(&self.in_words(envelope, Some(cell), details)?);
-        Ok(())
     }
 
     /// What a result says.

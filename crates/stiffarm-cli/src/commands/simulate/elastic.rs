@@ -31,14 +31,13 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let progress = Progress::new(session, "simulating");
     let result = progress.watch(|control| simulate_elastic(cell, &groups, &options, control))?;
     drop(progress);
-    let to_stdout = target.as_ref().is_some_and(Target::is_stdout);
     if let Some(target) = target {
         let measured = simulate_elastic_measurements(cell, &groups[0].postures, args.seed)?;
         write_all(session, &[(target, write_displacements(&measured, cell))])?;
     }
     let options = ElasticOptions::from(&options);
     let envelope = session.envelope("simulate", Some(args.seed), options, &result);
-    session.deliver_beside(to_stdout, &envelope, &named, args.details)?;
+    session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(match result.interrupted {
         true => Exit::Interrupted,
         false => Exit::Done,

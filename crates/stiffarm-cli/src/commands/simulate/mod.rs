@@ -53,10 +53,6 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let result = progress.watch(|control| simulate(cell, &groups, &options, control))?;
     drop(progress);
 
-    let to_stdout = [&displacements, &readings]
-        .into_iter()
-        .flatten()
-        .any(Target::is_stdout);
     let (truth, first) = (cell.require_prior()?, &groups[0].postures);
     let mut files = Vec::new();
     if let Some(target) = displacements {
@@ -76,7 +72,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     write_all(session, &files)?;
     let options = Options::from(&options);
     let envelope = session.envelope("simulate", Some(args.seed), options, &result);
-    session.deliver_beside(to_stdout, &envelope, &named, args.details)?;
+    session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(match result.interrupted || session.stopped() {
         true => Exit::Interrupted,
         false => Exit::Done,
