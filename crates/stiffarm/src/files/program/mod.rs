@@ -32,6 +32,7 @@
 //! ```
 
 mod characters;
+mod checks;
 mod compare;
 mod csv;
 mod cursor;
@@ -43,6 +44,7 @@ mod ls;
 mod options;
 mod pdl2;
 mod rapid;
+mod read;
 mod reader;
 mod statements;
 mod text;
@@ -264,7 +266,7 @@ pub fn write_program(
         )
         .hint("export parts of the plan, each to a program of its own"));
     }
-    options.check(language, joints)?;
+    options.check(language.dialect(), joints)?;
     let dialect = language.dialect();
     match &dialect.syntax {
         Some(syntax) => Ok(writer::write(program, dialect, syntax, options)),
@@ -315,10 +317,10 @@ pub fn read_program(
     options: &ProgramOptions,
     joints: usize,
 ) -> Result<Program> {
-    options.check(language, joints)?;
+    options.check(language.dialect(), joints)?;
     let dialect = language.dialect();
     let program = match &dialect.syntax {
-        Some(syntax) => reader::read(files, dialect, syntax, options, joints),
+        Some(syntax) => read::read(files, dialect, syntax, options, joints),
         None => csv::read(reader::only(files, dialect.title)?, joints),
     }?;
     let is_empty = program.moves().next().is_none();

@@ -1,7 +1,6 @@
-//! A program out of the files of a language: lines that are looked for, one after the other.
+//! What the lines of a program have said so far.
 
-use super::cursor::{Cursor, lines};
-use super::dialect::{Dialect, Syntax};
+use super::cursor::Cursor;
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::{Code, Error, Result};
 use std::collections::HashMap;
@@ -26,7 +25,8 @@ pub struct Reader<'a> {
     pub speed: u8,
     pub section: Section,
     pub open: Option<OpenPoint<'a>>,
-    dialect: &'static Dialect,
+    /// What an axis of the controller is called.
+    axis_name: fn(usize) -> String,
     name: String,
     /// By their labels in capital letters.
     points: HashMap<String, Vec<f64>>,
@@ -38,72 +38,6 @@ pub struct Reader<'a> {
     next: Option<(MoveKind, String)>,
     /// What has been said since the last step.
     said: Vec<String>,
-}
-
-/// Reads a program of `joints` joints.
-pub fn read(
-    files: &[ProgramFile],
-    dialect: &'static Dialect,
-    syntax: &Syntax,
-    options: &ProgramOptions,
-    joints: usize,
-) -> Result<Program> {
-    let mut reader = Reader {
-        options,
-        joints,
-        speed: 100,
-        section: Section::Head,
-        open: None,
-        dialect,
-        name: String::new(),
-        points: HashMap::new(),
-        steps: Vec::new(),
-        labelled: Vec::new(),
-        moves: 0,
-        next: None,
-        said: Vec::new(),
-    };
-    for file in in_order(files, dialect, syntax)? {
-        for mut line in lines(file) {
-            if (syntax.read)(&mut line, &mut reader)? {
-                continue;
-            }
-            let mut others = syntax.other_moves.iter();
-            if let Some(word) = others.find(|word| line.clone().word(word)) {
-                let joint_move = syntax.joint_move;
-                let message = format!("{word} is no move to joint angles ({joint_move}).");
-                return Err(line.wrong_here(message));
-            }
-        }
-    }
-    reader.program(syntax)
-}
-
-/// The files in the order of the language.
-fn in_order<'a>(
-    files: &'a [ProgramFile],
-    dialect: &Dialect,
-    syntax: &Syntax,
-) -> Result<Vec<&'a ProgramFile>> {
-    let title = dialect.title;
-    if syntax.files.len() == 1 {
-        return Ok(vec![only(files, title)?]);
-    }
-    let extensions = syntax
-        .files
-        .iter()
-        .map(|(extension, _)| format!(".{extension}"));
-    let extensions: Vec<String> = extensions.collect();
-    let of = |extension: &String| {
-        let mut files = files.iter();
-        let found = files.find(|file| file.name.to_ascii_lowercase().ends_with(extension));
-        found.ok_or_else(|| {
-            let parts = extensions.join(" and a ");
-            let message = format!("A program in {title} is a {parts}; there is no {extension}.");
-            Error::new(Code::Usage, message).hint("give all its files")
-        })
-    };
-    extensions.iter().map(of).collect()
 }
 
 /// The one file of most languages.
@@ -118,6 +52,25 @@ pub fn only<'a>(files: &'a [ProgramFile], title: &str) -> Result<&'a ProgramFile
 }
 
 impl<'a> Reader<'a> {
+    /// Nothing has been read.
+    pub fn new(options: &'a ProgramOptions, joints: usize, axis_name: fn(usize) -> String) -> Self {
+        Reader {
+            options,
+            joints,
+            speed: 100,
+            section: Section::Head,
+            open: None,
+            axis_name,
+            name: String::new(),
+            points: HashMap::new(),
+            steps: Vec::new(),
+            labelled: Vec::new(),
+            moves: 0,
+            next: None,
+            said: Vec::new(),
+        }
+    }
+
     /// The program's name; the first counts.
     pub fn named(&mut self, name: &str) {
         if self.name.is_empty() {
@@ -176,7 +129,7 @@ impl<'a> Reader<'a> {
     /// Angles in the order of the cell's joints, if all are there; else the name of the first that is not.
     pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<Vec<f64>, String> {
         match values.iter().position(Option::is_none) {
-            Some(axis) => Err((self.dialect.axis_name)(axis)),
+            Some(axis) => Err((self.axis_name)(axis)),
             None => {
                 let values: Vec<f64> = values.iter().copied().flatten().collect();
                 Ok(self.options.to_cell(&values))
@@ -184,13 +137,13 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn program(mut self, syntax: &Syntax) -> Result<Program> {
+    /// The program, where all its points are there; `missing` says what is not.
+    pub fn program(mut self, missing: &str) -> Result<Program> {
         if let Some((label, place, _)) = &self.open {
             return Err(place.wrong(format!("The `}}` that ends {label} is missing.")));
         }
         for (step, mut place, label) in self.labelled {
             let Some(q) = self.points.get(&label.to_ascii_uppercase()) else {
-                let missing = syntax.missing_point;
                 return Err(place.wrong_here(format!("{missing} {label}.")));
             };
             if let Step::Move(target) = &mut self.steps[step] {
