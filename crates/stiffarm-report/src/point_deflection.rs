@@ -37,7 +37,7 @@ pub fn point_deflection_figure(points: &[PointDeflection], confidence: Option<f6
         equal_aspect: false,
     };
     let band = match confidence {
-        Some(confidence) => format!(", with its ± at {} %", (1000.0 * confidence).round() / 10.0),
+        Some(confidence) => format!(", with its ± at {} %", crate::tell::level(confidence)),
         None => String::new(),
     };
     Figure {

@@ -76,10 +76,13 @@ fn the_generated_pages_hold_every_command_and_every_code() {
     let folder = Folder::new();
     let names = commands(&folder);
     let page = folder.ok("docs commands");
-    for name in names.iter().filter(|name| *name != "docs") {
-        assert!(page.contains(&format!("## stiffarm {name}\n")), "{name}");
+    let page: Vec<serde_json::Value> = serde_json::from_str(&page).unwrap();
+    let described: Vec<&str> = page.iter().map(|c| c["name"].as_str().unwrap()).collect();
+    for name in names {
+        // Python has no use for these.
+        let is_left_out = ["docs", "completions", "man"].contains(&name.as_str());
+        assert_ne!(described.contains(&name.as_str()), is_left_out, "{name}");
     }
-    assert!(!page.contains("## stiffarm docs"));
     let errors = folder.ok("docs errors");
     for code in stiffarm::Code::ALL {
         assert!(

@@ -64,10 +64,7 @@ fn what_is_no_result_is_refused_with_a_reason() {
         ("report future.json", "format 2"),
         ("report poor.json", "has no seal"),
         ("report error.json", "holds the error of a command"),
-        (
-            "report robots.json",
-            "There is no page for the results of `robots`",
-        ),
+        ("report robots.json", "Results of `robots` are not told"),
         ("report nowhere.json", "There is no such file"),
     ] {
         let refused = folder.refused(line);

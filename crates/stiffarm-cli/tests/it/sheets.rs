@@ -111,9 +111,9 @@ fn a_sheet_filled_in_part_is_read_and_says_what_is_missing() {
     assert!(json.contains("\"not-measured-yet\""));
     let validated = folder.run("validate builtin:comau part.csv --folds all");
     assert!(
-        validated.err.contains("Not measured yet"),
+        validated.out.contains("Not measured yet"),
         "{}",
-        validated.err
+        validated.out
     );
 }
 

@@ -29,7 +29,7 @@ pub fn stiffness_figure(
     confidence: f64,
 ) -> Figure {
     let joints: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
-    let level = (1000.0 * confidence).round() / 10.0;
+    let level = crate::tell::level(confidence);
     let known = rows.iter().enumerate().filter_map(|(j, row)| {
         let k = 1e-6 * row.stiffness.filter(|k| *k > 0.0)?;
         let half = row.total.filter(|total| *total < NO_LONGER);

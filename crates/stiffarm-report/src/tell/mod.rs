@@ -36,8 +36,8 @@ mod zones;
 pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity, significant};
 pub use table::DataTable;
-pub(crate) use text::shown;
 pub use text::{Piece, Text, counted};
+pub(crate) use text::{level, shown};
 pub use worth::index_quantity;
 
 use crate::figure::Figure;

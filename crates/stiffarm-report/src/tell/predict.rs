@@ -5,7 +5,7 @@ use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, la
 use crate::path::{along, norm, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, level};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
@@ -113,7 +113,7 @@ fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> T
             .number(total(context, i, &band).mm().decimals(3).plus_minus())
             .words(format!(
                 " ({} %){at}; most of the ± comes from {}.",
-                (1000.0 * confidence).round() / 10.0,
+                level(confidence),
                 dominant(band.size_m)
             )),
     }

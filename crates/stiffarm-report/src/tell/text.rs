@@ -108,6 +108,11 @@ pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
+/// A confidence in percent, without the last bits of a binary fraction.
+pub(crate) fn level(confidence: f64) -> f64 {
+    (1e6 * confidence).round() / 1e4
+}
+
 /// Names from files as they are shown.
 pub(crate) fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
     let names = names.into_iter();

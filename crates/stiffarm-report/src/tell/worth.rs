@@ -5,7 +5,7 @@ use crate::selection::{
     Deviations, IndexUnit, correlation_figure, dexterity_figure, expected_deviation_figure,
     index_name, singular_values_figure,
 };
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, shown};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, level, shown};
 use stiffarm::Termination;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::cell::Cell;
@@ -347,11 +347,6 @@ pub(super) fn length_in_words(given: &Given<'_>) -> Option<Text> {
     }
     let (_, missing) = with_length(given.cell?.clone());
     missing.map(|why| format!("No characteristic length: {}", visible(&why)).into())
-}
-
-/// A confidence in percent.
-pub(super) fn level(confidence: f64) -> f64 {
-    (1000.0 * confidence).round() / 10.0
 }
 
 fn correlations(given: &Given<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {

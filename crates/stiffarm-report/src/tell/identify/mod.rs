@@ -10,7 +10,7 @@ pub(super) mod readings;
 mod stiffness;
 mod story;
 
-use super::{Given, Outcome, Told, arrows, counted, shown};
+use super::{Given, Outcome, Told, arrows, counted, level, shown};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
@@ -94,9 +94,4 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         key: Some(joints.key()),
         sections: sections.into_iter().flatten().collect(),
     })
-}
-
-/// A confidence in percent, without the last bits of a binary fraction.
-fn level(confidence: f64) -> f64 {
-    (1e6 * confidence).round() / 1e4
 }

@@ -134,14 +134,14 @@ fn held(level: &ElasticLevel) -> Text {
     let (Some(axes), Some(mixed)) = (share(&level.axes), mixed) else {
         return Text::default();
     };
-    let confidence = Number::computed(level.axes.confidence).percent();
-    Text::new(" The ")
-        .number(confidence)
-        .words(" intervals of joint stiffness hold the true one in ")
-        .number(axes)
-        .words(" of the cases with the axes alone, in ")
-        .number(mixed)
-        .words(" with the mixed model.")
+    let confidence = crate::tell::level(level.axes.confidence);
+    Text::new(format!(
+        " The {confidence} % intervals of joint stiffness hold the true one in "
+    ))
+    .number(axes)
+    .words(" of the cases with the axes alone, in ")
+    .number(mixed)
+    .words(" with the mixed model.")
 }
 
 fn next(level: Option<&ElasticLevel>) -> Text {
