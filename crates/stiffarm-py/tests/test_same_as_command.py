@@ -41,7 +41,21 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "zones": (["cell"], {"steps": 4}),
 }
 #: Commands whose text on a terminal is the telling of their result; the others have tables of their own.
-TOLD = {"coverage", "identify"}
+TOLD = {
+    "check",
+    "compensate",
+    "coverage",
+    "evaluate",
+    "identify",
+    "map",
+    "predict",
+    "register",
+    "route",
+    "select",
+    "simulate",
+    "validate",
+    "zones",
+}
 
 
 @pytest.fixture(scope="module")
