@@ -10,7 +10,8 @@ use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
 use stiffarm::estimate::validated::Validated;
-use stiffarm::findings::{Severity, list, visible};
+use stiffarm::findings::{Finding, Severity, list, visible};
+use stiffarm::measure::is_of_table;
 use stiffarm::model::observation::ExtraTerm;
 
 /// Deviations this many times what noise gives on average are the model's.
@@ -45,6 +46,14 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         None => "Validation of the joint stiffness",
     };
     let mut told = context.told(heading, verdict, Some(key(context, found)), sections);
+    // What the table does not hold yet belongs to what was done.
+    let (of_table, others) = told.findings.into_iter().partition(is_of_table);
+    told.findings = others;
+    let of_table: Vec<Finding> = of_table;
+    for finding in of_table {
+        let done = std::mem::take(&mut told.verdict[0]);
+        told.verdict[0] = done.words(format!(" {}", finding.sentence));
+    }
     told.outcome = match (found.passed, found.unpredicted.is_empty()) {
         (Some(false), _) => Outcome::Serious,
         (_, false) if told.outcome == Outcome::Good => Outcome::Caution,
