@@ -5,12 +5,13 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use std::collections::BTreeMap;
+use stiffarm::Result;
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::files::cell::cell_schema;
-use stiffarm::files::envelope::Written;
+use stiffarm::files::envelope::{Written, to_json};
 use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
@@ -21,9 +22,12 @@ use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm::work::{compensated, judged, mapped, placed, predicted};
 
-/// All schemas by name.
-pub fn generated() -> BTreeMap<&'static str, Schema> {
-    BTreeMap::from([
+/// The texts of all schemas by name.
+///
+/// # Errors
+/// A schema that cannot be written.
+pub fn generated() -> Result<BTreeMap<&'static str, String>> {
+    let schemas = [
         ("cell", cell_schema()),
         ("result-check", of::<check::Options, CellCheck>("check")),
         (
@@ -126,7 +130,11 @@ pub fn generated() -> BTreeMap<&'static str, Schema> {
             "result-study",
             of::<study::Options, study::Written>("study"),
         ),
-    ])
+    ];
+    let texts = schemas
+        .into_iter()
+        .map(|(name, schema)| Ok((name, to_json(&schema)?)));
+    texts.collect()
 }
 
 /// Schema of what a command prints with `--json`.
