@@ -243,9 +243,11 @@ fn better(
     seed: u64,
     control: Control<'_>,
 ) -> Result<Option<NextPosture>> {
-    let mut options = GlobalOptions::default();
-    options.seed = seed;
-    options.rounds = Some(ROUNDS);
+    let options = GlobalOptions {
+        seed,
+        rounds: Some(ROUNDS),
+        ..GlobalOptions::default()
+    };
     let Ok(planned) = planned_errors(fit, left) else {
         return Ok(None);
     };

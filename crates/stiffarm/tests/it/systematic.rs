@@ -129,7 +129,7 @@ fn the_budget_of_the_default_cell() {
     let postures = plan(&cell);
     let measured = measure(&cell, &postures, 1);
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
-        let all = budget(&cell, &measured, &by(Estimator::Ordinary));
+        let all = budget(cell, &measured, &by(Estimator::Ordinary));
         let source = source(&all, name);
         source
             .change
