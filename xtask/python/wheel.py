@@ -18,9 +18,9 @@ import zipfile
 
 def main():
     package, module, command, out = map(pathlib.Path, sys.argv[1:])
-    types = out / "types"
-    types.mkdir()
     environment = {**os.environ, "STIFFARM_COMMAND": str(command)}
+    # Beside the code, where checkers of types look too; git ignores them.
+    types = package / "python" / "stiffarm"
     subprocess.run([sys.executable, package / "generate.py", types], env=environment, check=True)
     maturin = [sys.executable, "-m", "maturin", "pep517", "write-dist-info", "--interpreter", sys.executable]
     subprocess.run([*maturin, "--metadata-directory", out], cwd=package, check=True, stdout=subprocess.DEVNULL)
@@ -28,7 +28,6 @@ def main():
     source = package / "python"
     files = {path.relative_to(source): path for path in source.rglob("*") if path.suffix in (".py", ".pyi", ".typed")}
     files |= {path.relative_to(out): path for path in info.rglob("*") if path.is_file()}
-    files |= {pathlib.Path("stiffarm", path.name): path for path in types.iterdir()}
     ending = "pyd" if module.suffix == ".dll" else "abi3.so"
     files[pathlib.Path(f"stiffarm/_stiffarm.{ending}")] = module
     name, version = info.name.removesuffix(".dist-info").split("-")
