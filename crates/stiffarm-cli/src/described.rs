@@ -1,7 +1,6 @@
 //! What the command line takes, as data: another language's functions and completions are made of it.
 
 use crate::args::Cli;
-use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, Command, CommandFactory, ValueHint};
 use serde::Serialize;
 use std::any::TypeId;
@@ -121,8 +120,8 @@ fn kind(argument: &Arg) -> Kind {
     if argument.get_value_hint() == ValueHint::FilePath {
         return Kind::Input;
     }
-    let parser = argument.get_value_parser();
-    let is = |types: &[TypeId]| types.iter().any(|own| is_of(parser, *own));
+    let own = argument.get_value_parser().type_id();
+    let is = |types: &[TypeId]| types.iter().any(|one| own == *one);
     if is(&[
         TypeId::of::<u64>(),
         TypeId::of::<usize>(),
@@ -138,8 +137,4 @@ fn kind(argument: &Arg) -> Kind {
         true => Kind::Numbers,
         false => Kind::Text,
     }
-}
-
-fn is_of(parser: &ValueParser, own: TypeId) -> bool {
-    parser.type_id() == own
 }

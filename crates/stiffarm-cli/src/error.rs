@@ -58,6 +58,9 @@ pub fn report(session: &Session, error: &Error) -> u8 {
 
 /// As [`report`], always as text on standard error: a result stands on standard output.
 pub fn report_beside(session: &Session, error: &Error) -> u8 {
+    if let Some(captured) = &session.captured {
+        captured.borrow_mut().failure = Some(json(error));
+    }
     session.print_error(&draw(session, error));
     exit_code(error.code())
 }

@@ -20,13 +20,15 @@ mod output;
 mod page;
 mod path;
 mod progress;
+mod saved;
 mod screen;
 mod session;
 mod table;
 mod text;
 
 pub use described::{Argument, Described, Kind, described};
-pub use host::{Host, page, told};
+pub use host::Host;
+pub use saved::{page, told};
 
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
@@ -54,6 +56,8 @@ pub struct Captured {
     pub out: String,
     /// Standard error.
     pub err: String,
+    /// The error beside a result that was printed, as `--json` prints errors.
+    pub failure: Option<String>,
 }
 
 /// Runs a command line, the program's name first, and keeps what it prints.

@@ -28,6 +28,11 @@ pub fn coarse_mm(m: f64) -> String {
     tenths.to_string()
 }
 
+/// A count from the command line as a number of things in memory.
+pub fn to_usize(count: u64) -> usize {
+    usize::try_from(count).unwrap_or(usize::MAX)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -89,13 +89,12 @@ impl Session {
             Some(Target::Stdout) => {
                 self.write_page(envelope)?;
                 self.print_exact(&write_result(envelope)?)?;
-                self.remark(&table());
-                return Ok(());
+                self.stdout_is_taken.set(true);
             }
             Some(target) => write_all(self, &[(target, write_result(envelope)?)])?,
             None => {}
         }
-        if *self.stdout_is_taken.borrow() {
+        if self.stdout_is_taken.get() {
             self.write_page(envelope)?;
             self.remark(&table());
             return Ok(());
@@ -115,7 +114,7 @@ impl Session {
         details: bool,
     ) -> Result<()> {
         // The object alone needs no words.
-        let beside = *self.stdout_is_taken.borrow() || matches!(target, Some(Target::Stdout));
+        let beside = self.stdout_is_taken.get() || matches!(target, Some(Target::Stdout));
         if self.json && !beside {
             return self.deliver(target, envelope, String::new);
         }
@@ -135,13 +134,12 @@ impl Session {
         points: fn(&mut R) -> &mut Vec<P>,
         (named, stiffness): (&NamedCell, &Saved),
         details: bool,
-        on_stdout: bool,
     ) -> Result<Exit> {
         let all = std::mem::take(points(&mut envelope.result));
         let saved = SavedResult::of(&envelope, "result")?;
         *points(&mut envelope.result) = all;
         let findings = saved.findings();
-        if on_stdout {
+        if self.stdout_is_taken.get() {
             self.write_page(&envelope)?;
             self.remark_serious(findings.iter());
         } else {

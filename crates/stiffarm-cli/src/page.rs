@@ -60,6 +60,13 @@ impl Session {
 /// # Errors
 /// A result that has no page.
 pub fn page_of(envelope: &impl Serialize, cell: Option<&Cell>) -> Result<String> {
-    let saved = SavedResult::of(envelope, "result")?;
-    Ok(render_page(&report(&[Given::new(&saved, cell)])?))
+    page_of_saved(&SavedResult::of(envelope, "result")?, cell)
+}
+
+/// The same of a result that was read.
+///
+/// # Errors
+/// As [`page_of`].
+pub fn page_of_saved(saved: &SavedResult, cell: Option<&Cell>) -> Result<String> {
+    Ok(render_page(&report(&[Given::new(saved, cell)])?))
 }

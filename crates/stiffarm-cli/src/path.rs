@@ -81,7 +81,7 @@ impl Outputs {
         Ok(Outputs { table, figure })
     }
 
-    /// Writes what was asked for; true where it went to standard output.
+    /// Writes what was asked for.
     ///
     /// # Errors
     /// A text that cannot be made, or a file that cannot be written.
@@ -90,7 +90,7 @@ impl Outputs {
         session: &Session,
         table: impl FnOnce() -> Result<C>,
         figure: impl FnOnce() -> String,
-    ) -> Result<bool> {
+    ) -> Result<()> {
         let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if let Some(target) = self.table {
             files.push((target, Box::new(table()?)));
@@ -98,7 +98,6 @@ impl Outputs {
         if let Some(target) = self.figure {
             files.push((target, Box::new(figure())));
         }
-        write_all(session, &files)?;
-        Ok(files.iter().any(|(target, _)| target.is_stdout()))
+        write_all(session, &files)
     }
 }

@@ -46,7 +46,7 @@ pub struct Session {
     /// Names of the files that were written, for the end of what is printed.
     written: RefCell<Vec<String>>,
     /// Whether a file went to standard output: the result is told beside it.
-    pub stdout_is_taken: RefCell<bool>,
+    pub stdout_is_taken: std::cell::Cell<bool>,
     /// The page of the result, where one is asked for.
     pub page: RefCell<Option<WantedPage>>,
     /// Takes what is printed, instead of the process's own output.
@@ -76,7 +76,7 @@ impl Session {
             outputs: RefCell::new(Vec::new()),
             failure: RefCell::new(None),
             written: RefCell::default(),
-            stdout_is_taken: RefCell::default(),
+            stdout_is_taken: std::cell::Cell::default(),
             page: RefCell::default(),
             captured,
             host: Rc::new(host),
@@ -94,7 +94,7 @@ impl Session {
             outputs: RefCell::default(),
             failure: RefCell::default(),
             written: RefCell::default(),
-            stdout_is_taken: RefCell::default(),
+            stdout_is_taken: std::cell::Cell::default(),
             page: RefCell::default(),
             captured: self.captured.clone(),
             host: Rc::clone(&self.host),

@@ -51,7 +51,9 @@ pub fn run(
         };
         Ok(run_captured(&words, host))
     })?;
-    Ok((captured.code, captured.out, captured.err, interrupted))
+    // A file beside the result could not be written.
+    let out = captured.failure.unwrap_or(captured.out);
+    Ok((captured.code, out, captured.err, interrupted))
 }
 
 /// What the commands take, as JSON.

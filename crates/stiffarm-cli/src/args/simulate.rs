@@ -3,6 +3,7 @@
 use super::PageArgs;
 use super::fit::ElasticArg;
 use super::values::{count, number, pause};
+use crate::numbers::to_usize;
 use clap::{Args, ValueHint};
 use std::time::Duration;
 use stiffarm::estimate::elastic::ElasticChoice;
@@ -69,10 +70,9 @@ impl SimulateArgs {
 
     /// What is asked for, as the library takes it.
     pub fn request(&self) -> Request {
-        let runs = |runs: u64| usize::try_from(runs).unwrap_or(usize::MAX);
         Request {
             levels: self.levels.clone(),
-            runs: self.runs.map(runs),
+            runs: self.runs.map(to_usize),
             seed: self.seed,
             errors: ErrorRequest {
                 force_scale_percent: self.errors.force_scale_percent,

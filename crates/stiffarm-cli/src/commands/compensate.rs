@@ -54,21 +54,18 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let table = || commanded(cell, &saved.predictor, &path.table, found, args.write);
     let wanted = args.output.is_some() || args.figure.is_some();
     let withheld = wanted && !args.beyond_data && is_objected(&result);
-    let on_stdout = match withheld {
-        true => false,
-        false => outputs.write(session, table, figure)?,
-    };
     if withheld {
         session.print_error(
             "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n",
         );
+    } else {
+        outputs.write(session, table, figure)?;
     }
     let exit = session.deliver_at_work(
         session.envelope("compensate", None, options, result),
         |result| &mut result.compensation.points,
         (&named, &saved),
         args.details,
-        on_stdout,
     )?;
     Ok(if withheld { Exit::Finding } else { exit })
 }

@@ -1,6 +1,7 @@
 //! `stiffarm coverage`: how often the intervals of `identify` hold the truth, counted in simulated experiments.
 
 use crate::args::CoverageArgs;
+use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -40,7 +41,6 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
         estimator: options.estimator.as_str(),
         bootstrap: args.bootstrap,
     };
-    let to_usize = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
     let case = CoverageCase {
         experiments: to_usize(args.runs),
         seed: args.seed,

@@ -32,30 +32,6 @@ pub mod zones;
 use crate::screen::{columns, wrapped};
 use crate::table::weight;
 use stiffarm::findings::Finding;
-use stiffarm::model::cell::Cell;
-use stiffarm::plan::characteristic_length;
-use stiffarm::units::m_to_mm;
-
-/// The cell with the characteristic length of Eq. (20), and a line that says
-/// so where it had to be computed. A robot that has none stays without: the
-/// indices that need it do not exist, or say why.
-fn with_length(cell: Cell) -> (Cell, String) {
-    if cell.characteristic_length.is_some() {
-        return (cell, String::new());
-    }
-    let (cell, missing) = characteristic_length::with_length(cell);
-    let line = match cell.characteristic_length {
-        Some(length) => format!(
-            "characteristic length: {:.1} mm, computed (robot.characteristic_length_mm is not set)\n",
-            m_to_mm(length)
-        ),
-        None => format!(
-            "characteristic length: none; {}\n",
-            missing.unwrap_or_default()
-        ),
-    };
-    (cell, line)
-}
 
 /// A finding as a line of its own.
 pub fn finding_line(finding: &Finding) -> String {

@@ -1,13 +1,12 @@
 //! `stiffarm zones`: maps of dexterity and of the influence of K_C.
 
 use crate::args::ZonesArgs;
-use crate::files::{check_folder, write_folder};
+use crate::files::{check_folder, shown, write_folder};
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::findings::visible;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::zones::{ZoneOptions, zones};
 use stiffarm::units::deg_to_rad;
@@ -66,8 +65,7 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
         let files = FILES.map(String::from).into_iter().zip(texts).collect();
         write_folder(session, folder, files, args.force)?;
         if !session.has_failed() {
-            let folder = folder.to_string_lossy();
-            session.has_written(format!("{} to {}", FILES.join(" and "), visible(&folder)));
+            session.has_written(format!("{} to {}", FILES.join(" and "), shown(folder)));
         }
     }
     session.deliver_told(None, &envelope, &named, false)?;

@@ -172,7 +172,7 @@ fn write_unsaid<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result
         session.refuse_input(path)?;
     }
     if files.iter().any(|(target, _)| target.is_stdout()) {
-        session.stdout_is_taken.replace(true);
+        session.stdout_is_taken.set(true);
     }
     let Err(error) = place_all(files) else {
         let to_stdout = files.iter().filter(|(target, _)| target.is_stdout());

@@ -79,8 +79,7 @@ def contents(key: str, value: Any, degrees: bool, cell: Any) -> bytes:
     """What is no file, as the bytes of one: a saved result, or a table."""
     from .postures import Postures
 
-    has_postures = isinstance(value, Result) and "postures_deg" in value.to_dict()
-    if isinstance(value, Result) and (key == "results" or not has_postures):
+    if isinstance(value, Result) and (key == "results" or "postures_deg" not in set(value)):
         other = value.inputs.get("cell", "")
         if key == "stiffness" and cell is not None and other not in ("", cell.inputs["cell"]):
             message = "The stiffness was identified with another version of this cell."

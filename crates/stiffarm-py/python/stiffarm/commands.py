@@ -175,9 +175,6 @@ class _Call:
             raise StiffarmError((err or out).strip() or "The command printed nothing.", "internal") from None
         if "error" in document:
             raise _raised(document["error"])
-        if code in (2, 3):
-            # The result was there, but what else was to be written was not.
-            raise _written(err)
         if "result" not in document:
             return dict(document)
         found = result_of(out, document, interrupted or code == 130, self.cell)
@@ -264,14 +261,6 @@ def _listed(value: Any, key: str) -> list[Any] | None:
     if not found:
         raise StiffarmError(f"This must be a value or several, got {_checks.shown(value)}.", "wrong-type", {"key": key})
     return found
-
-
-def _written(err: str) -> StiffarmError:
-    """The error of a file that could not be written, from what the command says of it to people."""
-    code, _, text = err.strip().partition("\n")
-    said, _, hint = " ".join(text.split()).removeprefix("× ").partition(" help: ")
-    file, _, message = said.partition(": ")
-    return StiffarmError(message, code, {"file": file}, hint or None)
 
 
 _OPTION = re.compile(r"--([a-z][a-z0-9-]*)")

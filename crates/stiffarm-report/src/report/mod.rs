@@ -5,7 +5,7 @@
 
 mod compare;
 
-pub use crate::tell::{COMMANDS, Given};
+pub use crate::tell::Given;
 
 use crate::page::{Block, Page, Part, Provenance, Section};
 use crate::tell::{plain, quoted, tell};

@@ -1,7 +1,9 @@
 //! What `compensate` says: the path to command, and what it leaves.
 
 use super::at_work::{AtWork, WorkPoint, band_table, dominant, principal_table, wrench};
-use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, largest_first};
+use super::points::{
+    KEY_ROWS, all_points, along_axes, extreme_places, heading, how_found, largest_first,
+};
 use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, Told};
@@ -123,19 +125,16 @@ fn corrections(
     };
     let names = rows.iter().map(|i| visible(&result.points[*i].point));
     let names = names.map(|name| name.into_owned());
-    DataTable::of(caption, heading(rows.len(), result.points.len()), names)
+    let table = DataTable::of(caption, heading(rows.len(), result.points.len()), names)
         .numbers("deflection without", Quantity::LENGTH, |row| {
             at(row, "uncompensated_m", point(row).uncompensated_m)
         })
         .numbers("correction", Quantity::LENGTH, |row| {
             at(row, "correction_size_m", point(row).correction_size_m)
-        })
-        .numbers("along x", Quantity::LENGTH, |row| part(row, 0))
-        .numbers("along y", Quantity::LENGTH, |row| part(row, 1))
-        .numbers("along z", Quantity::LENGTH, |row| part(row, 2))
-        .numbers("± total", Quantity::LENGTH, |row| {
-            at(row, "band/size_m/3", point(row).band?.size_m[3])
-        })
+        });
+    along_axes(table, part).numbers("± total", Quantity::LENGTH, |row| {
+        at(row, "band/size_m/3", point(row).band?.size_m[3])
+    })
 }
 
 fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {

@@ -1,7 +1,6 @@
 //! What the tellings of all results share.
 
-use super::Text;
-use super::{Block, DataTable, Given, Outcome, Section, Told};
+use super::{Block, DataTable, Given, Outcome, Section, Text, Told};
 use crate::cell::{Full, cell_drawing};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
 use serde::de::DeserializeOwned;
@@ -23,7 +22,7 @@ const NOWHERE: [&str; 2] = ["nothing-reachable", "nowhere"];
 /// Codes of findings that a command was stopped.
 const STOPPED: [&str; 2] = ["interrupted", "stopped"];
 
-impl Given<'_> {
+impl<'a> Given<'a> {
     /// Cell and robot in words.
     pub(crate) fn cell_line(&self) -> Option<String> {
         let cell = self.cell?;
@@ -33,9 +32,7 @@ impl Given<'_> {
             visible(cell.setup.robot.name())
         ))
     }
-}
 
-impl<'a> Given<'a> {
     /// What is told of the result: a part of what its command made, or as the file holds it.
     ///
     /// # Errors

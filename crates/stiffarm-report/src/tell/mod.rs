@@ -66,24 +66,27 @@ pub struct Given<'a> {
     pub made: Option<&'a dyn Any>,
 }
 
-/// Commands whose results are told.
-pub const COMMANDS: &[&str] = &[
-    "check",
-    "compensate",
-    "coverage",
-    "evaluate",
-    "identify",
-    "map",
-    "measure",
-    "predict",
-    "register",
-    "route",
-    "select",
-    "simulate",
-    "study",
-    "validate",
-    "zones",
+/// The telling of each command's results.
+const TELLINGS: &[(&str, Telling)] = &[
+    ("check", check::told),
+    ("compensate", compensate::told),
+    ("coverage", coverage::told),
+    ("evaluate", evaluate::told),
+    ("identify", identify::told),
+    ("map", map::told),
+    ("measure", measure::told),
+    ("predict", predict::told),
+    ("register", register::told),
+    ("route", route::told),
+    ("select", select::told),
+    ("simulate", simulate::told),
+    ("study", study::told),
+    ("validate", validate::told),
+    ("zones", zones::told),
 ];
+
+/// Tells a result.
+type Telling = fn(&Given<'_>) -> Result<Told>;
 
 /// What a result says.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,30 +110,15 @@ pub struct Told {
 /// # Errors
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
 pub fn tell(given: &Given<'_>) -> Result<Told> {
-    match given.saved.command.as_str() {
-        "check" => check::told(given),
-        "compensate" => compensate::told(given),
-        "coverage" => coverage::told(given),
-        "evaluate" => evaluate::told(given),
-        "identify" => identify::told(given),
-        "map" => map::told(given),
-        "measure" => measure::told(given),
-        "predict" => predict::told(given),
-        "register" => register::told(given),
-        "route" => route::told(given),
-        "select" => select::told(given),
-        "simulate" => simulate::told(given),
-        "study" if given.saved.json["options"]["measured"] == true => study_measured::told(given),
-        "study" => study::told(given),
-        "validate" => validate::told(given),
-        "zones" => zones::told(given),
-        other => {
-            let message = format!("Results of `{other}` are not told.");
-            Err(Error::new(Code::Unsupported, message)
-                .file(&given.saved.name)
-                .hint(format!("those of {} are", COMMANDS.join(", "))))
-        }
-    }
+    let command = given.saved.command.as_str();
+    let Some((_, told)) = TELLINGS.iter().find(|(name, _)| *name == command) else {
+        let names: Vec<&str> = TELLINGS.iter().map(|(name, _)| *name).collect();
+        let message = format!("Results of `{command}` are not told.");
+        return Err(Error::new(Code::Unsupported, message)
+            .file(&given.saved.name)
+            .hint(format!("those of {} are", names.join(", "))));
+    };
+    told(given)
 }
 
 impl<'a> Given<'a> {

@@ -1,7 +1,7 @@
 //! What results about many points share: those where something is largest, all of them, and places in words.
 
 use super::at_work::GivesWay;
-use crate::tell::{Block, DataTable, Given, Number, Section, Text};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
 use stiffarm::findings::visible;
 use stiffarm::work::predict::PathExtremes;
 
@@ -15,6 +15,17 @@ pub(super) fn largest_first(sizes: impl Iterator<Item = f64>) -> Vec<usize> {
     let mut sizes: Vec<(usize, f64)> = sizes.enumerate().collect();
     sizes.sort_by(|a, b| b.1.total_cmp(&a.1));
     sizes.into_iter().map(|(i, _)| i).collect()
+}
+
+/// Adds the components of a length along the base's axes; `at` gives one by row and axis.
+pub(super) fn along_axes(
+    table: DataTable,
+    at: impl Fn(usize, usize) -> Option<Number>,
+) -> DataTable {
+    let axes = ["along x", "along y", "along z"].into_iter().enumerate();
+    axes.fold(table, |table, (axis, heading)| {
+        table.numbers(heading, Quantity::LENGTH, |row| at(row, axis))
+    })
 }
 
 /// Heading of the points' names, of which `shown` of `count` are in the table of the largest.

@@ -1,7 +1,9 @@
 //! What `predict` says: how far the loaded tool bends away, and how sure that is.
 
 use super::at_work::{AtWork, FORCE, WorkPoint, band_table, dominant, principal_table, wrench};
-use super::points::{KEY_ROWS, all_points, extreme_places, heading, how_found, largest_first};
+use super::points::{
+    KEY_ROWS, all_points, along_axes, extreme_places, heading, how_found, largest_first,
+};
 use crate::path::{along, norm, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
@@ -179,13 +181,11 @@ fn points_table(
         at(row, &format!("shift_m/{axis}"), value)
     };
     let names = rows.iter().map(|i| name(&prediction.points[*i]));
-    DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
+    let table = DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
         .numbers("force", FORCE, |row| {
             Some(Number::computed(norm(point(row).force_n)))
-        })
-        .numbers("along x", Quantity::LENGTH, |row| shift(row, 0))
-        .numbers("along y", Quantity::LENGTH, |row| shift(row, 1))
-        .numbers("along z", Quantity::LENGTH, |row| shift(row, 2))
+        });
+    along_axes(table, shift)
         .numbers("deflection", Quantity::LENGTH, |row| {
             at(row, "deflection_m", point(row).deflection_m)
         })

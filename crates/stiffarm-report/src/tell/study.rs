@@ -27,6 +27,9 @@ const INDICES: &str = "Group 1 is the initial group. Each other group is selecte
 
 /// What a result says of `study`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
+    if context.saved.json["options"]["measured"] == true {
+        return super::study_measured::told(context);
+    }
     let study: Study = context.saved.result()?;
     let groups = &study.groups;
     let done = Text::new(format!(

@@ -10,7 +10,7 @@ use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
 use stiffarm::estimate::validated::Validated;
-use stiffarm::findings::{Finding, Severity, list, visible};
+use stiffarm::findings::{Severity, list, visible};
 use stiffarm::measure::is_of_table;
 use stiffarm::model::observation::ExtraTerm;
 
@@ -47,13 +47,11 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     };
     let mut told = context.told(heading, verdict, Some(key(context, found)), sections);
     // What the table does not hold yet belongs to what was done.
-    let (of_table, others) = told.findings.into_iter().partition(is_of_table);
-    told.findings = others;
-    let of_table: Vec<Finding> = of_table;
-    for finding in of_table {
-        let done = std::mem::take(&mut told.verdict[0]);
-        told.verdict[0] = done.words(format!(" {}", finding.sentence));
+    let [done, ..] = &mut told.verdict;
+    for finding in told.findings.iter().filter(|f| is_of_table(f)) {
+        *done = std::mem::take(done).words(format!(" {}", finding.sentence));
     }
+    told.findings.retain(|f| !is_of_table(f));
     told.outcome = match (found.passed, found.unpredicted.is_empty()) {
         (Some(false), _) => Outcome::Serious,
         (_, false) if told.outcome == Outcome::Good => Outcome::Caution,

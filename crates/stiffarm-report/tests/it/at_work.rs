@@ -191,7 +191,7 @@ fn a_map_names_its_places() {
             region,
             ..mapped::Request::default()
         };
-        let (options, _) = request.map_options(&cell).unwrap();
+        let options = request.map_options(&cell).unwrap();
         stiffness_map(&cell, &prior.predictor, &options, Control::default()).unwrap()
     };
     let said = told("map", &cell, &mut map(1400.0), |map| &mut map.nodes);

@@ -66,11 +66,11 @@ pub enum LoadSource {
 }
 
 impl Request {
-    /// What is mapped, and where its load comes from.
+    /// What is mapped.
     ///
     /// # Errors
     /// As [`Region::of_map`]; a direction of length zero (key `direction`).
-    pub fn map_options(&self, cell: &Cell) -> Result<(MapOptions, LoadSource)> {
+    pub fn map_options(&self, cell: &Cell) -> Result<MapOptions> {
         let region = Region::of_map(cell, &self.region)?;
         let [roll, pitch, yaw] = self.rpy_deg.unwrap_or(DOWN_DEG).map(deg_to_rad);
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
@@ -85,7 +85,7 @@ impl Request {
             ),
             None => None,
         };
-        let (wrench, source) = self.load(cell, &rotation);
+        let (wrench, _) = self.load(cell, &rotation);
         let fixed = |v: Vector3<f64>| (v.norm() > 0.0).then_some(v);
         // Against the tool axis, as the process pushes the tool back.
         let back = UnitVector3::new_normalize(rotation * -Vector3::z());
@@ -93,14 +93,13 @@ impl Request {
             let along = wrench.and_then(|w| fixed(w.force));
             along.map_or(back, UnitVector3::new_normalize)
         });
-        let options = MapOptions {
+        Ok(MapOptions {
             rotation,
             free_turn: self.free_turn,
             direction,
             wrench: wrench.unwrap_or_else(|| Wrench::force(direction.into_inner())),
             ..MapOptions::new(region.lower, region.upper, region.steps)
-        };
-        Ok((options, source))
+        })
     }
 
     /// The load at the tip in base axes, where there is one.

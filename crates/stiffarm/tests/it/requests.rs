@@ -164,7 +164,8 @@ fn a_map_takes_the_force_given_and_the_plane_asked_for() {
         force_n: Some([0.0, 2.0, 0.0]),
         ..mapped::Request::default()
     };
-    let (options, source) = request.map_options(&cell).unwrap();
+    let options = request.map_options(&cell).unwrap();
+    let source = request.options(&options, &cell).load_from;
     assert_eq!(source, LoadSource::Given);
     assert_eq!((options.lower[2], options.upper[2]), (0.8, 0.8));
     assert_eq!((options.steps[2], options.direction.y), (1, 1.0));

@@ -3,7 +3,6 @@
 
 pub mod place;
 
-use super::with_length;
 use crate::args::MapArgs;
 use crate::error::of_usage;
 use crate::files::{check_folder, shown, write_folder};
@@ -12,6 +11,7 @@ use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
 use stiffarm::Result;
+use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::work::map::{MapOptions, stiffness_map};
 use stiffarm::work::mapped::Request;
 use stiffarm_report::{map_figure, map_table, render_svg};
@@ -45,7 +45,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
         moment_nm: args.tool.moment_nm,
         direction: args.tool.direction,
     };
-    let (options, _) = request
+    let options = request
         .map_options(&named.cell)
         .map_err(|e| of_usage(e, &["direction", "from_mm", "to_mm"]))?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
@@ -72,7 +72,6 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
         |map| &mut map.nodes,
         (&named, &saved),
         args.details,
-        false,
     )?;
     Ok(if interrupted { Exit::Interrupted } else { exit })
 }

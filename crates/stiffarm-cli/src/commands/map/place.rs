@@ -75,7 +75,6 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         |placement| &mut placement.candidates,
         (&named, &saved),
         args.details,
-        false,
     )?;
     Ok(if interrupted { Exit::Interrupted } else { exit })
 }

@@ -68,7 +68,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     drop(progress);
     named.cell = loaded.cell;
     let prediction = &result.prediction;
-    let on_stdout = outputs.write(
+    outputs.write(
         session,
         || Ok(Rows(|out: &mut dyn Write| write_csv(prediction, out))),
         || render_svg(&prediction_figure(prediction)),
@@ -78,6 +78,5 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         |result| &mut result.prediction.points,
         (&named, &saved),
         args.details,
-        on_stdout,
     )
 }

@@ -1,6 +1,7 @@
 //! `--candidates`: the best postures out of a list.
 
-use super::job::{Job, to_usize};
+use super::job::Job;
+use crate::numbers::to_usize;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::files::source::Source;

@@ -1,6 +1,7 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
-use super::job::{Job, to_usize};
+use super::job::Job;
+use crate::numbers::to_usize;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::plan::index::Index;

@@ -1,6 +1,7 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
-use super::job::{Job, to_usize};
+use super::job::Job;
+use crate::numbers::to_usize;
 use crate::progress::{Progress, announce};
 use stiffarm::Result;
 use stiffarm::files::source::Source;

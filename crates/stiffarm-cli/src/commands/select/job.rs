@@ -3,6 +3,7 @@
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, write_all};
+use crate::numbers::to_usize;
 use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
@@ -223,9 +224,4 @@ impl Outputs {
             None => Ok(()),
         }
     }
-}
-
-/// A count from the command line as a number of things in memory.
-pub(super) fn to_usize(count: u64) -> usize {
-    usize::try_from(count).unwrap_or(usize::MAX)
 }

@@ -1,7 +1,8 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
-use super::job::{Job, to_usize};
+use super::job::Job;
 use super::load;
+use crate::numbers::to_usize;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::files::source::Source;

@@ -1,6 +1,7 @@
 //! `--space-filling`: postures that cover the joint space evenly, as a baseline.
 
-use super::job::{Job, to_usize};
+use super::job::Job;
+use crate::numbers::to_usize;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::plan::planned::{SpaceFillingRequest, plan_space_filling};

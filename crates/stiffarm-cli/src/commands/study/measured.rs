@@ -3,6 +3,7 @@
 use super::{REPORT, RESULT, finish};
 use crate::args::StudyArgs;
 use crate::files::check_folder;
+use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -78,14 +79,13 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
 
 fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {
     let given = &args.splits;
-    let count = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut options = MeasuredStudyOptions::default();
     options.seed = args.seed;
-    options.splits = given.splits.map_or(options.splits, count);
-    options.pool = given.pool.map(count);
+    options.splits = given.splits.map_or(options.splits, to_usize);
+    options.pool = given.pool.map(to_usize);
     options.size_factor = given.size_factor.unwrap_or(options.size_factor);
     if !given.choose.is_empty() {
-        options.counts = given.choose.iter().copied().map(count).collect();
+        options.counts = given.choose.iter().copied().map(to_usize).collect();
         options.counts.sort_unstable();
         options.counts.dedup();
     }

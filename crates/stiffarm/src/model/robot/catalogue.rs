@@ -25,8 +25,9 @@ struct File {
 }
 
 static CATALOGUE: LazyLock<Vec<CatalogueEntry>> = LazyLock::new(|| {
+    // Part of the program: where its tests have passed both are read.
     let [mut published, described]: [File; 2] = [PUBLISHED, DESCRIBED]
-        .map(|text| toml::from_str(text).unwrap_or_else(|e| panic!("the robots' catalogue: {e}")));
+        .map(|text| toml::from_str(text).expect("the embedded catalogue of robots is read"));
     published.robot.extend(described.robot);
     for entry in &mut published.robot {
         if let Some(sets) = published.stiffness.remove(entry.key) {
