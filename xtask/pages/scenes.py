@@ -2,6 +2,7 @@
 picture changes with them."""
 
 import io
+import itertools
 import statistics
 
 from PIL import Image, ImageChops
@@ -48,6 +49,15 @@ class Scene:
 
     def control(self, selector):
         return self.controls.locator(selector)
+
+    def clicked(self, selector, times):
+        """Where the scene is after each of so many clicks, with no picture between them."""
+        loop = """(button, [scene, times]) => Array.from({ length: times }, () => {
+            button.click();
+            return [scene.dataset.group, scene.dataset.posture]; })"""
+        scene = self.element.element_handle()
+        places = self.control(selector).first.evaluate(loop, [scene, times])
+        return [(int(group or 0), int(posture or 0)) for group, posture in places]
 
     def wait(self, name, accept, what):
         """Until the attribute is accepted."""
@@ -145,20 +155,23 @@ def steps(opened):
         scene.control(SELECT).first.select_option(index=0)
         scene.settled()
         picture, way = scene.picture(), [place(scene)]
-        # The list may hold the postures of all groups: a step from the last of one leads to the first of the next.
         far = min(count, STEPS)
-        for i in range(1, far):
-            before = group, posture = way[-1]
+        by_mouse = min(far - 1, PICTURES)
+        for _ in range(by_mouse):
+            before = way[-1]
             scene.control(NEXT).first.click()
             way.append(moved(scene, before, NEXT))
-            if way[-1] != (group, posture + 1) and not (way[-1][1] == 0 and way[-1][0] > group):
-                raise Finding(f"scene {scene.name}: {NEXT} leads from posture {before} to {way[-1]}")
-            if i <= PICTURES:
-                picture = scene.changed(picture, f"the step to posture {way[-1]}")
-        for i in range(far - 2, -1, -1):
-            scene.control(PREVIOUS).first.click()
-            if (back := moved(scene, way[i + 1], PREVIOUS)) != way[i]:
-                raise Finding(f"scene {scene.name}: {PREVIOUS} leads from posture {way[i + 1]} to {back}")
+            picture = scene.changed(picture, f"the step to posture {way[-1]}")
+        # The others at once: a picture in software takes a second, and none is drawn between them.
+        way += scene.clicked(NEXT, far - 1 - by_mouse)
+        for (group, posture), to in itertools.pairwise(way):
+            # The list may hold the postures of all groups: a step from the last of one leads to the first of the next.
+            if to != (group, posture + 1) and not (to[1] == 0 and to[0] > group):
+                raise Finding(f"scene {scene.name}: {NEXT} leads from posture {(group, posture)} to {to}")
+        back = scene.clicked(PREVIOUS, far - 1)
+        for i, (found, wanted) in enumerate(zip(back, way[-2::-1])):
+            if found != wanted:
+                raise Finding(f"scene {scene.name}: {PREVIOUS} leads from posture {way[-1 - i]} to {found}")
         if far > 1:
             scene.settled()
             picture = scene.picture()
@@ -219,10 +232,30 @@ DRAWN = """id => {
     const seen = [...picture.points, picture.loadingPoint];
     if (picture.anchor.visible) seen.push(picture.anchor);
     for (const arrow of [picture.force, ...picture.residuals]) if (arrow.group.visible) seen.push(arrow.head);
+    orbit.camera.updateMatrixWorld();
     return seen.map(one => { one.updateWorldMatrix(true, false);
         const p = one.position.clone().setFromMatrixPosition(one.matrixWorld).project(orbit.camera);
         return [(p.x + 1) / 2, (1 - p.y) / 2]; });
 }"""
+# View, posture and place of the first point outside; all of them at once, so that no picture is drawn between them.
+OUTSIDE = """(controls, [id, most, slider, view, select]) => {
+    const drawn = %s, of = selector => [...controls.querySelectorAll(selector)];
+    const tell = (e, value) => { e.value = value; for (const name of ['input', 'change']) e.dispatchEvent(new Event(name, { bubbles: true })); };
+    of(slider).slice(0, 1).forEach(e => tell(e, '0'));
+    const list = of(select)[0], start = list.options[0].value;
+    let outside = null;
+    of(view).forEach((button, v) => {
+        button.click();
+        [...list.options].slice(0, most).forEach((option, p) => {
+            tell(list, option.value);
+            const point = drawn(id).find(([x, y]) => !(0.01 < x && x < 0.99 && 0.01 < y && y < 0.99));
+            if (point) outside ??= [v, p, ...point];
+        });
+    });
+    of(view)[0].click();
+    tell(list, start);
+    return outside;
+}""" % DRAWN
 # Windows whose pictures are wide, nearly square, and high.
 WINDOWS = ((1440, 900), (820, 1180), (390, 844))
 # So many postures of a scene are looked at in each window.
@@ -237,18 +270,12 @@ def inside(opened):
             page.set_viewport_size({"width": width, "height": height})
             page.wait_for_timeout(200)
             for scene in all_of(opened):
-                if scene.control(SLIDER).count():
-                    scene.control(SLIDER).first.evaluate("e => { e.value = '0'; e.dispatchEvent(new Event('input')); }")
-                for view in range(scene.control(VIEW).count()):
-                    scene.control(VIEW).nth(view).evaluate("e => e.click()")
-                    for index in range(min(postures(scene), LOOKED_AT)):
-                        scene.control(SELECT).first.select_option(index=index)
-                        for x, y in page.evaluate(DRAWN, scene.name):
-                            if not (0.01 < x < 0.99 and 0.01 < y < 0.99):
-                                raise Finding(f"scene {scene.name}: in a window of {width}, view {view}, something of "
-                                              f"posture {index} is at {x:.2f}, {y:.2f} of the picture")
-                scene.control(VIEW).first.evaluate("e => e.click()")
-                scene.control(SELECT).first.select_option(index=0)
+                sought = [scene.name, LOOKED_AT, SLIDER, VIEW, SELECT]
+                outside = scene.controls.evaluate(OUTSIDE, sought)
+                if outside:
+                    view, posture, x, y = outside
+                    raise Finding(f"scene {scene.name}: in a window of {width}, view {view}, something of "
+                                  f"posture {posture} is at {x:.2f}, {y:.2f} of the picture")
     finally:
         page.set_viewport_size({"width": 1440, "height": 900})
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
+use crate::checked::Checked;
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace, quoted};
 use crate::tally::{Ignored, Tally};
@@ -29,20 +30,7 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
 
     let mut skips = skips(&tally.ignored, &reference, &options.require);
     if compiles {
-        let browsers = PagesOptions {
-            install: options.install,
-            ..PagesOptions::default()
-        };
-        let mut parts = vec![
-            (Part::Sheets, sheets::run(workspace, options.install)?),
-            (Part::Browser, pages::run(workspace, &browsers)?),
-        ];
-        let python = PythonOptions {
-            install: options.install,
-            ..PythonOptions::default()
-        };
-        parts.extend(python::run(workspace, &python)?);
-        for (part, checked) in parts {
+        for (part, checked) in of_other_programs(workspace, options.install)? {
             tally.passed += checked.passed;
             failures.extend(checked.failures.into_iter().map(|why| failed(part, &why)));
             skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
@@ -74,6 +62,35 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
     } else {
         Err(Failure::already_told())
     }
+}
+
+/// Sheets and pages in other programs beside the Python package: browsers wait for much of their time. Lines of both
+/// come as they are said.
+fn of_other_programs(
+    workspace: &Workspace,
+    install: bool,
+) -> Result<Vec<(Part, Checked)>, Failure> {
+    let pages = || -> Result<_, Failure> {
+        let sheets = sheets::run(workspace, install)?;
+        let browsers = PagesOptions {
+            install,
+            ..PagesOptions::default()
+        };
+        Ok([
+            (Part::Sheets, sheets),
+            (Part::Browser, pages::run(workspace, &browsers)?),
+        ])
+    };
+    let python = PythonOptions {
+        install,
+        ..PythonOptions::default()
+    };
+    std::thread::scope(|scope| {
+        let pages = scope.spawn(pages);
+        let mut parts = python::run(workspace, &python)?;
+        parts.extend(pages.join().expect("checking pages does not panic")?);
+        Ok(parts)
+    })
 }
 
 /// What `cargo test` runs, a call for each. Named one by one, because a plain `cargo test` also builds every example,

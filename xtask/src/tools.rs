@@ -3,6 +3,7 @@
 use std::env::consts::EXE_SUFFIX;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::Mutex;
 
 use crate::run::{Failure, Workspace};
 
@@ -118,6 +119,9 @@ pub fn program_in(venv: &Path, name: &str) -> PathBuf {
 
 /// Installs Debian's packages, as root; what is missing afterwards is told by those who look for it.
 pub fn apt_install(packages: &[&str]) {
+    // One at a time: apt refuses a second.
+    static APT: Mutex<()> = Mutex::new(());
+    let _turn = APT.lock();
     println!("installing {}", packages.join(", "));
     let mut arguments = vec!["install", "-y", "-qq", "--no-install-recommends"];
     arguments.extend(packages);

@@ -9,6 +9,7 @@ pub mod jobs;
 pub(crate) mod lists;
 pub(crate) mod nelder_mead;
 pub mod optimise;
+pub(crate) mod order;
 pub mod sample;
 pub(crate) mod scalar;
 pub mod streams;

@@ -15,6 +15,7 @@ use crate::estimate::identify::{
 use crate::estimate::saved::{Sealed, once};
 use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
+use crate::numerics::order::sort_by_number;
 use serde::{Deserialize, Serialize};
 
 /// Friction above this share of a joint's torque is named.
@@ -222,7 +223,7 @@ fn weights(
             weight: *weight,
         })
         .collect();
-    out.sort_by(|a, b| a.weight.total_cmp(&b.weight));
+    sort_by_number(&mut out, |a| a.weight);
     out
 }
 

@@ -4,6 +4,7 @@
 use super::Agreement;
 use crate::estimate::identify::{Fit, Identification, NO_LOAD, rms};
 use crate::findings::{Finding, Severity, length, list, percent};
+use crate::numerics::order::sort_by_number;
 use serde::{Deserialize, Serialize};
 
 /// Correlation of two estimates above which they are named.
@@ -191,7 +192,7 @@ pub fn correlated_pairs(result: &Identification) -> Vec<CorrelatedPair> {
             }
         }
     }
-    out.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
+    sort_by_number(&mut out, |a| -a.correlation.abs());
     out
 }
 

@@ -6,6 +6,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::numerics::information::tall_svd;
+use crate::numerics::order::sort_by_number;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use std::collections::BTreeMap;
 
@@ -385,7 +386,7 @@ pub(super) fn shared(
         .sum();
     // States by falling torque, so that the largest of a direction leads it.
     let mut order: Vec<usize> = (0..states.len()).collect();
-    order.sort_by(|a, b| torques[*b].norm().total_cmp(&torques[*a].norm()));
+    sort_by_number(&mut order, |a| -torques[*a].norm());
     let mut leaders: Vec<usize> = Vec::new();
     let mut place = vec![(0, 1.0); states.len()];
     for &s in &order {

@@ -7,6 +7,7 @@ use super::system::MeasuredSystem;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::measurement::MeasuredPosture;
+use crate::numerics::order::sort_by_number;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -188,6 +189,6 @@ pub(super) fn displacement_weights(
             weight: *weight,
         })
         .collect();
-    out.sort_by(|a, b| a.weight.total_cmp(&b.weight));
+    sort_by_number(&mut out, |a| a.weight);
     out
 }

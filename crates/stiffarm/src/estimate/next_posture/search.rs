@@ -4,6 +4,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, PostureMargins};
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
+use crate::numerics::order::sort_by_number;
 use crate::numerics::streams::chain_rng;
 use crate::plan::select::{GlobalOptions, StartKind, random_group};
 use rand::RngExt;
@@ -65,7 +66,7 @@ pub(super) fn best_posture(
         })?;
         found.retain(|c| c.value.is_finite());
         // A stable sort: equal values stay in the order they were drawn.
-        found.sort_by(|a, b| a.value.total_cmp(&b.value));
+        sort_by_number(&mut found, |a| a.value);
         found.truncate(IMPROVED);
         let improved = in_order(&found, |(i, start)| {
             let mut margins = ready.clone();

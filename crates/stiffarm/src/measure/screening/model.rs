@@ -5,6 +5,7 @@ use super::frame::{self, Frame, item_pairs, items, judge, register};
 use super::rigid::orders;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work};
 use crate::measure::registration::axis_slips;
+use crate::numerics::order::sort_by_number;
 use crate::units::{deg_to_rad, rad_to_deg};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -250,7 +251,7 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     believed.retain(|t| weighed(t) <= ALIKE * best + FITTED * noise);
     let simplest = believed.iter().map(|t| t.change.complexity()).min()?;
     believed.retain(|t| t.change.complexity() == simplest);
-    believed.sort_by(|a, b| a.frame.trimmed.total_cmp(&b.frame.trimmed));
+    sort_by_number(&mut believed, |a| a.frame.trimmed);
     let mut trials = believed.into_iter();
     let mut first = trials.next()?;
     let slips = first.axis_slips(given);

@@ -6,6 +6,7 @@ use super::misfit::{first_angles, gap, give, state_rms};
 use super::model::{exchanged, fitted};
 use super::rigid::orders;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, states};
+use crate::numerics::order::sort_by_number;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 
@@ -84,7 +85,7 @@ fn suspects(work: &Work, frame: &Frame) -> Vec<usize> {
             None => {}
         }
     }
-    out.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sort_by_number(&mut out, |a| -a.1);
     out.into_iter().map(|(p, _)| p).collect()
 }
 
@@ -249,7 +250,7 @@ fn simplest(work: &Work, p: usize, mut trials: Vec<Trial>) -> Option<(Trial, Vec
     trials.retain(|t| weighed(t) <= ALIKE * best + FITTED * noise);
     let complexity = trials.iter().map(|t| t.complexity).min()?;
     trials.retain(|t| t.complexity == complexity);
-    trials.sort_by(|a, b| a.after.total_cmp(&b.after));
+    sort_by_number(&mut trials, |a| a.after);
     let first = trials.remove(0);
     let phrase = |t: &Trial| super::messages::cause(&work.cell, &describe(work, p, &t.undo));
     let mut others: Vec<String> = trials.iter().map(phrase).collect();

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::model::inverse::InverseKinematics;
+use crate::numerics::order::sort_by_number;
 use nalgebra::Isometry3;
 
 /// Postures of a pose that differ by full turns of joints alone.
@@ -38,7 +39,7 @@ pub fn held_postures(
             changes.fold(0.0, f64::max)
         };
         // Stable: turns that are equally far stay in their order.
-        turns.sort_by(|a, b| change(a).total_cmp(&change(b)));
+        sort_by_number(&mut turns, |q| change(q));
         if !turns.is_empty() {
             held.push(HeldPosture {
                 turns,

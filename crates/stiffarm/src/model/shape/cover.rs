@@ -1,6 +1,7 @@
 //! Shapes made of simpler ones that contain them.
 
 use super::{Capsule, Solid};
+use crate::numerics::order::sort_by_number;
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Most capsules side by side in a box.
@@ -33,7 +34,7 @@ pub fn capsules_around(solid: &Solid) -> Vec<Capsule> {
         }
         Solid::Block { pose, half } => {
             let mut order = [0, 1, 2];
-            order.sort_by(|i, j| half[*j].total_cmp(&half[*i]));
+            sort_by_number(&mut order, |i| -half[*i]);
             let [long, wide, thin] = order;
             let rows = ((half[wide] / half[thin]).ceil() as usize).clamp(1, MOST_ROWS);
             let share = half[wide] / rows as f64;

@@ -135,8 +135,8 @@ impl Minimum {
 
 struct Stopped;
 
-struct Cache<'a, P> {
-    problem: &'a mut P,
+struct Cache<'a> {
+    problem: &'a mut dyn Problem,
     at: Vec<f64>,
     last: Evaluation,
     best: Option<(f64, Vec<f64>)>,
@@ -144,8 +144,8 @@ struct Cache<'a, P> {
 }
 
 /// A problem as the library wants to see it.
-struct Adapter<'a, 'p, P> {
-    cache: &'a RefCell<Cache<'p, P>>,
+struct Adapter<'a, 'p> {
+    cache: &'a RefCell<Cache<'p>>,
     lower: Vec<f64>,
     upper: Vec<f64>,
     margins: usize,
@@ -153,7 +153,7 @@ struct Adapter<'a, 'p, P> {
     control: Control<'a>,
 }
 
-impl<P: Problem> Adapter<'_, '_, P> {
+impl Adapter<'_, '_> {
     fn with<T>(&self, x: &[f64], read: impl FnOnce(&Evaluation) -> T) -> Result<T, Stopped> {
         let mut cache = self.cache.borrow_mut();
         if cache.at != x {
@@ -174,7 +174,7 @@ impl<P: Problem> Adapter<'_, '_, P> {
     }
 }
 
-impl<P> basin::Constraints for Adapter<'_, '_, P> {
+impl basin::Constraints for Adapter<'_, '_> {
     type Set = ConstraintSet<
         BoxBounds<Vec<f64>>,
         NoLinearConstraints,
@@ -187,7 +187,7 @@ impl<P> basin::Constraints for Adapter<'_, '_, P> {
     }
 }
 
-impl<P: Problem> CostFunction for Adapter<'_, '_, P> {
+impl CostFunction for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Output = f64;
     type Error = Stopped;
@@ -196,14 +196,14 @@ impl<P: Problem> CostFunction for Adapter<'_, '_, P> {
     }
 }
 
-impl<P: Problem> Gradient for Adapter<'_, '_, P> {
+impl Gradient for Adapter<'_, '_> {
     type Gradient = Vec<f64>;
     fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
         self.with(x, |e| e.gradient.clone())
     }
 }
 
-impl<P: Problem> basin::NonlinearInequalityValues for Adapter<'_, '_, P> {
+impl basin::NonlinearInequalityValues for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Values = Vec<f64>;
     type Error = Stopped;
@@ -217,7 +217,7 @@ impl<P: Problem> basin::NonlinearInequalityValues for Adapter<'_, '_, P> {
     }
 }
 
-impl<P: Problem> basin::ConstraintJacobian for Adapter<'_, '_, P> {
+impl basin::ConstraintJacobian for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Jacobian = DenseMatrix;
     type Error = Stopped;
@@ -241,7 +241,7 @@ const MAX_RESTARTS: usize = 12;
 /// Minimises `problem` from `start`, restarting with a fresh curvature estimate
 /// while that still improves.
 pub fn minimise(
-    problem: &mut impl Problem,
+    problem: &mut dyn Problem,
     start: &[f64],
     options: Options,
     control: Control<'_>,

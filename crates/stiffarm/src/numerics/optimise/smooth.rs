@@ -27,14 +27,17 @@ pub(crate) struct SmoothSolution {
     pub evaluations: u64,
 }
 
-struct Adapter<'a, F> {
-    function: RefCell<F>,
+/// The value, and the gradient written.
+type Function<'f> = dyn FnMut(&[f64], &mut [f64]) -> f64 + 'f;
+
+struct Adapter<'a, 'f> {
+    function: RefCell<&'a mut Function<'f>>,
     evaluations: &'a Cell<u64>,
     lower: &'a Vec<f64>,
     upper: &'a Vec<f64>,
 }
 
-impl<F: FnMut(&[f64], &mut [f64]) -> f64> Adapter<'_, F> {
+impl Adapter<'_, '_> {
     fn call(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
         self.evaluations.set(self.evaluations.get() + 1);
         let value = (self.function.borrow_mut())(x, gradient);
@@ -43,14 +46,14 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Adapter<'_, F> {
     }
 }
 
-impl<F> basin::Constraints for Adapter<'_, F> {
+impl basin::Constraints for Adapter<'_, '_> {
     type Set = ConstraintSet<BoxBounds<Vec<f64>>>;
     fn constraints(&self) -> <Self::Set as basin::ConstraintDescription>::Borrowed<'_> {
         ConstraintSet::new().with_bounds(BoxBounds::new(Some(self.lower), Some(self.upper)))
     }
 }
 
-impl<F: FnMut(&[f64], &mut [f64]) -> f64> CostFunction for Adapter<'_, F> {
+impl CostFunction for Adapter<'_, '_> {
     type Param = Vec<f64>;
     type Output = f64;
     type Error = Infallible;
@@ -59,7 +62,7 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> CostFunction for Adapter<'_, F> {
     }
 }
 
-impl<F: FnMut(&[f64], &mut [f64]) -> f64> Gradient for Adapter<'_, F> {
+impl Gradient for Adapter<'_, '_> {
     type Gradient = Vec<f64>;
     fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Infallible> {
         let mut gradient = vec![0.0; x.len()];
@@ -79,9 +82,9 @@ impl<F: FnMut(&[f64], &mut [f64]) -> f64> Gradient for Adapter<'_, F> {
     }
 }
 
-/// Minimises `function` (value returned, gradient written) from `start`.
+/// Minimises `function` from `start`.
 pub(crate) fn minimise_smooth(
-    function: impl FnMut(&[f64], &mut [f64]) -> f64,
+    function: &mut Function<'_>,
     lower: &Vec<f64>,
     upper: &Vec<f64>,
     start: &[f64],

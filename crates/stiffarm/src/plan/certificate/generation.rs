@@ -8,6 +8,7 @@ use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::numerics::control::Termination;
 use crate::numerics::information::{GRAM_ROUNDING, symmetric_eigen};
+use crate::numerics::order::sort_by_number;
 use nalgebra::DMatrix;
 
 /// Points whose information differs by less than this share of the tolerance
@@ -189,7 +190,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             let mut recalled: Vec<usize> = (0..self.pool.len())
                 .filter(|i| slope(*i) > level && !active.contains(i))
                 .collect();
-            recalled.sort_by(|a, b| slope(*b).total_cmp(&slope(*a)));
+            sort_by_number(&mut recalled, |a| -slope(*a));
             recalled.truncate(MOST_ADDED);
             if recalled.is_empty() {
                 break;
@@ -258,7 +259,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             .space
             .maximise(&tangent.adjoint, &support, Effort::Improve);
         let mut order: Vec<usize> = (0..active.len()).collect();
-        order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+        sort_by_number(&mut order, |a| -weights[*a]);
         let mut design = ContinuousDesign {
             points: order.iter().map(|&i| support[i].clone()).collect(),
             weights: order.iter().map(|&i| weights[i]).collect(),
@@ -353,7 +354,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         improving: &[usize],
     ) -> Result<Option<(ContinuousDesign, Vec<usize>)>> {
         let mut order: Vec<usize> = (0..active.len()).collect();
-        order.sort_by(|a, b| weights[*b].total_cmp(&weights[*a]));
+        sort_by_number(&mut order, |a| -weights[*a]);
         for small in SMALL_WEIGHTS {
             let heavy = order
                 .iter()

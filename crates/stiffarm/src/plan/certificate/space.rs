@@ -9,6 +9,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::numerics::information::posture_information;
 use crate::numerics::jobs::in_order;
+use crate::numerics::order::sort_by_number;
 use crate::plan::active_limits::ActiveLimits;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use nalgebra::DMatrix;
@@ -218,7 +219,7 @@ impl<'a> PostureSpace<'a> {
             .map(|s| trace_of_product(adjoint, &s.information))
             .collect();
         let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+        sort_by_number(&mut order, |a| -values[*a]);
         let diagonal = (self.cell.bounds.len() as f64).sqrt();
         let apart = |a: &[f64], b: &[f64]| {
             let square: f64 = a
@@ -288,7 +289,7 @@ impl DesignSpace for PostureSpace<'_> {
         // The load was checked when the space was made.
         let mut found = found.unwrap_or_default();
         found.retain(|(_, value)| value.is_finite());
-        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        sort_by_number(&mut found, |a| -a.1);
         found
     }
 

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::model::cell::{Cell, PostureMargins};
 use crate::model::inverse::{InverseKinematics, Method};
 use crate::model::kinematics::Frames;
+use crate::numerics::order::sort_by_number;
 
 /// Difference of two joint axes that is rounding (m, of the direction).
 const SAME_AXIS: f64 = 1e-8;
@@ -66,7 +67,7 @@ impl<'a> Equivalents<'a> {
             }
         }
         let size = |q: &Vec<f64>| q.iter().map(|angle| angle * angle).sum::<f64>();
-        found.sort_by(|a, b| size(a).total_cmp(&size(b)));
+        sort_by_number(&mut found, size);
         found.truncate(self.most);
         Ok(found)
     }

@@ -2,6 +2,7 @@
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, PostureMargins};
+use crate::numerics::order::sort_by_number;
 use crate::units::{deg_to_rad, rad_to_deg};
 
 /// Room that a posture is given where no neighbour is inside the limits, at first \[m; rad; share\].
@@ -119,7 +120,7 @@ impl<'a> Rounding<'a> {
                 (apart, corner)
             })
             .collect();
-        corners.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut corners, |a| a.0);
         for (_, corner) in corners {
             if self.is_allowed(&corner)? {
                 return Ok(Some(corner));

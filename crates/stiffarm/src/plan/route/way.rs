@@ -4,6 +4,7 @@ use super::moves::Moves;
 use super::rounding::nearest;
 use super::search::{VIA_STEP_DEG, connect};
 use crate::error::Result;
+use crate::numerics::order::sort_by_number;
 use sobol_burley::sample;
 use std::f64::consts::PI;
 
@@ -72,7 +73,7 @@ impl Moves<'_> {
             .into_iter()
             .map(|via| (self.seconds(from, &via) + self.seconds(&via, to), via))
             .collect();
-        timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut timed, |a| a.0);
         for (_, via) in timed {
             // Typed like every other posture.
             let via = nearest(&via, VIA_STEP_DEG);

@@ -4,6 +4,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::Control;
+use crate::numerics::order::sort_by_number;
 use crate::plan::index::prediction::PredictionModel;
 use crate::plan::index::{Index, evaluate_terms, posture_terms};
 use serde::{Deserialize, Serialize};
@@ -122,7 +123,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
         });
     }
     let loss = |w: &PostureValue| w.loss.unwrap_or(f64::INFINITY);
-    values.sort_by(|a, b| loss(a).total_cmp(&loss(b)));
+    sort_by_number(&mut values, loss);
 
     let exhaustive = subsets(postures.len(), count) <= EXHAUSTIVE;
     let mut best: Option<(f64, Vec<usize>)> = None;

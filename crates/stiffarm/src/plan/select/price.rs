@@ -4,6 +4,7 @@ use super::{GlobalOptions, select};
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind};
 use crate::numerics::control::Control;
+use crate::numerics::order::sort_by_number;
 use crate::plan::index::Index;
 use serde::{Deserialize, Serialize};
 
@@ -55,6 +56,6 @@ pub fn limit_prices(
             price,
         });
     }
-    prices.sort_by(|a, b| b.price.total_cmp(&a.price));
+    sort_by_number(&mut prices, |a| -a.price);
     Ok(prices)
 }

@@ -29,7 +29,7 @@ pub(super) fn repair(cell: &Cell, angles: &[f64]) -> Result<Vec<f64>> {
     let mut inside = Vec::new();
     for q in angles.chunks_exact(n) {
         let solution = minimise_smooth(
-            |q, gradient| {
+            &mut |q, gradient| {
                 kernel.forward(q);
                 kernel.reverse(gradient);
                 kernel.penalty()

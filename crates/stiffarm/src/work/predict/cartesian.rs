@@ -6,6 +6,7 @@ use crate::model::dexterity::condition_number;
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::model::stiffness::{corrected, stiffness_correction};
+use crate::numerics::order::sort_by_number;
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -157,7 +158,7 @@ fn rows(matrix: &Matrix6<f64>) -> [[f64; 6]; 6] {
 pub(crate) fn principal_axes(compliance: &Matrix3<f64>) -> [PrincipalAxis; 3] {
     let eigen = compliance.symmetric_eigen();
     let mut order = [0, 1, 2];
-    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    sort_by_number(&mut order, |a| -eigen.eigenvalues[*a]);
     let least = f64::EPSILON * eigen.eigenvalues.amax();
     order.map(|i| {
         let value = eigen.eigenvalues[i];

@@ -1,9 +1,9 @@
 //! `[columns]`: keys that are headings, and the list `ignore`.
 
+use super::read::{Node, Reading, Value};
 use super::{At, Text};
-use serde::Deserialize;
-use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
-use std::fmt;
+use toml::Spanned;
+use toml::de::DeString;
 #[cfg(feature = "schema")]
 use {
     crate::files::table::own_headings,
@@ -22,46 +22,30 @@ pub(in crate::files::cell) enum RawColumn {
     Several(Vec<Text>),
 }
 
-impl<'de> Deserialize<'de> for RawColumns {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Entries;
-        impl<'de> Visitor<'de> for Entries {
-            type Value = RawColumns;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a table")
-            }
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawColumns, A::Error> {
-                let mut entries = Vec::new();
-                while let Some(entry) = map.next_entry()? {
-                    entries.push(entry);
-                }
-                Ok(RawColumns(entries))
-            }
-        }
-        deserializer.deserialize_map(Entries)
+impl Value for RawColumns {
+    const KIND: &'static str = "a table";
+
+    fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
+        let Some(table) = node.value.get_ref().as_table() else {
+            return reading.wrong(node, Self::KIND, None);
+        };
+        let entry = |(key, _): (&Spanned<DeString<'_>>, _)| {
+            let (span, value) = (key.span(), key.get_ref().to_string());
+            let read = reading.key(node, table, &value)?;
+            Some((At { span, value }, read))
+        };
+        Some(RawColumns(table.iter().filter_map(entry).collect()))
     }
 }
 
-impl<'de> Deserialize<'de> for RawColumn {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct OneOrSeveral;
-        impl<'de> Visitor<'de> for OneOrSeveral {
-            type Value = RawColumn;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a string")
-            }
-            fn visit_str<E>(self, text: &str) -> Result<RawColumn, E> {
-                Ok(RawColumn::One(text.to_string()))
-            }
-            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<RawColumn, A::Error> {
-                let mut texts = Vec::new();
-                while let Some(text) = list.next_element()? {
-                    texts.push(text);
-                }
-                Ok(RawColumn::Several(texts))
-            }
+impl Value for RawColumn {
+    const KIND: &'static str = String::KIND;
+
+    fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
+        match node.value.get_ref().is_array() {
+            true => Vec::read(node, reading).map(RawColumn::Several),
+            false => String::read(node, reading).map(RawColumn::One),
         }
-        deserializer.deserialize_any(OneOrSeveral)
     }
 }
 

@@ -4,7 +4,6 @@ use crate::units::{
     arcmin_to_rad, deg_to_rad, mm_to_m, mm2_to_m2, mrad_to_rad, n_per_mm_to_n_per_m,
     n_per_mm2_to_pa, percent_to_fraction, um_to_m, urad_to_rad,
 };
-use serde::Deserialize;
 use std::marker::PhantomData;
 use std::ops::Range;
 #[cfg(feature = "schema")]
@@ -14,13 +13,15 @@ use {
 };
 
 /// A value and the bytes it was read from.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(transparent)]
-pub(in crate::files::cell) struct At<T>(toml::Spanned<T>);
+#[derive(Debug, Clone)]
+pub(in crate::files::cell) struct At<T> {
+    pub(super) span: Range<usize>,
+    pub(super) value: T,
+}
 
 impl<T> At<T> {
     pub(in crate::files::cell) fn get(&self) -> &T {
-        self.0.get_ref()
+        &self.value
     }
 }
 
@@ -32,7 +33,7 @@ pub(in crate::files::cell) trait Placed {
 
 impl<T> Placed for At<T> {
     fn span(&self) -> Range<usize> {
-        self.0.span()
+        self.span.clone()
     }
 }
 
@@ -75,11 +76,10 @@ units! {
 pub(in crate::files::cell) type Text = At<String>;
 
 /// A number in a unit; checked and converted by `Source::number` and its kin.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(transparent, bound = "")]
+#[derive(Debug, Clone)]
 pub(in crate::files::cell) struct Number<U = Si> {
-    at: At<f64>,
-    unit: PhantomData<U>,
+    pub(super) at: At<f64>,
+    pub(super) unit: PhantomData<U>,
 }
 
 impl<U> Number<U> {
@@ -99,8 +99,7 @@ impl<U> Placed for Number<U> {
 pub(in crate::files::cell) type List<U = Si> = At<Vec<Number<U>>>;
 
 /// So many numbers in a unit; how many are there is checked when they are taken.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(transparent, bound = "")]
+#[derive(Debug, Clone)]
 pub(in crate::files::cell) struct Fixed<const N: usize, U = Si>(pub(in crate::files::cell) List<U>);
 
 impl<const N: usize, U> Placed for Fixed<N, U> {

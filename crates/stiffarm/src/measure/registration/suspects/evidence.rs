@@ -2,6 +2,7 @@
 
 use super::super::fit::{RigidFit, Sample};
 use super::{CONTRADICTION, Explanation};
+use crate::numerics::order::sort_by_number;
 use nalgebra::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
 use statrs::function::gamma::ln_gamma;
@@ -52,7 +53,7 @@ pub(super) fn ln_volume(samples: &[Sample]) -> f64 {
         .iter()
         .map(|s| ((s.base - mean).norm(), s.base))
         .collect();
-    far.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sort_by_number(&mut far, |a| -a.0);
     // No two points are farther apart than their distances from the mean together.
     let mut largest: f64 = 0.0;
     for (i, a) in far.iter().enumerate() {

@@ -21,6 +21,7 @@ mod messages;
 
 use super::fit::{RigidFit, Sample, rigid};
 use crate::findings::Severity;
+use crate::numerics::order::sort_by_number;
 pub(super) use evidence::{chi_squared_tail, f_tail};
 use evidence::{ln_evidence, ln_volume, tail};
 pub(crate) use messages::axis_slips;
@@ -194,7 +195,7 @@ impl Suspicion {
 fn wrong_pairs(samples: &[Sample], fit: &RigidFit) -> Vec<(Cause, Explanation)> {
     let mut order: Vec<usize> = (0..samples.len()).collect();
     let size = |i: usize| samples[i].weight * fit.residual(&samples[i]).norm_squared();
-    order.sort_by(|a, b| size(*b).total_cmp(&size(*a)));
+    sort_by_number(&mut order, |a| -size(*a));
     order.truncate(CANDIDATES);
     order.sort_unstable();
     let mut wrong = Vec::new();

@@ -8,6 +8,7 @@ use super::class::{CLASS_SPREAD, expected_stiffness};
 use super::evidence::Sizes;
 use super::fit::Fitted;
 use super::units::{DISPLACEMENTS, FORCES, PRIORS, Unit};
+use crate::numerics::order::sort_by_number;
 
 /// How much likelier than the commonest slip it is that nothing is wrong (logarithm).
 const SOUND: f64 = 4.5;
@@ -108,7 +109,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
         all.extend(PRIORS.map(|u| judge(On::Prior, u)));
     }
     all.retain(|e| e.all > sound.all);
-    all.sort_by(|a, b| b.all.total_cmp(&a.all));
+    sort_by_number(&mut all, |a| -a.all);
     let best = all.first()?;
     let limit = best.all - ALIKE;
     all.retain(|e| e.all >= limit);

@@ -8,6 +8,7 @@ use super::super::{Cause, Evidence, Suspicion, Work};
 use super::fit::{Fitted, clear_moves, fit, scaled};
 use super::units::{INCH, RADIAN};
 use crate::model::load::{Load, LoadCase};
+use crate::numerics::order::sort_by_number;
 use nalgebra::Isometry3;
 
 /// Mean misfit, over the larger of read and expected, above which causes are tried.
@@ -202,7 +203,7 @@ fn best_of(
             tried.push((change, after.mean_misfit()));
         }
     }
-    tried.sort_by(|a, b| a.1.total_cmp(&b.1));
+    sort_by_number(&mut tried, |a| a.1);
     let next = tried.get(1).map_or(f64::MAX, |t| t.1).min(other);
     let Some((change, after)) = tried.into_iter().next() else {
         return;

@@ -9,6 +9,7 @@ use super::super::{Cause, Evidence, Suspicion, Work};
 use super::evidence::number_in;
 use super::fit::{Fitted, scaled};
 use super::units::{DISPLACEMENTS, ENTRIES, Unit};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::sample::median;
 use nalgebra::Isometry3;
 
@@ -227,7 +228,7 @@ fn mended(
     // Numbers of a sensor, and all of a posture, are not typed one by one.
     let typed = group.len() == 1 && work.sheet.at(group[0]).wrench.is_none();
     let rare = |u: &Unit| u.rare + if u.is_decimal() && !typed { 2.0 } else { 0.0 };
-    tried.sort_by(|a, b| (rare(&a.1) + a.2).total_cmp(&(rare(&b.1) + b.2)));
+    sort_by_number(&mut tried, |a| rare(&a.1) + a.2);
     let (on, unit, after) = tried.remove(0);
     Some(Entry {
         at: group.to_vec(),

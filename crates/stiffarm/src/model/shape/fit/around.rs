@@ -2,6 +2,7 @@
 
 use super::super::Capsule;
 use crate::numerics::nelder_mead::nelder_mead;
+use crate::numerics::order::sort_by_number;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -52,7 +53,7 @@ pub(super) fn capsule_around(points: &[Vector3<f64>], effort: Effort) -> Capsule
         if out.is_empty() {
             break;
         }
-        out.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sort_by_number(&mut out, |a| -a.0);
         shell.extend(out.iter().take(ADDED).map(|(_, p)| *p));
         axis = search(&shell, &[axis], evaluations);
     }
@@ -114,7 +115,7 @@ pub(super) fn principal_axes(points: &[Vector3<f64>]) -> [Vector3<f64>; 3] {
         return frame;
     };
     let mut order = [0, 1, 2];
-    order.sort_by(|i, j| eigen.eigenvalues[*j].total_cmp(&eigen.eigenvalues[*i]));
+    sort_by_number(&mut order, |i| -eigen.eigenvalues[*i]);
     order.map(|i| eigen.eigenvectors.column(i).into_owned())
 }
 
@@ -135,7 +136,7 @@ fn starting_axes(points: &[Vector3<f64>], count: usize) -> Vec<Axis> {
             axes.into_iter().fold((f64::INFINITY, plain), least)
         })
         .collect();
-    axes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by_number(&mut axes, |a| a.0);
     axes.truncate(count);
     axes.into_iter().map(|(_, axis)| axis).collect()
 }

@@ -8,6 +8,7 @@ mod around;
 mod cut;
 
 use super::{Capsule, TriangleMesh};
+use crate::numerics::order::sort_by_number;
 use around::{Effort, capsule_around};
 use cut::{Polygon, cut, planes};
 
@@ -99,7 +100,7 @@ impl Part {
             .filter(|halves| halves.iter().all(|half| !half.is_empty()))
             .map(|halves| (rough(&halves[0]) + rough(&halves[1]), halves))
             .collect();
-        cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        sort_by_number(&mut cuts, |a| a.0);
         let finalists = cuts.into_iter().take(FINALISTS);
         let parts = finalists.map(|(_, halves)| halves.into_iter().map(Part::new).collect());
         self.halves = parts

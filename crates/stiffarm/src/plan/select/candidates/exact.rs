@@ -3,6 +3,7 @@
 use super::judge::Bounded;
 use super::tangent::Tangent;
 use crate::numerics::control::Control;
+use crate::numerics::order::sort_by_number;
 
 /// Groups must be better by this in ln(index) to count as better.
 const SAME: f64 = 1e-9;
@@ -49,7 +50,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
     }
     let mut order: Vec<usize> = (0..of).collect();
     if let Some(tangent) = tangent {
-        order.sort_by(|a, b| tangent.scores[*b].total_cmp(&tangent.scores[*a]));
+        sort_by_number(&mut order, |a| -tangent.scores[*a]);
     }
     let mut tree = Tree {
         judge,

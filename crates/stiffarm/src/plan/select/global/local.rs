@@ -201,7 +201,7 @@ impl Local {
         } = self;
         let angles = *angles;
         let solution = minimise_smooth(
-            |x, gradient| {
+            &mut |x, gradient| {
                 let (q, load) = x.split_at(angles);
                 let (by_q, by_load) = gradient.split_at_mut(angles);
                 design.apply(load, function);

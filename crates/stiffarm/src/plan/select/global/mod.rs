@@ -30,6 +30,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
+use crate::numerics::order::sort_by_number;
 use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
@@ -416,6 +417,6 @@ impl<'a> Global<'a> {
 /// Positions of `values`, the smallest first, equal ones in their order.
 fn ascending(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    sort_by_number(&mut order, |a| values[*a]);
     order
 }
