@@ -364,22 +364,3 @@ impl<'de> Deserializer<'de> for KeyNames<'_> {
         unit_struct newtype_struct seq tuple tuple_struct map enum identifier ignored_any
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_table_has_its_keys() {
-        for section in &SECTIONS {
-            assert!(!(section.keys)().is_empty(), "{}", section.path);
-        }
-        assert!(keys_of::<RawCell>().contains(&"format"));
-    }
-
-    #[test]
-    fn odd_keys_are_quoted_in_paths() {
-        assert_eq!(join("tool", "a b"), "tool.\"a b\"");
-        assert_eq!(join("", ""), "\"\"");
-    }
-}
