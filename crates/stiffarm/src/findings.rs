@@ -93,39 +93,3 @@ pub(crate) fn probability(p: f64) -> String {
         p => format!("p = {p:.2}"),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn hidden_characters_are_shown_in_letters() {
-        assert_eq!(visible("Ψ·H ä 漢 é 👍"), "Ψ·H ä 漢 é 👍");
-        assert_eq!(visible("a\u{1b}[31m\n\t"), "a\\u{1b}[31m\\n\\t");
-        for c in "\0\u{7f}\u{85}\u{9b}\u{200b}\u{2028}\u{202e}\u{2066}\u{feff}\u{e0041}".chars() {
-            assert_eq!(
-                visible(&c.to_string()),
-                format!("\\u{{{:x}}}", u32::from(c))
-            );
-        }
-    }
-
-    #[test]
-    fn lists_in_words() {
-        assert_eq!(list::<&str>(&[]), "");
-        assert_eq!(list(&["a"]), "a");
-        assert_eq!(list(&["a", "b", "c"]), "a, b and c");
-    }
-
-    #[test]
-    fn numbers_in_words() {
-        assert_eq!(percent(0.0123), "1.23 %");
-        assert_eq!(percent(-0.345), "-34.5 %");
-        assert_eq!(length(2.151e-4), "0.215 mm");
-        assert_eq!(length(9.6e-6), "9.6 µm");
-        assert_eq!(length_with_error(4.8e-5, 2.4e-6), "0.048 ± 0.002 mm");
-        assert_eq!(length_with_error(-3e-7, 2.4e-6), "-0.3 ± 2.4 µm");
-        assert_eq!(probability(1e-9), "p < 0.001");
-        assert_eq!(probability(0.4), "p = 0.40");
-    }
-}

@@ -82,11 +82,18 @@ pub mod internals {
     pub use crate::estimate::clamped::clamped_system;
     pub use crate::estimate::identify::internals::{
         Assumptions, Block, Covariance, MeasuredSystem, Prepared, PriorKnowledge, RowLabel, Scale,
-        Solution, Whitened, measured_system, solutions_without,
+        Solution, Whitened, estimates, measured_system, quantile, solutions_without,
     };
     pub use crate::estimate::mixed::internals::MixedModel;
-    pub use crate::numerics::{information, jobs, optimise, sample, streams};
+    pub use crate::estimate::systematic::posterior::{moments, noise, sizes};
+    pub use crate::files::program::characters::{plain, wrapped};
+    pub use crate::numerics::{
+        arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,
+    };
+    pub use crate::plan::index::kernel::lanes::{Lanes, WIDTH, sin_cos};
+    pub use crate::plan::index::kernel::{Kernel, Wanted};
     pub use crate::plan::index::minimax::Minimax;
+    pub use crate::plan::route::order::Places;
 
     /// Optimal continuous designs over any space of points.
     pub mod design {
@@ -96,5 +103,6 @@ pub mod internals {
             ContinuousDesign, DesignOptions, DesignSpace, Effort,
         };
         pub use crate::plan::certificate::space::PostureSpace;
+        pub use crate::plan::certificate::weights::{WeightProblem, optimal_weights};
     }
 }

@@ -54,7 +54,7 @@ fn folder() -> Folder {
 fn the_stiffness_of_a_clamped_arm() {
     let folder = folder();
     let line = "identify builtin:comau clamped.csv --clamped --angle-noise-deg 0.0006";
-    assert_snapshot!(folder.run(line).transcript(line));
+    assert_snapshot!(folder.transcript(line));
     let value = folder.json(line);
     let schema: serde_json::Value =
         serde_json::from_str(&folder.ok("schema result-identify-clamped")).unwrap();
@@ -106,9 +106,6 @@ fn wrong_requests_are_answered() {
         "identify builtin:comau clamped.csv --clamped --exclude 1,2,3,4,5,6",
         "identify builtin:comau heading.csv --clamped",
     ];
-    let said: Vec<String> = lines
-        .iter()
-        .map(|line| folder.run(line).transcript(line))
-        .collect();
+    let said: Vec<String> = lines.iter().map(|line| folder.transcript(line)).collect();
     assert_snapshot!(said.join("\n"));
 }

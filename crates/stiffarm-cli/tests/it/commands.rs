@@ -12,10 +12,6 @@ fn measured() -> Folder {
     folder
 }
 
-fn transcript(folder: &Folder, line: &str) -> String {
-    folder.run(line).transcript(line)
-}
-
 fn json(folder: &Folder, line: &str) -> String {
     let value = rounded(&folder.json(line));
     redact(&serde_json::to_string_pretty(&value).unwrap())
@@ -24,7 +20,7 @@ fn json(folder: &Folder, line: &str) -> String {
 #[test]
 fn init() {
     let folder = Folder::new();
-    let printed = transcript(&folder, "init --robot kuka-kr240-2 --output-dir cell");
+    let printed = folder.transcript("init --robot kuka-kr240-2 --output-dir cell");
     assert_snapshot!(printed.replace('\\', "/"));
     assert_eq!(folder.names(), ["cell"]);
     for file in [
@@ -39,7 +35,7 @@ fn init() {
 
 #[test]
 fn check() {
-    assert_snapshot!(transcript(&Folder::new(), "check"));
+    assert_snapshot!(Folder::new().transcript("check"));
 }
 
 #[test]
@@ -60,10 +56,7 @@ fn check_finds_a_dark_joint() {
 fn evaluate() {
     let folder = Folder::new();
     folder.ok("select builtin:comau --from builtin:comau-group1 --output plan.csv");
-    assert_snapshot!(transcript(
-        &folder,
-        "evaluate builtin:comau builtin:comau-group1 plan.csv"
-    ));
+    assert_snapshot!(folder.transcript("evaluate builtin:comau builtin:comau-group1 plan.csv"));
 }
 
 #[test]
@@ -96,13 +89,13 @@ fn evaluate_names_undetermined_joints_first() {
 fn evaluate_notes_postures_outside_bounds_and_limits() {
     let folder = Folder::new();
     folder.write("p.csv", "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,10,0,-90,10,50,20\nB,100,60,-90,200,50,20\n");
-    assert_snapshot!(transcript(&folder, "evaluate builtin:comau p.csv"));
+    assert_snapshot!(folder.transcript("evaluate builtin:comau p.csv"));
 }
 
 #[test]
 fn simulate() {
     let line = "simulate builtin:comau builtin:comau-group1 --levels 0.5,2 --runs 100 --seed 3";
-    assert_snapshot!(transcript(&Folder::new(), line));
+    assert_snapshot!(Folder::new().transcript(line));
 }
 
 #[test]
@@ -124,7 +117,7 @@ fn simulate_with_model_errors_is_worse_than_expected() {
 fn simulate_an_arm_that_gives_way_beyond_its_axes() {
     let folder = Folder::new();
     let line = "simulate builtin:comau builtin:comau-group1 --elastic auto --runs 3 --levels 1,4";
-    assert_snapshot!(transcript(&folder, line));
+    assert_snapshot!(folder.transcript(line));
 }
 
 #[test]
@@ -194,19 +187,13 @@ fn a_study_may_hold_arms_that_give_way_beyond_their_axes() {
 
 #[test]
 fn identify() {
-    assert_snapshot!(transcript(
-        &measured(),
-        "identify builtin:comau simulated.csv"
-    ));
+    assert_snapshot!(measured().transcript("identify builtin:comau simulated.csv"));
 }
 
 /// What the summary leaves out.
 #[test]
 fn identify_details() {
-    assert_snapshot!(transcript(
-        &measured(),
-        "identify builtin:comau simulated.csv --details"
-    ));
+    assert_snapshot!(measured().transcript("identify builtin:comau simulated.csv --details"));
 }
 
 /// The first lines are a verdict, then the table; all of it fits a screen.
@@ -291,8 +278,7 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
 fn validate() {
     let folder = measured();
     folder.ok("identify builtin:comau simulated.csv --exclude 5,6 --output stiffness.json");
-    assert_snapshot!(transcript(
-        &folder,
+    assert_snapshot!(folder.transcript(
         "validate builtin:comau stiffness.json simulated.csv --only 5,6 --tolerance-mm 0.2"
     ));
     let strict =
@@ -330,7 +316,7 @@ fn validate_json_takes_a_bare_list() {
 #[test]
 fn robots() {
     let folder = Folder::new();
-    let list = transcript(&folder, "robots");
+    let list = folder.transcript("robots");
     assert!(
         list.lines().all(|line| line.chars().count() <= 80),
         "{list}"
@@ -338,7 +324,7 @@ fn robots() {
     assert_snapshot!(list);
     assert_snapshot!(
         "robots_one",
-        transcript(&folder, "robots abb-irb4400l-30-243")
+        folder.transcript("robots abb-irb4400l-30-243")
     );
     let value = folder.json("robots comau-nj165-3.0");
     assert_eq!(

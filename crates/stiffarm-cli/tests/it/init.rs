@@ -71,7 +71,7 @@ fn robots_that_begin_with_what_was_typed_are_all_named() {
 fn an_arm_of_a_urdf_gets_a_cell_that_works() {
     let folder = folder();
     let line = "init --urdf arm.urdf --no-shapes --tip tool0 --output-dir cell";
-    let printed = folder.run(line).transcript(line).replace('\\', "/");
+    let printed = folder.transcript(line).replace('\\', "/");
     let cell = folder.read("cell/cell.toml");
     let (head, _) = cell.split_once("[tool]").unwrap();
     assert_snapshot!(format!("{printed}\n{head}"));
@@ -93,7 +93,7 @@ fn its_links_get_capsules() {
     let mesh = "pkg/own_arm/meshes/base.stl";
     folder.write(mesh, block([0.6, 0.5, 0.5]));
     let line = "init --urdf arm.urdf --tip tool0 --package-dir pkg --output-dir cell";
-    let printed = folder.run(line).transcript(line).replace('\\', "/");
+    let printed = folder.transcript(line).replace('\\', "/");
     let cell = folder.read("cell/cell.toml");
     let (_, shapes) = cell.split_once("down = ").unwrap();
     let (shapes, _) = shapes.split_once("[bounds]").unwrap();
@@ -148,7 +148,7 @@ fn meshes_that_cannot_be_meant_are_answered() {
 fn rows_of_ones_own_get_a_cell_that_works() {
     let folder = folder();
     let line = "init --dh rows.csv --output-dir cell";
-    let printed = folder.run(line).transcript(line).replace('\\', "/");
+    let printed = folder.transcript(line).replace('\\', "/");
     let cell = folder.read("cell/cell.toml");
     let (head, _) = cell.split_once("[tool]").unwrap();
     assert_snapshot!(format!("{printed}\n{head}"));

@@ -29,10 +29,6 @@ fn path() -> String {
     text
 }
 
-fn transcript(folder: &Folder, line: &str) -> String {
-    folder.run(line).transcript(line)
-}
-
 #[test]
 fn a_plane_of_the_default_cell() {
     let folder = Folder::new();
@@ -122,7 +118,7 @@ fn the_load_of_the_cell_is_taken_in_its_axes() {
 fn nothing_reachable_is_a_finding() {
     let folder = Folder::new();
     let line = "map builtin:comau prior --from-mm 5000,0,800 --to-mm 6000,0,800 --steps 3";
-    assert_snapshot!(transcript(&folder, line));
+    assert_snapshot!(folder.transcript(line));
 }
 
 #[test]

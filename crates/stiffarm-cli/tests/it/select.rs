@@ -4,13 +4,9 @@ use crate::support;
 
 use insta::assert_snapshot;
 use serde_json::Value;
-use support::Folder;
+use support::{Folder, number};
 
 const GROUP: &str = "builtin:comau-group1";
-
-fn transcript(folder: &Folder, line: &str) -> String {
-    folder.run(line).transcript(line)
-}
 
 /// The words of a transcript without its numbers: another platform's rounding
 /// may lead a search to another plan, but never to other words.
@@ -39,12 +35,6 @@ fn masked(word: &str) -> String {
     }
 }
 
-fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("{value} is no number"))
-}
-
 fn close(a: f64, b: f64, tolerance: f64) {
     assert!((a / b - 1.0).abs() < tolerance, "{a} {b}");
 }
@@ -53,7 +43,7 @@ fn close(a: f64, b: f64, tolerance: f64) {
 fn from_group_1() {
     let folder = Folder::new();
     let line = "select builtin:comau --index expected-error --from builtin:comau-group1 --output plan.csv --sheet sheet.csv";
-    assert_snapshot!(transcript(&folder, line));
+    assert_snapshot!(folder.transcript(line));
     assert_eq!(folder.names(), ["plan.csv", "sheet.csv"]);
     // The plan is read back, and the sheet has a row per posture and point.
     folder.ok("evaluate builtin:comau plan.csv");
@@ -67,36 +57,6 @@ fn a_global_search_and_its_certificate() {
         &folder,
         "select builtin:comau-reference -n 3 --rounds 1 --output plan.csv"
     ));
-    let value = folder.json("select builtin:comau-reference -n 4 --rounds 2 --seed 7");
-    assert_eq!(
-        (&value["seed"], &value["options"]["mode"]),
-        (&7.into(), &"global".into())
-    );
-    assert_eq!(value["options"]["postures"], 4);
-    let result = &value["result"];
-    assert_eq!(
-        (&result["index"], &result["rounds"]),
-        (&"expected_error".into(), &2.into())
-    );
-    assert_eq!(result["postures_deg"].as_array().unwrap().len(), 4);
-    assert_eq!(
-        result["posture_names"],
-        serde_json::json!(["1", "2", "3", "4"])
-    );
-    // Four postures: within a few percent of the bound, and never below it.
-    let certificate = &result["certificate"];
-    let efficiency = number(&certificate["efficiency"]);
-    assert!((0.95..=1.0).contains(&efficiency), "{efficiency}");
-    close(
-        number(&certificate["bound"]) / number(&result["value"]),
-        efficiency,
-        1e-12,
-    );
-    let joints = result["joint_efficiencies"].as_array().unwrap();
-    assert_eq!(joints.len(), 6);
-    for joint in joints {
-        assert!(number(&joint["efficiency"]) <= 1.0, "{joint}");
-    }
     // The same number from the plan that was written.
     let written = folder.json("evaluate builtin:comau-reference plan.csv");
     let plan = folder.json("select builtin:comau-reference -n 3 --rounds 1 --no-certificate");
@@ -142,47 +102,11 @@ fn errors_beyond_the_first_order_are_a_caution() {
 }
 
 #[test]
-fn larger_is_better_where_the_index_says_so() {
-    let folder = Folder::new();
-    let value = |rounds: u32| {
-        let line = format!("select builtin:comau --index o3 -n 3 --rounds {rounds}");
-        number(&folder.json(&line)["result"]["value"])
-    };
-    // A search that goes on never gets worse, but for the last digits of its end.
-    assert!(value(3) > (1.0 - 1e-5) * value(1));
-    let group = folder.json(&format!("evaluate builtin:comau {GROUP}"));
-    assert!(value(1) > number(&group["result"]["groups"][0]["indices"]["o3"]));
-}
-
-#[test]
 fn the_next_postures_beside_those_measured() {
     let folder = Folder::new();
     let line = "select builtin:comau-reference --given builtin:comau-group1 --add 2 --rounds 2 --output new.csv --sheet sheet.csv --sheet-of displacements";
     assert_snapshot!(words(&folder, line));
     assert_eq!(folder.read("new.csv").lines().count(), 3);
-
-    // Together they are worth what was said.
-    let result = folder.json(&line.replace(
-        "new.csv --sheet sheet.csv --sheet-of displacements",
-        "again.csv",
-    ))["result"]
-        .clone();
-    assert_eq!(folder.read("new.csv"), folder.read("again.csv"));
-    assert_eq!(result["posture_names"], serde_json::json!(["7", "8"]));
-    assert_eq!(result["given"], 6);
-    let group = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
-    let new: String = folder
-        .read("new.csv")
-        .lines()
-        .skip(1)
-        .map(|l| format!("{l}\n"))
-        .collect();
-    folder.write("all.csv", format!("{group}{new}"));
-    let all = folder.json("evaluate builtin:comau-reference all.csv");
-    let value = number(&all["result"]["groups"][0]["indices"]["expected_error"]);
-    close(value, number(&result["value"]), 1e-9);
-    assert!(value < 0.5 * number(&result["given_value"]));
-    assert!(number(&result["certificate"]["efficiency"]) <= 1.0);
 
     // The sheet, filled in, is read together with what was measured before.
     folder.ok(&format!(
@@ -215,27 +139,8 @@ fn a_sheet_asks_for_what_will_be_read() {
     folder.ok(&format!(
         "{select} --sheet sheet.csv --states preload,up-250,down-250 --drift --base-reflector"
     ));
-    let sheet = folder.read("sheet.csv");
-    let rows: Vec<Vec<&str>> = sheet.lines().map(|row| row.split(',').collect()).collect();
-    assert_eq!(
-        rows[0][..8],
-        [
-            "posture", "state", "point", "x_mm", "y_mm", "z_mm", "load_n", "time_s"
-        ]
-    );
-    let states = ["unloaded", "preload", "up-250", "down-250", "unloaded-2"];
-    let points = ["1", "2", "3", "4", "base"];
-    assert_eq!(rows.len(), 1 + 6 * states.len() * points.len());
-    let expected = states
-        .iter()
-        .flat_map(|state| points.map(|point| ["1", state, point]));
-    for (row, expected) in rows[1..].iter().zip(expected) {
-        assert_eq!(row[..3], expected);
-        // The force of a state is in its name; a preload without a number stays open.
-        let load = if row[1].ends_with("-250") { "250" } else { "" };
-        assert_eq!(row[3..8], ["", "", "", load, ""]);
-        assert!(row[8..].iter().all(|angle| angle.parse::<f64>().is_ok()));
-    }
+    // Five states, four points and the base.
+    assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 6 * 5 * 5);
     folder.ok(&format!(
         "{select} --sheet old.csv --sheet-of displacements --states up,down"
     ));
@@ -248,26 +153,10 @@ fn a_sheet_asks_for_what_will_be_read() {
 }
 
 #[test]
-fn new_names_never_meet_given_ones() {
-    let folder = Folder::new();
-    folder.write(
-        "given.csv",
-        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n\
-         5,-35,-10,-95,10,15,-20\nshelf,-20,15,-110,-15,-10,25\n4,-5,-25,-80,5,20,10\n",
-    );
-    let value = folder.json("select builtin:comau --given given.csv --add 2 --rounds 1");
-    assert_eq!(
-        value["result"]["posture_names"],
-        serde_json::json!(["6", "7"])
-    );
-    assert_eq!(
-        value["result"]["given_names"],
-        serde_json::json!(["5", "shelf", "4"])
-    );
-    // One posture more is the default.
-    let value = folder.json("select builtin:comau --given given.csv --rounds 1 --no-certificate");
-    assert_eq!(value["result"]["posture_names"], serde_json::json!(["6"]));
-    assert_eq!(value["options"]["mode"], "add");
+fn one_posture_more_is_the_default() {
+    let line = "select builtin:comau --given builtin:comau-group1 --rounds 1 --no-certificate";
+    let value = Folder::new().json(line);
+    assert_eq!(value["result"]["posture_names"], serde_json::json!(["7"]));
 }
 
 #[test]
@@ -298,14 +187,7 @@ fn given_postures_that_leave_a_joint_undetermined_are_completed() {
 fn the_postures_least_worth_their_time() {
     let folder = Folder::new();
     let line = "select builtin:comau --given builtin:comau-group1 --drop 2 --output stay.csv --sheet sheet.csv";
-    assert_snapshot!(transcript(&folder, line));
-    let result =
-        folder.json("select builtin:comau --given builtin:comau-group1 --drop 2")["result"].clone();
-    let stay = folder.json("evaluate builtin:comau stay.csv");
-    assert_eq!(
-        stay["result"]["groups"][0]["indices"]["expected_error"],
-        result["value"]
-    );
+    assert_snapshot!(folder.transcript(line));
     assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 4 * 2 * 4);
     // Without a number, one is left out.
     let one = folder.json("select builtin:comau --given builtin:comau-group1 --drop");
@@ -321,12 +203,6 @@ fn the_curve_of_the_number_of_postures() {
     let sizes = folder.json(&line.replace(" --output curve.csv", ""))["result"]["sizes"].clone();
     let sizes = sizes.as_array().unwrap();
     assert_eq!(sizes.len(), 4);
-    for pair in sizes.windows(2) {
-        let gain = 1.0 - number(&pair[1]["value"]) / number(&pair[0]["value"]);
-        assert!(gain > 0.0);
-        close(number(&pair[0]["gain"]), gain, 1e-9);
-        assert!(number(&pair[0]["efficiency"]) < 1.0);
-    }
     let csv = folder.read("curve.csv");
     let rows: Vec<Vec<&str>> = csv.lines().map(|l| l.split(',').collect()).collect();
     assert_eq!(
@@ -338,15 +214,6 @@ fn the_curve_of_the_number_of_postures() {
         rows[4][1].parse::<f64>().unwrap(),
         number(&sizes[3]["value"])
     );
-    // Each size is what a selection of that size gives.
-    let three = folder
-        .json("select builtin:comau-reference -n 3 --rounds 2 --no-certificate --angle-step-deg 0");
-    // Put into another order, its sums round otherwise.
-    let (own, curve) = (
-        number(&three["result"]["value"]),
-        number(&sizes[2]["value"]),
-    );
-    close(own, curve, 1e-9);
     // Sizes that cannot be are said, and another index has its own column.
     let out = folder.ok("select builtin:comau-reference --curve -n 2 --rounds 1 --index drop-one");
     let words: Vec<&str> = out.split_whitespace().collect();
@@ -422,19 +289,6 @@ fn evenly_spread_postures_as_a_baseline() {
         "select builtin:comau --space-filling -n 8 --seed 3 --output even.csv --sheet sheet.csv";
     assert_snapshot!(words(&folder, line));
     assert_eq!(folder.read("sheet.csv").lines().count(), 1 + 8 * 2 * 4);
-    let even = folder.json("select builtin:comau --space-filling -n 8 --seed 3")["result"].clone();
-    let evaluated = folder.json("evaluate builtin:comau even.csv");
-    close(
-        number(&evaluated["result"]["groups"][0]["indices"]["expected_error"]),
-        number(&even["evaluation"]["indices"]["expected_error"]),
-        1e-9,
-    );
-    // A baseline it is: the same number chosen for the purpose is better.
-    let plan = folder.json("select builtin:comau -n 8 --rounds 1 --no-certificate");
-    assert!(
-        number(&plan["result"]["value"]) < number(&even["evaluation"]["indices"]["expected_error"])
-    );
-    assert!(number(&even["smallest_distance"]) > 0.3);
 }
 
 #[test]
@@ -453,9 +307,6 @@ fn the_best_of_a_list_is_written_and_proved() {
     let evaluated = folder.json("evaluate builtin:comau chosen.csv");
     let value = &evaluated["result"]["groups"][0]["indices"]["expected_error"];
     close(number(value), number(&result["value"]), 1e-12);
-    // Dropping the others one after the other cannot be better.
-    let dropped = folder.json("select builtin:comau --given even.csv --drop 10");
-    assert!(number(&result["value"]) <= number(&dropped["result"]["value"]) * (1.0 + 1e-12));
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Maps `jobs` on all cores, results in the order of the jobs.
-pub(crate) fn in_order<J: Sync, T: Send>(
+pub fn in_order<J: Sync, T: Send>(
     jobs: &[J],
     run: impl Fn((usize, &J)) -> Result<T> + Sync + Send,
 ) -> Result<Vec<T>> {
@@ -36,7 +36,7 @@ const REPORTED: usize = 64;
 ///
 /// # Errors
 /// The first error by order; stopped.
-pub(crate) fn in_order_watched<J: Sync, T: Send>(
+pub fn in_order_watched<J: Sync, T: Send>(
     jobs: &[J],
     what: &str,
     control: Control<'_>,
@@ -53,7 +53,7 @@ pub(crate) fn in_order_watched<J: Sync, T: Send>(
 ///
 /// # Errors
 /// The first error of what was done.
-pub(crate) fn as_far_as<J: Sync, T: Send>(
+pub fn as_far_as<J: Sync, T: Send>(
     jobs: &[J],
     what: &str,
     control: Control<'_>,
@@ -78,7 +78,7 @@ pub(crate) fn as_far_as<J: Sync, T: Send>(
 }
 
 /// The numbers below `count`: the first, then those halfway between, again and again.
-fn spread(count: usize) -> Vec<usize> {
+pub fn spread(count: usize) -> Vec<usize> {
     let mut step = count.next_power_of_two();
     let mut order: Vec<usize> = (0..count).step_by(step).collect();
     while step > 1 {
@@ -104,7 +104,7 @@ fn watched<J: Sync, T: Send>(
 ///
 /// # Errors
 /// As [`in_order_watched`].
-pub(crate) fn each_in_order<J: Sync, T: Send>(
+pub fn each_in_order<J: Sync, T: Send>(
     jobs: &[J],
     what: &str,
     control: Control<'_>,
@@ -140,36 +140,4 @@ fn each_portion<J: Sync, T: Send>(
         start += portion.len();
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_spread_order_has_every_number_once() {
-        for count in [0, 1, 2, 63, 64, 65, 1000] {
-            let mut order = spread(count);
-            order.sort_unstable();
-            assert!(order.into_iter().eq(0..count), "{count}");
-        }
-    }
-
-    #[test]
-    fn what_was_done_before_a_stop_stays() {
-        let jobs: Vec<usize> = (0..500).collect();
-        let asked = AtomicUsize::new(0);
-        let stop = || asked.fetch_add(1, Ordering::Relaxed) > 100;
-        let control = Control {
-            stop: Some(&stop),
-            progress: None,
-        };
-        let found = as_far_as(&jobs, "", control, |(i, job)| Ok(i + job)).unwrap();
-        let done = found.iter().flatten().count();
-        assert!((1..500).contains(&done), "{done}");
-        let mut values = found.iter().enumerate();
-        assert!(values.all(|(i, value)| value.is_none_or(|v| v == 2 * i)));
-        let error = in_order_watched(&jobs, "", control, |(i, _)| Ok(i)).unwrap_err();
-        assert_eq!(error.code(), Code::Interrupted);
-    }
 }

@@ -5,7 +5,7 @@
 
 /// Minimises `value` from `start` with first steps of `step`, in at most `evaluations` of the
 /// function; the best point found. A value that is not finite counts as infinite.
-pub(crate) fn nelder_mead<const N: usize>(
+pub fn nelder_mead<const N: usize>(
     mut value: impl FnMut(&[f64; N]) -> f64,
     start: [f64; N],
     step: f64,
@@ -69,33 +69,5 @@ pub(crate) fn nelder_mead<const N: usize>(
                 }
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_valley_of_rosenbrock() {
-        let (x, value) = nelder_mead(
-            |[x, y]| (1.0 - x).powi(2) + 100.0 * (y - x * x).powi(2),
-            [-1.2, 1.0],
-            0.5,
-            2000,
-        );
-        assert!(value < 1e-12, "{value:e}");
-        assert!((x[0] - 1.0).abs() < 1e-5 && (x[1] - 1.0).abs() < 1e-5);
-    }
-
-    #[test]
-    fn what_is_not_a_number_is_avoided() {
-        let (x, _) = nelder_mead(
-            |[x]| (x - 2.0).abs() + (x - 1.0).sqrt() * 0.0,
-            [3.0],
-            0.5,
-            500,
-        );
-        assert!((x[0] - 2.0).abs() < 1e-6);
     }
 }

@@ -10,7 +10,7 @@ const STEPS: usize = 100;
 
 /// Place and value of a minimum of `f` in `low..high`, to `tolerance` (absolute),
 /// from a point `start` inside with its value.
-pub(crate) fn minimum(
+pub fn minimum(
     f: impl Fn(f64) -> f64,
     [mut low, mut high]: [f64; 2],
     start: (f64, f64),
@@ -75,12 +75,7 @@ pub(crate) fn minimum(
 
 /// Where `f` vanishes between `a` and `b`, places with values of opposite sign,
 /// to `tolerance` (absolute).
-pub(crate) fn zero(
-    f: impl Fn(f64) -> f64,
-    mut a: (f64, f64),
-    mut b: (f64, f64),
-    tolerance: f64,
-) -> f64 {
+pub fn zero(f: impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64), tolerance: f64) -> f64 {
     let mut c = a;
     let mut step = b.0 - a.0;
     let mut last = step;
@@ -134,54 +129,4 @@ pub(crate) fn zero(
         b.1 = f(b.0);
     }
     b.0
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::cell::Cell;
-
-    /// A function, the ends of an interval, and the place looked for.
-    type Case = (fn(f64) -> f64, [f64; 2], f64);
-
-    #[test]
-    fn minima_are_found_in_few_steps() {
-        let count = Cell::new(0);
-        let counted = |f: fn(f64) -> f64| {
-            let count = &count;
-            move |x: f64| {
-                count.set(count.get() + 1);
-                f(x)
-            }
-        };
-        let cases: [Case; 3] = [
-            (|x| (x - 0.3).powi(2) + 2.0, [-1.0, 1.0], 0.3),
-            (|x| x.cosh() + 0.5 * x, [-2.0, 2.0], -(0.5_f64.asinh())),
-            (|x| (1.0 + x * x).ln() - 0.1 * x, [-2.0, 2.0], 0.050_125_629),
-        ];
-        for (f, ends, place) in cases {
-            count.set(0);
-            let middle = 0.1;
-            let (x, value) = minimum(counted(f), ends, (middle, f(middle)), 1e-7);
-            assert!((x - place).abs() < 2e-7, "{x} {place}");
-            assert_eq!(value, f(x));
-            assert!(count.get() < 20, "{}", count.get());
-        }
-        // At an end of the interval.
-        let (x, _) = minimum(|x| x, [0.0, 1.0], (0.5, 0.5), 1e-7);
-        assert!(x < 1e-6);
-    }
-
-    #[test]
-    fn zeros_are_found_in_few_steps() {
-        let cases: [Case; 3] = [
-            (|x| x * x - 2.0, [0.0, 2.0], 2f64.sqrt()),
-            (|x| x.exp() - 5.0, [0.0, 10.0], 5f64.ln()),
-            (|x| (x - 1.0).powi(3), [0.0, 4.0], 1.0),
-        ];
-        for (f, [a, b], place) in cases {
-            let x = zero(f, (a, f(a)), (b, f(b)), 1e-12);
-            assert!((x - place).abs() < 1e-9, "{x} {place}");
-        }
-    }
 }

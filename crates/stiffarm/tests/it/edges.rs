@@ -231,6 +231,10 @@ fn angles_and_numbers_that_are_not_finite_are_errors() {
         assert_eq!(error.code(), Code::InvalidValue);
         assert!(error_bound(bad, 0.0, 0.0).is_err() && error_bound(2.0, bad, 0.0).is_err());
     }
+    // Eq. (19) says where it bounds nothing; no condition number is below one.
+    let lost = error_bound(100.0, 1e-3, 0.0).unwrap();
+    assert!(lost.bound.is_none() && (lost.validity - 10.0).abs() < 1e-12);
+    assert!(error_bound(0.5, 0.0, 0.0).is_err());
     let error = evaluate(&cell, "", &[vec![0.0; 5]]).unwrap_err();
     assert_eq!(error.code(), Code::Dimension);
     let error = evaluate::<Vec<f64>>(&cell, "", &[]).unwrap_err();

@@ -6,7 +6,7 @@ use stiffarm::study::{Choice, MeasuredStudy, MeasuredStudyOptions, measured_stud
 
 fn options() -> MeasuredStudyOptions {
     with(|o: &mut MeasuredStudyOptions| {
-        o.splits = 10;
+        o.splits = runs(5) as usize;
         o.pool = Some(9);
         o.counts = vec![4];
         o.indices = vec![Index::ExpectedError, Index::Prediction];
@@ -88,7 +88,7 @@ fn an_arm_of_joint_springs_is_predicted_to_its_noise() {
     let study = run(&cell, &measured);
     assert_eq!(
         (study.posture_count, study.pool_count, study.split_count),
-        (13, 9, 10)
+        (13, 9, options().splits)
     );
     // Two readings behind each displacement.
     let noise = (2.0 * cell.noise.reading_variance).sqrt();

@@ -52,7 +52,7 @@ pub fn random_model(
 }
 
 proptest! {
-    #![proptest_config(cases(60))]
+    #![proptest_config(cases(30))]
 
     #[test]
     fn likelihood_effects_and_predictions_are_those_of_dense_matrices(
@@ -324,7 +324,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
         let options = Default::default();
         let bent = predict(&cell, predictor, &work, &options, Control::default()).unwrap();
         assert!(bent.deflection_max_m < 0.1 && bent.points[0].band.is_some());
-        if open > 2 {
+        if open as u64 == runs(2) {
             break;
         }
     }

@@ -63,17 +63,29 @@ fn now_is_what_the_table_of_estimates_says() {
 
 #[test]
 fn with_it_is_what_a_fit_with_that_posture_has() {
-    let mut cell = default_cell();
-    cell.noise.posture_common_std = 3e-5;
     // The size of the noise is known, so that it is the same in both fits.
     let options = with(|o: &mut IdentifyOptions| {
         o.estimator = Estimator::Weighted;
         o.noise = NoiseSource::Known;
     });
-    for force in [ForceRecord::Load, ForceRecord::Force] {
+    for (force, pushes) in [
+        (ForceRecord::Load, false),
+        (ForceRecord::Force, false),
+        (ForceRecord::Force, true),
+    ] {
+        let mut cell = default_cell();
+        cell.noise.posture_common_std = 3e-5;
+        if pushes {
+            *rope_force(&mut cell) *= -1.0;
+        }
         let done = with_states(force);
         let fit = Fit::new(&cell, measured(&cell, group1(), &done, 4), &options).unwrap();
         let advice = advice(&fit, 2);
+        if let Some(assumed) = &advice.assumed_load {
+            let anchor = Vector3::from(assumed.anchor_m.unwrap());
+            assert!((anchor - *rope_anchor(&mut cell)).norm() < 1e-3);
+            assert_eq!(assumed.pushes, pushes);
+        }
         let mut q = group1();
         q.push(radians(&advice));
         let more = Fit::new(&cell, measured(&cell, q, &done, 4), &options).unwrap();

@@ -7,8 +7,8 @@ use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
 use stiffarm::plan::index::Evaluated;
 use stiffarm::plan::planned::{
-    CandidateRequest, CurveRequest, DropRequest, Mode, PlanRequest, SpaceFillingRequest, Stage,
-    plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
+    CandidateRequest, CurveRequest, CurveSize, DropRequest, Mode, PlanRequest, SpaceFillingRequest,
+    Stage, plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
 };
 
 /// Text of a result that is read back and written again as the same text.
@@ -313,12 +313,33 @@ fn a_curve_with_its_bounds() {
     let last = &sizes[3];
     assert!(last.efficiency.unwrap() <= 1.0 && last.gain.is_none());
     assert!((sizes[1].bound.unwrap() / last.bound.unwrap() - 2_f64.sqrt()).abs() < 1e-12);
+    for pair in sizes.windows(2) {
+        let value = |size: &CurveSize| size.point.value;
+        let gain = value(&pair[0])
+            .zip(value(&pair[1]))
+            .map(|(now, next)| (now - next) / now);
+        assert_eq!(pair[0].gain, gain);
+        let share = pair[1]
+            .bound
+            .zip(value(&pair[1]))
+            .map(|(bound, value)| bound / value);
+        assert_eq!(pair[1].efficiency, share);
+    }
     assert!(planned.postures.is_empty() && planned.options.mode == Mode::Curve);
     saved(&planned.result);
     request.certificate = false;
     let quick = plan_curve(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
     assert_eq!(quick.result.sizes[3].bound, None);
     assert_eq!(quick.result.certificate_missing, None);
+    // O3 is to be large.
+    (request.index, request.postures) = (Index::O3, 3);
+    let larger = plan_curve(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let [_, two, three] = &larger.result.sizes[..] else {
+        panic!("three sizes");
+    };
+    let [two_value, three_value] = [two, three].map(|size| size.point.value.unwrap());
+    assert_eq!(two.gain, Some((three_value - two_value) / two_value));
+    assert!(two.gain.unwrap() > 0.0);
 }
 
 #[test]

@@ -73,6 +73,11 @@ impl Folder {
         }
     }
 
+    /// Runs a line, and gives the transcript.
+    pub fn transcript(&self, line: &str) -> String {
+        self.run(line).transcript(line)
+    }
+
     /// Runs a line that must end well, and gives what it printed.
     pub fn ok(&self, line: &str) -> String {
         let ran = self.run(line);
@@ -159,6 +164,13 @@ impl Ran {
         text += &format!("-- exit code {}\n", self.code.unwrap_or(-1));
         redact(&text)
     }
+}
+
+/// A number in a result.
+pub fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 /// The text without what differs from version to version.

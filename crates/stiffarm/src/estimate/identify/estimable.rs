@@ -184,24 +184,3 @@ fn reduce(rows: &mut DMatrix<f64>) -> Vec<usize> {
     }
     pivots
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn reduced_rows_span_the_same_and_are_simple() {
-        // Span of (1, 0, 0, 0) and (0, 1, 1, 2), mixed.
-        let mut rows = DMatrix::from_row_slice(2, 4, &[0.6, 0.3, 0.3, 0.6, -0.2, 0.5, 0.5, 1.0]);
-        let pivots = reduce(&mut rows);
-        let mut expected = vec![vec![1.0, 0.0, 0.0, 0.0], vec![0.0, 0.5, 0.5, 1.0]];
-        expected.sort_by_key(|r| r[0] as i32);
-        let mut found: Vec<Vec<f64>> = rows
-            .row_iter()
-            .map(|r| r.iter().map(|v| (v * 1e9).round() / 1e9 + 0.0).collect())
-            .collect();
-        found.sort_by_key(|r| r[0] as i32);
-        assert_eq!(found, expected);
-        assert_eq!(pivots.len(), 2);
-    }
-}

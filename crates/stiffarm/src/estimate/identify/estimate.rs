@@ -172,7 +172,7 @@ pub(crate) fn interval_quantile(solution: &Solution, confidence: f64) -> Result<
 }
 
 /// Estimates of the unknowns `which`, springs all of them, by a solution.
-pub(crate) fn estimates(
+pub fn estimates(
     names: &[String],
     which: Range<usize>,
     solution: &Solution,
@@ -206,7 +206,7 @@ const MANY_DEGREES: usize = 10_000;
 ///
 /// # Errors
 /// A confidence outside (0, 1), or no degree of freedom.
-pub(crate) fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
+pub fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
     if !(confidence > 0.0 && confidence < 1.0) {
         let message = format!("The confidence is {confidence}; it must lie between 0 and 1.");
         return Err(Error::new(Code::InvalidValue, message));
@@ -274,79 +274,4 @@ pub(crate) fn estimate(
         None => out.readings_alone(),
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn interval_is_asymmetric_open_or_absent() {
-        let t = Some(2.0);
-        let closed = estimate("j", Some(1e-6), Some(1e-7), t);
-        assert_eq!(closed.verdict, Verdict::Weak);
-        let [low, high] = closed.interval.map(|v| v.unwrap_or(f64::NAN));
-        assert!((low - 1.0 / 1.2e-6).abs() < 1e-3 && (high - 1.0 / 0.8e-6).abs() < 1e-3);
-        let open = estimate("j", Some(1e-6), Some(1e-6), t);
-        assert_eq!(
-            (open.verdict, open.interval[1]),
-            (Verdict::LowerBoundOnly, None)
-        );
-        let negative = estimate("j", Some(-1e-6), Some(1e-7), t);
-        assert_eq!(
-            (negative.verdict, negative.interval),
-            (Verdict::SignOrModelFault, [None, None])
-        );
-        assert!(negative.stiffness.is_some_and(|k| k < 0.0));
-    }
-
-    #[test]
-    fn a_joint_held_at_zero_has_a_lower_bound_or_nothing() {
-        let mut held = estimate("j", Some(0.0), Some(1e-7), Some(2.0));
-        held.hold_at_bound();
-        assert_eq!(held.verdict, Verdict::LowerBoundOnly);
-        assert!((held.interval[0].unwrap_or(0.0) - 5e6).abs() < 1e-3 && held.interval[1].is_none());
-        let mut without = estimate("j", Some(0.0), None, None);
-        without.hold_at_bound();
-        assert_eq!(without.verdict, Verdict::NoInterval);
-        assert_eq!((without.interval, without.stiffness), ([None, None], None));
-    }
-
-    #[test]
-    fn quantiles_are_those_of_the_tables() {
-        let table = [
-            (Some(3), 3.182_446_305_284_263),
-            (Some(6), 2.446_911_848_791_681),
-            (Some(12), 2.178_812_829_663_418),
-            (Some(66), 1.996_564_418_952_312),
-            (None, 1.959_963_984_540_054),
-        ];
-        for (dof, expected) in table {
-            assert!((quantile(dof, 0.95).unwrap() / expected - 1.0).abs() < 1e-9);
-        }
-    }
-
-    #[test]
-    fn many_degrees_of_freedom_take_no_time_and_join_the_exact_ones() {
-        for confidence in [0.5, 0.95, 0.999] {
-            let at = |n| quantile(Some(n), confidence).unwrap();
-            assert!((at(MANY_DEGREES) - at(MANY_DEGREES + 1)).abs() < 1e-6);
-        }
-        // z + (z³ + z)/(4·10⁶) with z = 1.959963984540054.
-        assert!((quantile(Some(1_000_000), 0.95).unwrap() - 1.959_966_356_81).abs() < 1e-10);
-        let largest = quantile(Some(usize::MAX), 0.95).unwrap();
-        assert!((largest - quantile(None, 0.95).unwrap()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_quantile_that_does_not_exist_is_an_error() {
-        for (dof, confidence) in [
-            (Some(0), 0.95),
-            (None, 1.0),
-            (None, f64::NAN),
-            (Some(3), 95.0),
-        ] {
-            assert!(!quantile(dof, confidence).unwrap_err().code().is_internal());
-        }
-    }
 }

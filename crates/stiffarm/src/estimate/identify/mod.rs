@@ -61,6 +61,7 @@ use serde::{Deserialize, Serialize};
 pub(crate) mod internals {
     pub use super::assumptions::{Assumptions, PriorKnowledge, Scale};
     pub use super::covariance::Covariance;
+    pub use super::estimate::{estimates, quantile};
     pub use super::experiment::measured_system;
     pub use super::labels::RowLabel;
     pub use super::leave_out::solutions_without;

@@ -112,27 +112,3 @@ fn common_anchor(lines: &[(Vector3<f64>, Vector3<f64>)]) -> Option<(Vector3<f64>
     let pushes = typical > PI - MEETING;
     (pushes || typical < MEETING).then_some((anchor, pushes))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_that_meet_are_a_rope_or_a_cylinder_that_pushes() {
-        let anchor = Vector3::new(1.8, -0.3, 0.2);
-        let towards: Vec<(Vector3<f64>, Vector3<f64>)> = [
-            [0.9, 0.2, 1.1],
-            [1.2, -0.9, 0.8],
-            [2.5, 0.4, 1.4],
-            [1.1, 0.1, 0.3],
-        ]
-        .map(|p| (Vector3::from(p), (anchor - Vector3::from(p)).normalize()))
-        .into();
-        let away: Vec<_> = towards.iter().map(|(p, u)| (*p, -u)).collect();
-        for (lines, expected) in [(towards, false), (away, true)] {
-            let (found, pushes) = common_anchor(&lines).unwrap();
-            assert!((found - anchor).norm() < 1e-12);
-            assert_eq!(pushes, expected);
-        }
-    }
-}

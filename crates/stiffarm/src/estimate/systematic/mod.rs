@@ -12,7 +12,7 @@
 
 mod believed;
 mod findings;
-mod posterior;
+pub(crate) mod posterior;
 mod predictor;
 mod sources;
 mod total;

@@ -107,7 +107,7 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
 /// Mean and covariance of c given A and b; parts that are `alike` share one unknown size,
 /// and σ² is one of `noise`: ratios of σ̂² to it, with weights. `None` where a number is
 /// not finite.
-fn moments(
+pub fn moments(
     seen: &DMatrix<f64>,
     said: &DVector<f64>,
     alike: &[bool],
@@ -160,7 +160,7 @@ fn moments(
 
 /// Ratios σ̂²/σ² with their weights: χ² over its degrees of freedom, as the residuals leave
 /// it; one where σ is known.
-fn noise(degrees_of_freedom: Option<usize>) -> Vec<(f64, f64)> {
+pub fn noise(degrees_of_freedom: Option<usize>) -> Vec<(f64, f64)> {
     let Some(n) = degrees_of_freedom else {
         return vec![(1.0, 1.0)];
     };
@@ -178,53 +178,10 @@ fn noise(degrees_of_freedom: Option<usize>) -> Vec<(f64, f64)> {
 
 /// Sizes ω with their weights before the readings: uniform, close together near
 /// zero, weights of sum one and mean square one.
-fn sizes() -> Vec<(f64, f64)> {
+pub fn sizes() -> Vec<(f64, f64)> {
     let steps = || (0..SIZES).map(|k| (k as f64 + 0.5) / SIZES as f64);
     // ω ~ u² makes dω ~ u du.
     let sum: f64 = steps().sum();
     let square: f64 = steps().map(|u| u.powi(5) / sum).sum();
     steps().map(|u| (u * u / square.sqrt(), u / sum)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Where the readings say nothing, sizes are as stated.
-    #[test]
-    fn nothing_seen_is_nothing_learned() {
-        let (mean, covariance) = moments(
-            &DMatrix::zeros(3, 3),
-            &DVector::zeros(3),
-            &[true, true, false],
-            &noise(Some(12)),
-        )
-        .unwrap();
-        assert_eq!(mean, DVector::zeros(3));
-        assert!((covariance - DMatrix::identity(3, 3)).norm() < 1e-14);
-        let total: f64 = sizes().iter().map(|(_, weight)| weight).sum();
-        assert!((total - 1.0).abs() < 1e-14);
-        assert!((sizes()[SIZES - 1].0 - 3f64.sqrt()).abs() < 0.05);
-    }
-
-    /// A part that is seen well and found to be absent says that those alike
-    /// are small, too; one that is not alike keeps its size.
-    #[test]
-    fn what_one_joint_shows_is_said_of_those_alike() {
-        let mut seen = DMatrix::zeros(3, 3);
-        seen[(0, 0)] = 1e4;
-        let (_, covariance) = moments(
-            &seen,
-            &DVector::zeros(3),
-            &[true, true, false],
-            &noise(None),
-        )
-        .unwrap();
-        assert!(covariance[(0, 0)] < 2e-4);
-        assert!(covariance[(1, 1)] < 0.4, "{covariance}");
-        assert!((covariance[(2, 2)] - 1.0).abs() < 1e-12);
-        let said = DVector::from_vec(vec![2e4, 0.0, 0.0]);
-        let (mean, covariance) = moments(&seen, &said, &[true, true, false], &noise(None)).unwrap();
-        assert!((mean[0] - 2.0).abs() < 1e-3 && covariance[(1, 1)] > 1.2);
-    }
 }

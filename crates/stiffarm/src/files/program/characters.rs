@@ -71,31 +71,3 @@ pub fn said(text: &str, width: usize) -> Vec<String> {
         text => wrapped(text, width),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    #[test]
-    fn texts_keep_what_can_be_shown() {
-        assert_eq!(plain("Größe \"A\";\n45°"), "Groesse _A__ 45 deg");
-        assert_eq!(
-            wrapped("measure unloaded, loaded", 10),
-            ["measure", "unloaded,", "loaded"]
-        );
-        assert_eq!(wrapped("abcdefghij kl", 4), ["abcd", "efgh", "ij", "kl"]);
-        assert_eq!(wrapped("", 4), [""]);
-    }
-
-    proptest! {
-        #[test]
-        fn lines_are_short_and_together_the_text(text in ".{0,120}", width in 1usize..40) {
-            let lines = wrapped(&text, width);
-            prop_assert!(lines.iter().all(|line| line.len() <= width));
-            prop_assert!(lines.iter().all(|line| line.chars().all(|c| c.is_ascii_alphanumeric() || SHOWN.contains(c))));
-            let letters = |text: &str| text.replace(' ', "");
-            prop_assert_eq!(letters(&lines.concat()), letters(&plain(&text)));
-        }
-    }
-}

@@ -31,7 +31,7 @@
 //! # }
 //! ```
 
-mod characters;
+pub(crate) mod characters;
 mod checks;
 mod compare;
 mod csv;

@@ -50,23 +50,3 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     }
     text
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_fixed_decimals_and_no_negative_zero() {
-        assert_eq!(fixed(-0.001, 2), "0.00");
-        assert_eq!(fixed(-0.006, 2), "-0.01");
-        assert_eq!(fixed(-0.4, 0), "0");
-    }
-
-    #[test]
-    fn comments_name_moves() {
-        let named = marked(" posture p 1 ");
-        assert_eq!(named, Some((MoveKind::Posture, "p 1".to_string())));
-        assert_eq!(marked("postures 6"), None);
-        assert_eq!(marker(MoveKind::Via, "a\u{fc}", 1), "via a");
-    }
-}

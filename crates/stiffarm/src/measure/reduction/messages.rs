@@ -33,19 +33,3 @@ pub(super) fn median(values: &[f64]) -> f64 {
         n => (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lengths_have_three_digits() {
-        let texts = [0.0123, 1.2e-3, 9.999e-4, 4.02e-5, 9.23e-6, 0.0].map(length);
-        let expected = [
-            "12.30 mm", "1.20 mm", "1.00 mm", "0.040 mm", "9.23 µm", "0.00 µm",
-        ];
-        assert_eq!(texts, expected);
-        assert_eq!(postures_first(&["a", "b"]), "Postures a and b");
-        assert_eq!((median(&[3.0, 1.0, 2.0]), median(&[])), (2.0, 0.0));
-    }
-}

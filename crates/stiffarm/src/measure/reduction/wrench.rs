@@ -259,19 +259,3 @@ pub(super) fn findings(
     }
     out
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_between_and_the_nearest_beside() {
-        let value = |x: f64| SVector::<f64, 1>::new(x);
-        let samples = [(0.0, value(1.0)), (2.0, value(5.0))];
-        assert_eq!(line_at(&samples, 1.5)[0], 4.0);
-        assert_eq!(line_at(&samples, 9.0)[0], 5.0);
-        assert_eq!(line_at(&samples, -1.0)[0], 1.0);
-        assert_eq!(line_at::<1>(&[], 1.0)[0], 0.0);
-        assert_eq!(line_at(&samples[..1], 0.0)[0], 1.0);
-    }
-}

@@ -8,6 +8,7 @@
 
 use super::fit::{frame, is_spread};
 use super::rigid_transform;
+use crate::numerics::arrangements::{choose, set};
 use crate::numerics::information::svd;
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -172,36 +173,6 @@ fn starts(groups: &[Vec<Pair>]) -> Vec<Vec<usize>> {
     out
 }
 
-/// Number of sets of `size` of `count`.
-fn choose(count: u64, size: u64) -> u64 {
-    (0..size).fold(1, |product, i| product * count.saturating_sub(i) / (i + 1))
-}
-
-/// Set number `rank` of `size` numbers, ascending, in the order in which all sets
-/// of smaller numbers come first.
-fn set(mut rank: u64, size: u64) -> Vec<usize> {
-    let mut out = Vec::new();
-    for size in (1..=size).rev() {
-        // The largest c with choose(c, size) ≤ rank.
-        let (mut low, mut high) = (size - 1, size);
-        while choose(high, size) <= rank {
-            high *= 2;
-        }
-        while low + 1 < high {
-            let middle = u64::midpoint(low, high);
-            *if choose(middle, size) <= rank {
-                &mut low
-            } else {
-                &mut high
-            } = middle;
-        }
-        rank -= choose(low, size);
-        out.push(low as usize);
-    }
-    out.reverse();
-    out
-}
-
 /// Sums of pairs about two origins from which the best turn follows: those of
 /// some pairs can be taken away from those of all.
 #[derive(Debug, Clone, Copy)]
@@ -240,23 +211,5 @@ impl TurnSums {
         let turn = frame(&parts.u) * frame(&parts.v).transpose();
         let rotation = Rotation3::from_matrix_unchecked(turn);
         Some(UnitQuaternion::from_rotation_matrix(&rotation))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sets_come_in_order_and_once() {
-        for (count, size) in [(7, 2), (9, 3)] {
-            let all: Vec<Vec<usize>> = (0..choose(count, size)).map(|i| set(i, size)).collect();
-            for (i, one) in all.iter().enumerate() {
-                assert!(one.windows(2).all(|w| w[0] < w[1]), "{one:?}");
-                assert!(one.iter().all(|x| *x < count as usize));
-                assert!(all[..i].iter().all(|other| other != one));
-            }
-        }
-        assert_eq!(set(choose(5000, 3) - 1, 3), [4997, 4998, 4999]);
     }
 }

@@ -447,25 +447,3 @@ fn times(factor: Option<f64>) -> (String, &'static str) {
 fn either(names: &[String]) -> String {
     list(names).replace(" and ", " or ")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slips_of_typing_are_recognised() {
-        assert_eq!(slip(53.0, 35.01), " (digits exchanged?)");
-        assert_eq!(slip(-12.81, -12.18), " (digits exchanged?)");
-        assert_eq!(slip(3.5, 35.0), " (decimal point misplaced?)");
-        assert_eq!(slip(40.0, 47.3), "");
-    }
-
-    #[test]
-    fn lengths_and_angles_are_short() {
-        assert_eq!(mm(0.000_012_3), "0.012 mm");
-        assert_eq!(mm(0.152_3), "152 mm");
-        assert_eq!(degrees(35.001), "35°");
-        assert_eq!(degrees(-0.001), "0°");
-        assert_eq!(degrees(12.5), "12.5°");
-    }
-}

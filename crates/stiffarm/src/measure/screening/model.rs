@@ -2,9 +2,9 @@
 //! every posture alike.
 
 use super::frame::{self, Frame, item_pairs, items, judge, register};
-use super::rigid::orders;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work};
 use crate::measure::registration::axis_slips;
+use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::order::sort_by_number;
 use crate::units::{deg_to_rad, rad_to_deg};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -314,7 +314,7 @@ fn changes(work: &Work) -> Vec<Change> {
         out.push(Change::Degrees);
     }
     let points = work.setup().tool.point_count();
-    out.extend(orders(points).into_iter().map(Change::Order));
+    out.extend(exchanges_first(points).into_iter().map(Change::Order));
     let mut couplings = vec![None];
     if n > 2 {
         let stated = work.setup().robot.coupling()[(2, 1)];

@@ -4,8 +4,8 @@
 use super::frame::{Frame, items, rms, state_pairs};
 use super::misfit::{first_angles, gap, give, state_rms};
 use super::model::{exchanged, fitted};
-use super::rigid::orders;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, states};
+use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::order::sort_by_number;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
@@ -164,7 +164,7 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
             attempt(Undo::Angle(j, customary(work, j, angle)), Some(after), 2);
         }
     }
-    for order in orders(work.setup().tool.point_count()) {
+    for order in exchanges_first(work.setup().tool.point_count()) {
         let mut state = work.sheet.at(reference).clone();
         state.relabel(&order);
         let pairs = state_pairs(&state.points, &work.predicted(&q));

@@ -3,9 +3,10 @@
 //! because drawings are rarely exact; the drawing is compared afterwards.
 
 use super::mean_shape::{mean_shape, pairs};
-use super::rigid::{Pair, fit, is_spread, moved, orders};
+use super::rigid::{Pair, fit, is_spread, moved};
 use super::sheet::State;
 use super::{Cause, Suspicion, Work};
+use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::sample::median;
 use nalgebra::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -266,7 +267,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
             other.relabel(order);
             misfit(&other, None, scale).0 <= limit
         };
-        if !last && orders(state.points.len()).iter().any(relabelled) {
+        if !last && exchanges_first(state.points.len()).iter().any(relabelled) {
             continue;
         }
         let rest = exceeded_by(alarm, rigid_degrees(seen.len() - 1)) * own;

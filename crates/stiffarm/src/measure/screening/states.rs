@@ -4,9 +4,10 @@
 use super::frame::{Frame, rms, state_pairs};
 use super::misfit::{first_angles, gap, give, state_rms};
 use super::model::exchanged;
-use super::rigid::{moved, orders};
+use super::rigid::moved;
 use super::sheet::Mean;
 use super::{ALIKE, BELIEVED, Cause, Suspicion, Work};
+use crate::numerics::arrangements::exchanges_first;
 use nalgebra::{Isometry3, Vector3};
 
 /// A posture whose states lie apart: which of them disagree with the model, and why.
@@ -125,7 +126,7 @@ fn best_order(
     misfit: impl Fn(&[Option<Mean>]) -> f64,
 ) -> Option<(Vec<usize>, f64)> {
     let mut best: Option<(Vec<usize>, f64)> = None;
-    for order in orders(work.setup().tool.point_count()) {
+    for order in exchanges_first(work.setup().tool.point_count()) {
         let mut state = work.sheet.at(at).clone();
         state.relabel(&order);
         let value = misfit(&state.points);

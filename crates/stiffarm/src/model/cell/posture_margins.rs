@@ -1,7 +1,7 @@
 //! All limits of a cell at a posture, under each of its loads.
 
 use super::{Cell, LimitKind, LimitMargin, Margins};
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
 use crate::model::limit::ROUNDING;
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::PostureTerms;
@@ -170,16 +170,20 @@ impl PostureMargins<'_> {
     /// and more may be lower bounds, with a derivative of zero.
     ///
     /// # Errors
-    /// As [`least`](Self::least).
-    pub(crate) fn evaluate(
+    /// As [`least`](Self::least); lists of another length.
+    pub fn evaluate(
         &mut self,
         q: &[f64],
         enough: f64,
         values: &mut [f64],
         mut gradients: Option<&mut [f64]>,
     ) -> Result<()> {
+        let (n, count) = (q.len(), self.count());
+        if values.len() != count || gradients.as_ref().is_some_and(|g| g.len() != count * n) {
+            let message = format!("There are {count} margins, and {n} derivatives of each.");
+            return Err(Error::new(Code::Dimension, message));
+        }
         self.move_to(q)?;
-        let n = q.len();
         let mut first = 0;
         for case in &mut self.cases {
             let end = first + case.margins.count();

@@ -81,17 +81,3 @@ fn short(value: f64) -> String {
     let decimals = (1.0 - value.max(1e-10).log10().floor()) as usize;
     format!("{value:.decimals$}")
 }
-
-#[cfg(test)]
-mod tests {
-    use super::short;
-
-    #[test]
-    fn small_distances_keep_two_digits() {
-        let texts = [1234.56, 0.1, 0.0456, 1.23e-5, 0.0].map(short);
-        assert_eq!(
-            texts,
-            ["1234.6", "0.1", "0.046", "0.000012", "0.00000000000"]
-        );
-    }
-}

@@ -8,14 +8,14 @@ const MAX_ITERATIONS: usize = 60;
 
 /// Position of (i, j), i ≥ j, in a packed lower triangle.
 #[inline(always)]
-pub(crate) fn packed(i: usize, j: usize) -> usize {
+pub fn packed(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
 /// Cholesky factor L of M = L Lᵀ (both packed). False where M is not positive
 /// definite beyond its rounding errors.
 #[inline(always)]
-pub(crate) fn cholesky(n: usize, m: &[f64], l: &mut [f64]) -> bool {
+pub fn cholesky(n: usize, m: &[f64], l: &mut [f64]) -> bool {
     let size = packed(n, 0);
     let (m, l) = (&m[..size], &mut l[..size]);
     for j in 0..n {
@@ -46,7 +46,7 @@ pub(crate) fn cholesky(n: usize, m: &[f64], l: &mut [f64]) -> bool {
 
 /// Inverse of a lower triangular matrix, packed.
 #[inline(always)]
-pub(crate) fn invert_lower(n: usize, l: &[f64], inverse: &mut [f64]) {
+pub fn invert_lower(n: usize, l: &[f64], inverse: &mut [f64]) {
     let size = packed(n, 0);
     let (l, inverse) = (&l[..size], &mut inverse[..size]);
     for i in 0..n {
@@ -65,7 +65,7 @@ pub(crate) fn invert_lower(n: usize, l: &[f64], inverse: &mut [f64]) {
 
 /// M⁻¹ = L⁻ᵀ L⁻¹, n × n, from the packed L⁻¹.
 #[inline(always)]
-pub(crate) fn inverse_from_lower(n: usize, inverse_lower: &[f64], out: &mut [f64]) {
+pub fn inverse_from_lower(n: usize, inverse_lower: &[f64], out: &mut [f64]) {
     let (lower, out) = (&inverse_lower[..packed(n, 0)], &mut out[..n * n]);
     for i in 0..n {
         for j in 0..=i {
@@ -81,7 +81,7 @@ pub(crate) fn inverse_from_lower(n: usize, inverse_lower: &[f64], out: &mut [f64
 
 /// `out` = A·B for symmetric A and B whose product is symmetric too.
 #[inline(always)]
-pub(crate) fn symmetric_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
+pub fn symmetric_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64]) {
     let (a, b, out) = (&a[..n * n], &b[..n * n], &mut out[..n * n]);
     for i in 0..n {
         for j in 0..=i {
@@ -102,7 +102,7 @@ pub(crate) fn symmetric_product(n: usize, a: &[f64], b: &[f64], out: &mut [f64])
 /// Householder reduction to tridiagonal form and the implicit QL iteration
 /// (Martin, Reinsch & Wilkinson 1968; Dubrulle, Martin & Wilkinson 1968).
 #[inline(always)]
-pub(crate) fn eigen(n: usize, vectors: &mut [f64], values: &mut [f64], off: &mut [f64]) -> bool {
+pub fn eigen(n: usize, vectors: &mut [f64], values: &mut [f64], off: &mut [f64]) -> bool {
     let (a, d, e) = (&mut vectors[..n * n], &mut values[..n], &mut off[..n]);
     tridiagonal(n, a, d, e);
     // The reflections stand in columns; rows are faster to rotate.
@@ -229,89 +229,5 @@ fn tridiagonal(n: usize, a: &mut [f64], d: &mut [f64], e: &mut [f64]) {
             a[i * n + j] = 0.0;
             a[j * n + i] = 0.0;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nalgebra::DMatrix;
-
-    fn sample(n: usize, seed: u64, grade: f64) -> DMatrix<f64> {
-        let b = DMatrix::from_fn(n + 3, n, |i, j| {
-            let x = 12.9898 * i as f64 + 78.233 * j as f64 + 37.719 * seed as f64;
-            ((x.sin() * 43758.5453).fract() - 0.2) * grade.powi(j as i32)
-        });
-        b.tr_mul(&b)
-    }
-
-    fn pack(m: &DMatrix<f64>) -> Vec<f64> {
-        (0..m.nrows())
-            .flat_map(|i| (0..=i).map(move |j| (i, j)))
-            .map(|at| m[at])
-            .collect()
-    }
-
-    #[test]
-    fn inverse_times_matrix_is_the_identity() {
-        for n in 1..9 {
-            for seed in 0..20 {
-                let m = sample(n, seed, 0.7);
-                let size = packed(n, 0);
-                let (mut l, mut il) = (vec![0.0; size], vec![0.0; size]);
-                assert!(cholesky(n, &pack(&m), &mut l));
-                invert_lower(n, &l, &mut il);
-                let mut inverse = vec![0.0; n * n];
-                inverse_from_lower(n, &il, &mut inverse);
-                let inverse = DMatrix::from_row_slice(n, n, &inverse);
-                let error = (&inverse * &m - DMatrix::identity(n, n)).amax();
-                assert!(error < 1e-9, "n {n} seed {seed}: {error:e}");
-                let mut squared = vec![0.0; n * n];
-                symmetric_product(n, inverse.as_slice(), inverse.as_slice(), &mut squared);
-                let direct = &inverse * &inverse;
-                let error = (DMatrix::from_row_slice(n, n, &squared) - &direct).amax();
-                assert!(error < 1e-12 * direct.amax());
-            }
-        }
-    }
-
-    #[test]
-    fn what_is_not_positive_definite_is_refused() {
-        let mut l = [0.0; 3];
-        assert!(!cholesky(2, &[1.0, 1.0, 1.0], &mut l));
-        assert!(!cholesky(2, &[1.0, f64::NAN, 1.0], &mut l));
-        assert!(!cholesky(2, &[0.0, 0.0, 1.0], &mut l));
-        assert!(cholesky(2, &[1.0, 0.5, 1.0], &mut l));
-    }
-
-    #[test]
-    fn eigenvectors_rebuild_the_matrix() {
-        for n in 1..9 {
-            for seed in 0..40 {
-                for m in [
-                    sample(n, seed, 0.4),
-                    sample(n, seed, 1.0),
-                    DMatrix::identity(n, n) * 3.0,
-                    DMatrix::from_element(n, n, 2.0),
-                    DMatrix::zeros(n, n),
-                ] {
-                    let mut vectors = m.as_slice().to_vec();
-                    let (mut values, mut off) = (vec![0.0; n], vec![0.0; n]);
-                    assert!(eigen(n, &mut vectors, &mut values, &mut off));
-                    let v = DMatrix::from_row_slice(n, n, &vectors);
-                    let d = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(values));
-                    let error = (v.transpose() * d * &v - &m).amax();
-                    assert!(error <= 1e-13 * m.amax(), "n {n} seed {seed}: {error:e}");
-                    let error = (&v * v.transpose() - DMatrix::identity(n, n)).amax();
-                    assert!(error < 1e-13);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn nan_ends_the_iteration() {
-        let mut vectors = vec![f64::NAN; 9];
-        assert!(!eigen(3, &mut vectors, &mut [0.0; 3], &mut [0.0; 3]));
     }
 }

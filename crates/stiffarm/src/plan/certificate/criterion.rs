@@ -23,7 +23,7 @@ pub enum Criterion {
 
 /// A [`Criterion`] made ready for n unknowns.
 #[derive(Debug, Clone)]
-pub(super) struct Prepared {
+pub struct Prepared {
     /// R with RᵀR = Q, rank × n; `None` for the determinant.
     pub(super) root: Option<DMatrix<f64>>,
     /// True when Q is singular, so that the optimal M may be singular too.
@@ -38,20 +38,20 @@ pub(super) struct Prepared {
 /// the inequality of the means gives n det(X M)^(1/n) ≤ tr(A M). Both say
 /// φ(M) ≥ φ(M₀) · t/tr(A M).
 #[derive(Debug, Clone)]
-pub(super) struct Tangent {
+pub struct Tangent {
     /// φ(M₀).
-    pub(super) value: f64,
+    pub value: f64,
     /// t = tr(A M₀).
-    pub(super) level: f64,
+    pub level: f64,
     /// A, n × n, symmetric positive semidefinite.
-    pub(super) adjoint: DMatrix<f64>,
+    pub adjoint: DMatrix<f64>,
     /// L⁻¹ with M₀ = L Lᵀ.
     pub(super) whitening: DMatrix<f64>,
 }
 
 impl Criterion {
     /// Checks the criterion and factors Q.
-    pub(super) fn prepare(&self, unknowns: usize) -> Result<Prepared> {
+    pub fn prepare(&self, unknowns: usize) -> Result<Prepared> {
         let Criterion::Trace(q) = self else {
             return Ok(Prepared {
                 root: None,
@@ -109,7 +109,7 @@ impl Criterion {
 
 impl Prepared {
     /// The criterion at M₀; `None` where M₀ is not positive definite.
-    pub(super) fn at(&self, information: &DMatrix<f64>) -> Option<Tangent> {
+    pub fn at(&self, information: &DMatrix<f64>) -> Option<Tangent> {
         let n = self.unknowns;
         let lower = Cholesky::new(information.clone())?.unpack();
         let whitening = lower.solve_lower_triangular(&DMatrix::identity(n, n))?;
@@ -141,57 +141,4 @@ impl Prepared {
 /// tr(A G) of two symmetric matrices.
 pub(super) fn trace_of_product(a: &DMatrix<f64>, g: &DMatrix<f64>) -> f64 {
     a.iter().zip(g.iter()).map(|(a, g)| a * g).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn information(shift: f64) -> DMatrix<f64> {
-        let b = DMatrix::from_fn(5, 3, |i, j| (((i + 1) * (j + 2)) as f64 * shift).sin());
-        b.tr_mul(&b)
-    }
-
-    #[test]
-    fn tangent_bounds_the_criterion_everywhere() {
-        let q = DMatrix::from_diagonal(&nalgebra::DVector::from_vec(vec![1.0, 0.0, 3.0]));
-        for criterion in [Criterion::Determinant, Criterion::Trace(q)] {
-            let prepared = criterion.prepare(3).unwrap();
-            let m0 = information(1.3);
-            let at = prepared.at(&m0).unwrap();
-            assert!((trace_of_product(&at.adjoint, &m0) / at.level - 1.0).abs() < 1e-12);
-            for k in 1..40 {
-                let m = information(0.37 * f64::from(k));
-                if let Some(there) = prepared.at(&m) {
-                    let bound = at.value * at.level / trace_of_product(&at.adjoint, &m);
-                    assert!(there.value >= bound * (1.0 - 1e-12), "{criterion:?} {k}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn values_are_the_definitions() {
-        let m = information(1.3);
-        let q = information(0.9);
-        let trace = (&q * m.clone().try_inverse().unwrap()).trace();
-        let at = Criterion::Trace(q).prepare(3).unwrap().at(&m).unwrap();
-        assert!((at.value / trace - 1.0).abs() < 1e-10);
-        let determinant = m.determinant().powf(-1.0 / 3.0);
-        let at = Criterion::Determinant.prepare(3).unwrap().at(&m).unwrap();
-        assert!((at.value / determinant - 1.0).abs() < 1e-10);
-    }
-
-    #[test]
-    fn a_criterion_that_makes_no_sense_is_refused() {
-        let code = |q: DMatrix<f64>| Criterion::Trace(q).prepare(2).unwrap_err().code();
-        assert_eq!(code(DMatrix::identity(3, 3)), Code::Dimension);
-        assert_eq!(code(DMatrix::zeros(2, 2)), Code::InvalidValue);
-        assert_eq!(code(-DMatrix::identity(2, 2)), Code::InvalidValue);
-        assert_eq!(
-            code(DMatrix::from_row_slice(2, 2, &[1.0, 0.5, 0.0, 1.0])),
-            Code::InvalidValue
-        );
-        assert_eq!(code(DMatrix::from_element(2, 2, f64::NAN)), Code::NotFinite);
-    }
 }

@@ -38,7 +38,7 @@ pub(crate) mod criterion;
 pub(crate) mod design;
 mod generation;
 pub(crate) mod space;
-mod weights;
+pub(crate) mod weights;
 
 pub use design::Verification;
 

@@ -19,22 +19,26 @@ const CENTRING: f64 = 0.15;
 const ARMIJO: f64 = 1e-4;
 
 /// minimise φ(C + Σ w_i G_i) over w ≥ 0, Σ w_i = 1.
-pub(super) struct WeightProblem<'a> {
-    pub(super) criterion: &'a Prepared,
+pub struct WeightProblem<'a> {
+    /// φ, made ready for n unknowns.
+    pub criterion: &'a Prepared,
     /// C, n × n.
-    pub(super) constant: &'a DMatrix<f64>,
+    pub constant: &'a DMatrix<f64>,
     /// G_i, n × n each.
-    pub(super) points: &'a [DMatrix<f64>],
+    pub points: &'a [DMatrix<f64>],
 }
 
-struct State {
-    tangent: Tangent,
+/// A [`WeightProblem`] at some weights.
+pub struct State {
+    /// The criterion there.
+    pub tangent: Tangent,
     /// tr(A G_i): minus the derivative of φ (of −ln det) by w_i.
-    slopes: DVector<f64>,
+    pub slopes: DVector<f64>,
 }
 
 impl WeightProblem<'_> {
-    fn state(&self, weights: &DVector<f64>) -> Option<State> {
+    /// The problem at these weights; `None` where φ does not exist there.
+    pub fn state(&self, weights: &DVector<f64>) -> Option<State> {
         let mut information = self.constant.clone();
         for (w, g) in weights.iter().zip(self.points) {
             information.zip_apply(g, |m, g| *m += w * g);
@@ -59,7 +63,7 @@ impl WeightProblem<'_> {
 
     /// Hessian with respect to the weights, k × k: 2 tr(Q X G_i X G_j X), or
     /// tr(X G_i X G_j), as UᵀU so that it is positive semidefinite to rounding.
-    fn hessian(&self, tangent: &Tangent) -> DMatrix<f64> {
+    pub fn hessian(&self, tangent: &Tangent) -> DMatrix<f64> {
         let whitening = &tangent.whitening;
         let factor = match &self.criterion.root {
             None => whitening.clone(),
@@ -82,7 +86,7 @@ impl WeightProblem<'_> {
 /// Weights whose largest slope exceeds the mean slope by at most `tolerance`
 /// of the level t, or as near as rounding allows; `None` where the criterion
 /// does not exist at equal weights.
-pub(super) fn optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Option<Vec<f64>> {
+pub fn optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Option<Vec<f64>> {
     let k = problem.points.len();
     let mut weights = DVector::from_element(k, 1.0 / k as f64);
     let mut state = problem.state(&weights)?;
@@ -172,88 +176,4 @@ fn to_boundary(values: &DVector<f64>, step: &DVector<f64>) -> f64 {
         .zip(step.iter())
         .filter(|(_, s)| **s < 0.0)
         .fold(1.0, |length: f64, (v, s)| length.min(-BOUNDARY * v / s))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::criterion::Criterion;
-    use super::*;
-
-    fn polynomial(x: f64, degree: i32) -> DMatrix<f64> {
-        let f = DVector::from_fn(degree as usize + 1, |i, _| x.powi(i as i32));
-        &f * f.transpose()
-    }
-
-    /// Best weights on 201 points of [−1, 1] and on the known support agree.
-    #[test]
-    fn a_fine_grid_finds_the_support() {
-        let points: Vec<DMatrix<f64>> = (0..=100)
-            .map(|i| polynomial(f64::from(i) / 50.0 - 1.0, 2))
-            .collect();
-        let criterion = Criterion::Determinant.prepare(3).unwrap();
-        let constant = DMatrix::zeros(3, 3);
-        let problem = WeightProblem {
-            criterion: &criterion,
-            constant: &constant,
-            points: &points,
-        };
-        let weights = optimal_weights(&problem, 1e-10).unwrap();
-        for at in [0, 50, 100] {
-            assert!((weights[at] - 1.0 / 3.0).abs() < 1e-8, "{}", weights[at]);
-        }
-        let state = problem.state(&DVector::from_vec(weights)).unwrap();
-        assert!(state.slopes.max() <= 3.0 * (1.0 + 1e-9));
-    }
-
-    #[test]
-    fn hessian_is_the_derivative_of_the_slopes() {
-        let points: Vec<DMatrix<f64>> = [-1.0, -0.3, 0.4, 0.9].map(|x| polynomial(x, 2)).to_vec();
-        let q = DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 0.0, 2.0]));
-        for criterion in [Criterion::Determinant, Criterion::Trace(q)] {
-            let criterion = criterion.prepare(3).unwrap();
-            let constant = DMatrix::identity(3, 3) * 0.01;
-            let problem = WeightProblem {
-                criterion: &criterion,
-                constant: &constant,
-                points: &points,
-            };
-            let weights = DVector::from_column_slice(&[0.1, 0.2, 0.4, 0.3]);
-            let state = problem.state(&weights).unwrap();
-            let hessian = problem.hessian(&state.tangent);
-            for j in 0..4 {
-                let h = 1e-6;
-                let mut moved = weights.clone();
-                moved[j] += h;
-                let up = problem.state(&moved).unwrap().slopes;
-                moved[j] -= 2.0 * h;
-                let down = problem.state(&moved).unwrap().slopes;
-                let numeric = (down - up) / (2.0 * h);
-                let error = (numeric - hessian.column(j)).amax();
-                assert!(error < 1e-6 * hessian.amax(), "{error}");
-            }
-        }
-    }
-
-    #[test]
-    fn equal_points_and_a_single_point_do_no_harm() {
-        let mut points = vec![polynomial(1.0, 1), polynomial(-1.0, 1)];
-        points.extend(points.clone());
-        let criterion = Criterion::Trace(DMatrix::identity(2, 2))
-            .prepare(2)
-            .unwrap();
-        let constant = DMatrix::zeros(2, 2);
-        let problem = WeightProblem {
-            criterion: &criterion,
-            constant: &constant,
-            points: &points,
-        };
-        let weights = optimal_weights(&problem, 1e-10).unwrap();
-        assert!((weights[0] + weights[2] - 0.5).abs() < 1e-9);
-        let one = [DMatrix::identity(2, 2)];
-        let problem = WeightProblem {
-            points: &one,
-            ..problem
-        };
-        assert_eq!(optimal_weights(&problem, 1e-10).unwrap(), [1.0]);
-    }
 }

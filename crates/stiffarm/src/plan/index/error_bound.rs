@@ -57,18 +57,3 @@ pub fn error_bound(
         condition_omega,
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bound_holds_and_says_where_it_does_not() {
-        let exact = error_bound(10.0, 0.0, 0.01).unwrap();
-        assert!((exact.bound.unwrap() - 1.0).abs() < 1e-15);
-        let lost = error_bound(100.0, 1e-3, 0.0).unwrap();
-        assert_eq!(lost.bound, None);
-        assert!((lost.validity - 10.0).abs() < 1e-12);
-        assert!(error_bound(0.5, 0.0, 0.0).is_err());
-    }
-}

@@ -11,7 +11,7 @@ mod equivalent;
 mod found;
 mod moves;
 mod nearest;
-mod order;
+pub(crate) mod order;
 mod rounding;
 mod search;
 mod tour;

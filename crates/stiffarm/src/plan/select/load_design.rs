@@ -66,6 +66,24 @@ impl DesignedLoad {
     }
 }
 
+impl IndexFunction {
+    /// Moves the anchor of the cell's rope or cylinder \[m, base frame\].
+    pub fn set_anchor(&mut self, to: [f64; 3]) {
+        self.kernel_mut().set_anchor(to);
+    }
+
+    /// Moves the loading point \[m, flange axes\].
+    pub fn set_loading_point(&mut self, to: [f64; 3]) {
+        self.kernel_mut().set_loading_point(to);
+    }
+
+    /// Gradient of the last [`smoothed`](Self::smoothed) by the anchor (base frame) and by the
+    /// loading point (flange axes) \[1/m\], where the cell has a single load.
+    pub fn load_gradient(&self) -> ([f64; 3], [f64; 3]) {
+        self.kernel().load_gradient()
+    }
+}
+
 impl LoadDesign {
     /// True when nothing may move.
     pub fn is_empty(&self) -> bool {
@@ -174,10 +192,10 @@ impl LoadDesign {
     pub(super) fn apply(&self, variables: &[f64], function: &mut IndexFunction) {
         let (anchor, point) = self.split(variables);
         if let Some(anchor) = anchor {
-            function.kernel_mut().set_anchor(anchor);
+            function.set_anchor(anchor);
         }
         if let Some(point) = point {
-            function.kernel_mut().set_loading_point(point);
+            function.set_loading_point(point);
         }
     }
 
@@ -186,7 +204,7 @@ impl LoadDesign {
         if out.is_empty() {
             return;
         }
-        let (by_anchor, by_point) = function.kernel().load_gradient();
+        let (by_anchor, by_point) = function.load_gradient();
         let mut parts = out.chunks_exact_mut(3);
         if self.anchor.is_some()
             && let Some(part) = parts.next()
@@ -204,90 +222,5 @@ impl LoadDesign {
         let mut parts = variables.chunks_exact(3).map(|c| [c[0], c[1], c[2]]);
         let anchor = self.anchor.and_then(|_| parts.next());
         (anchor, self.loading_point.and_then(|_| parts.next()))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::files::builtin;
-    use crate::plan::characteristic_length::with_characteristic_length;
-    use crate::plan::index::Index;
-    use nalgebra::{Isometry3, Translation3, UnitQuaternion};
-
-    #[test]
-    fn derivatives_by_anchor_and_loading_point_are_those_of_differences() {
-        let mut cell = with_characteristic_length(builtin::cell("comau").unwrap()).unwrap();
-        // A base off the origin, so that axes are not mistaken for each other.
-        let base = Isometry3::from_parts(
-            Translation3::new(0.2, -0.1, 0.3),
-            UnitQuaternion::from_euler_angles(0.2, -0.3, 0.4),
-        );
-        cell.setup.robot = cell.setup.robot.with_base(&base);
-        let everywhere = [Vector3::repeat(-5.0), Vector3::repeat(5.0)];
-        let design = LoadDesign {
-            anchor: Some(everywhere),
-            loading_point: Some(everywhere),
-            magnitude: None,
-        };
-        let q: Vec<f64> = (0..24).map(|i| (0.9 * i as f64).sin()).collect();
-        let start = design.start(&cell);
-        for index in [Index::ExpectedError, Index::Novel, Index::DropOne] {
-            let mut function =
-                IndexFunction::with_limits::<Vec<f64>>(&cell, index, 4, &[]).unwrap();
-            function.kernel_mut().reset_penalty(2.0, 0.0);
-            let mut slope = vec![0.0; q.len()];
-            let mut at = |load: &[f64], slope: &mut [f64]| {
-                design.apply(load, &mut function);
-                let value = function.smoothed(&q, 20.0, slope).objective;
-                let mut by_load = vec![0.0; 6];
-                design.gradient(&function, &mut by_load);
-                (value, by_load)
-            };
-            let (_, gradient) = at(&start, &mut slope);
-            let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
-            for k in 0..6 {
-                let mut moved = |step: f64| {
-                    let mut load = start.clone();
-                    load[k] += step;
-                    at(&load, &mut slope).0
-                };
-                let (coarse, fine) = (moved(2e-4) - moved(-2e-4), moved(1e-4) - moved(-1e-4));
-                let expected = (8.0 * fine - coarse) / 12e-4;
-                assert!(
-                    (gradient[k] - expected).abs() < 1e-7 * largest,
-                    "{index:?} {k}: {} {expected}",
-                    gradient[k]
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn variables_move_the_cell_and_the_kernel_alike() {
-        let cell = builtin::cell("comau").unwrap();
-        let corners = [Vector3::new(1.0, -1.0, 0.0), Vector3::new(2.0, 1.0, 0.5)];
-        let design = LoadDesign {
-            anchor: Some(corners),
-            loading_point: Some([Vector3::zeros(), Vector3::repeat(0.3)]),
-            magnitude: Some(700.0),
-        };
-        let cell = design.prepare(&cell).unwrap();
-        let load = [1.3, 0.2, 0.4, 0.1, 0.2, 0.25];
-        let q: Vec<f64> = (0..18).map(|i| (0.7 * i as f64).sin()).collect();
-        let mut function = IndexFunction::new(&cell, Index::D, 3).unwrap();
-        design.apply(&load, &mut function);
-        let moved = design.applied(&cell, &load);
-        let direct = IndexFunction::new(&moved, Index::D, 3).unwrap().value(&q);
-        assert!((function.value(&q) - direct).abs() < 1e-12);
-        assert_eq!(design.bounds().len(), 6);
-        // Starts outside the boxes are moved into them.
-        let start = design.start(&cell);
-        assert!(
-            start
-                .iter()
-                .zip(design.bounds())
-                .all(|(v, b)| *v >= b[0] && *v <= b[1])
-        );
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
+use crate::numerics::arrangements::next_subset;
 use crate::numerics::control::Control;
 use crate::numerics::order::sort_by_number;
 use crate::plan::index::prediction::PredictionModel;
@@ -200,37 +201,4 @@ fn subsets(of: usize, count: usize) -> u128 {
         }
     }
     product
-}
-
-/// The next subset in lexicographic order; false after the last.
-fn next_subset(subset: &mut [usize], of: usize) -> bool {
-    let count = subset.len();
-    let Some(at) = (0..count).rev().find(|i| subset[*i] + count - i < of) else {
-        return false;
-    };
-    subset[at] += 1;
-    for i in at + 1..count {
-        subset[i] = subset[i - 1] + 1;
-    }
-    true
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn subsets_are_all_visited_once() {
-        for (of, count) in [(5, 1), (5, 2), (6, 3), (4, 4)] {
-            let mut subset: Vec<usize> = (0..count).collect();
-            let mut seen = vec![subset.clone()];
-            while next_subset(&mut subset, of) {
-                seen.push(subset.clone());
-            }
-            assert_eq!(seen.len() as u128, subsets(of, count), "{count} of {of}");
-            seen.dedup();
-            assert_eq!(seen.len() as u128, subsets(of, count));
-        }
-        assert!(subsets(60, 30) > EXHAUSTIVE);
-    }
 }

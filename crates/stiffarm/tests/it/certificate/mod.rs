@@ -4,6 +4,7 @@
 //! `cargo test --test certificate -- --nocapture` prints what was reached.
 
 mod continuous;
+mod parts;
 mod plans;
 
 use crate::common::prelude::*;

@@ -119,6 +119,23 @@ fn bounds_scale_with_the_number_of_postures() {
     assert!(after_poor.efficiency.unwrap() <= 1.0);
 }
 
+/// One certificate serves every number of postures.
+#[test]
+fn the_bound_of_one_size_is_that_of_another() {
+    // Limits do not matter here.
+    let cell = changed(default_cell(), |cell| cell.limits = Default::default());
+    // The expected error has its test above.
+    for index in [Index::D, Index::Task] {
+        let of_one = |count: usize| {
+            let group = random_group(&cell, StartKind::Uniform, count, 1, 0).unwrap();
+            let found = certify(&cell, index, &group, &samples(64), Control::default()).unwrap();
+            found.bound * (count as f64).sqrt()
+        };
+        let (three, eight) = (of_one(3), of_one(8));
+        assert!((three / eight - 1.0).abs() < 2e-4, "{three} {eight}");
+    }
+}
+
 #[test]
 fn each_joint_has_its_own_bound() {
     let cell = default_cell();

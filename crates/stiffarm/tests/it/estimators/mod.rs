@@ -3,6 +3,7 @@
 
 mod dense;
 mod fits;
+mod intervals;
 
 use crate::common::prelude::*;
 use crate::common::random_group;

@@ -17,7 +17,7 @@ pub mod text;
 fn chosen_postures_meet_every_constraint() {
     use crate::common::runs::runs;
     use run::End;
-    let count = runs(20);
+    let count = runs(10);
     let mut chosen = 0;
     for number in 0..count {
         let (mode, index, end) = run::run(number);

@@ -146,7 +146,7 @@ fn shortest(length: &[Vec<f64>]) -> f64 {
 
 #[test]
 fn free_moves_touch_nothing_and_the_order_is_the_shortest() {
-    let plans = runs(8);
+    let plans = runs(4);
     let (mut total, mut seen) = (Looked::default(), 0);
     // Cells with something in the way are among the first of these.
     for number in FIRST..FIRST + plans {

@@ -1,6 +1,7 @@
 //! Controller programs: each passes a strict checker of its language that knows nothing of the
 //! library, and is read back to the same moves.
 
+mod characters;
 mod grammar;
 mod inform;
 mod krl;

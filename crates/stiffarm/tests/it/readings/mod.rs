@@ -3,6 +3,7 @@
 
 mod exports;
 mod filling;
+mod headings;
 mod round_trip;
 mod sheets;
 mod slips;

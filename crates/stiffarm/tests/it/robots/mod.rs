@@ -1,5 +1,6 @@
 //! The catalogue of robots, and poses as pendants show them.
 
+mod configuration;
 mod descriptions;
 mod poses;
 mod shapes;

@@ -103,26 +103,3 @@ fn key(name: &str) -> Option<&'static str> {
         () => None,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_unit_of_a_heading_is_that_of_its_key() {
-        for (name, wanted) in [
-            ("center x", Some("x_mm")),
-            ("actual y (m)", Some("y_m")),
-            ("z [um]", Some("z_um")),
-            ("x inch", Some("x_in")),
-            ("center x (cm)", None),
-            ("dev x", None),
-            ("x nominal", None),
-            ("point id", Some("point")),
-            ("point name", Some(NAME)),
-            ("measured at", None),
-        ] {
-            assert_eq!(key(name), wanted, "{name}");
-        }
-    }
-}

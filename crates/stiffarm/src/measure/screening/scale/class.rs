@@ -60,19 +60,3 @@ pub(super) fn expected_stiffness(robot: &Robot) -> Vec<f64> {
     };
     (0..count).map(mean).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_class_lies_among_its_published_sets_and_small_arms_are_softer() {
-        let large = expected_stiffness(&Robot::from_catalogue("comau-nj165-3.0").unwrap());
-        assert!((5e5..2.5e6).contains(&large[0]), "{large:?}");
-        assert!((3e6..7e6).contains(&large[1]), "{large:?}");
-        let named = |e: &&CatalogueEntry| e.payload_kg() == Some(10.0);
-        let small = catalogue().iter().find(named).unwrap().robot().unwrap();
-        let small = expected_stiffness(&small);
-        assert!(small[1] < large[1] / 15.0, "{small:?}");
-    }
-}

@@ -8,6 +8,7 @@ use super::super::{Cause, Evidence, Suspicion, Work};
 use super::fit::{Fitted, clear_moves, fit, scaled};
 use super::units::{INCH, RADIAN};
 use crate::model::load::{Load, LoadCase};
+use crate::numerics::arrangements::orders;
 use crate::numerics::order::sort_by_number;
 use nalgebra::Isometry3;
 
@@ -104,22 +105,6 @@ fn scale_anchors(load: &mut Load, factor: f64) {
         }
         _ => {}
     }
-}
-
-/// All orders of `count` numbers but the natural one.
-fn orders(count: usize) -> Vec<Vec<usize>> {
-    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
-    for _ in 0..count {
-        let mut longer = Vec::new();
-        for start in &all {
-            for i in (0..count).filter(|i| !start.contains(i)) {
-                longer.push([&start[..], &[i]].concat());
-            }
-        }
-        all = longer;
-    }
-    // The first is the natural one.
-    all.split_off(1)
 }
 
 fn changes(work: &Work) -> Vec<Change> {
@@ -273,17 +258,4 @@ pub(super) fn cases_of_postures(
         any = true;
     }
     any
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn orders_are_all_but_the_natural_one() {
-        assert_eq!(orders(2), [[1, 0]]);
-        let three = orders(3);
-        assert_eq!(three.len(), 5);
-        assert!(!three.contains(&vec![0, 1, 2]));
-    }
 }

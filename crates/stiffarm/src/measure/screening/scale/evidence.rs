@@ -215,25 +215,3 @@ fn outside(value: f64, range: [f64; 2]) -> f64 {
     };
     ((distance / SOFT).powi(2) / 2.0).min(COUNTS)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_in_names_are_loads() {
-        assert_eq!(number_in("up-500"), Some(500.0));
-        assert_eq!(number_in("500N"), Some(500.0));
-        assert_eq!(number_in("0.5 kN"), Some(500.0));
-        assert_eq!(number_in("51kg-2"), Some(51.0 * STANDARD_GRAVITY));
-        assert_eq!(number_in("loaded"), None);
-        assert_eq!(number_in("0"), None);
-    }
-
-    #[test]
-    fn a_range_costs_nothing_inside() {
-        assert_eq!(outside(1.0, [0.5, 2.0]), 0.0);
-        assert!(outside(2.2, [0.5, 2.0]) > 0.0);
-        assert_eq!(outside(1e9, [0.5, 2.0]), COUNTS);
-    }
-}

@@ -200,29 +200,3 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
         _ => String::new(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn factors_are_written_as_people_know_them() {
-        let all = [
-            9.806_65,
-            1.0 / 9.806_65,
-            4.448_221_6,
-            1e3,
-            1e-3,
-            25.4,
-            57.295_78,
-            10.0,
-        ];
-        let texts = all.map(number);
-        let expected = [
-            "9.81", "1/9.81", "4.448", "1000", "1/1000", "25.4", "57.3", "10",
-        ];
-        assert_eq!(texts, expected);
-        assert_eq!(times(0.102), "9.8 times below");
-        assert_eq!(times(57.3), "57 times above");
-    }
-}

@@ -14,13 +14,13 @@
 mod batch;
 mod dexterity;
 mod forward;
-mod lanes;
+pub(crate) mod lanes;
 mod limits;
 mod model;
 mod reverse;
 mod scene;
 
-pub(crate) use model::Wanted;
+pub use model::Wanted;
 
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -31,7 +31,7 @@ use scene::SceneKernel;
 
 /// A group of postures in lanes, under each load of the cell.
 #[derive(Debug, Clone)]
-pub(crate) struct Kernel {
+pub struct Kernel {
     /// One per load; a posture counts with the sum over them.
     cases: Vec<Case>,
     count: usize,

@@ -36,7 +36,7 @@ pub(super) enum KernelLoad {
 
 /// What is to be computed.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Wanted<'a> {
+pub struct Wanted<'a> {
     /// k(J_N) with this characteristic length \[m\].
     pub dexterity: Option<f64>,
     /// Information, in units of `compliance` (1/k per spring) and whitened

@@ -1,0 +1,83 @@
+//! Subsets and orders of a few numbers.
+
+/// Most numbers that are put in every order, not only exchanged by twos.
+const ALL_ORDERS: usize = 4;
+
+/// Number of sets of `size` of `count`.
+pub fn choose(count: u64, size: u64) -> u64 {
+    (0..size).fold(1, |product, i| product * count.saturating_sub(i) / (i + 1))
+}
+
+/// Set number `rank` of `size` numbers, ascending, in the order in which all sets
+/// of smaller numbers come first.
+pub fn set(mut rank: u64, size: u64) -> Vec<usize> {
+    let mut out = Vec::new();
+    for size in (1..=size).rev() {
+        // The largest c with choose(c, size) ≤ rank.
+        let (mut low, mut high) = (size - 1, size);
+        while choose(high, size) <= rank {
+            high *= 2;
+        }
+        while low + 1 < high {
+            let middle = u64::midpoint(low, high);
+            *if choose(middle, size) <= rank {
+                &mut low
+            } else {
+                &mut high
+            } = middle;
+        }
+        rank -= choose(low, size);
+        out.push(low as usize);
+    }
+    out.reverse();
+    out
+}
+
+/// The next subset in lexicographic order; false after the last.
+pub fn next_subset(subset: &mut [usize], of: usize) -> bool {
+    let count = subset.len();
+    let Some(at) = (0..count).rev().find(|i| subset[*i] + count - i < of) else {
+        return false;
+    };
+    subset[at] += 1;
+    for i in at + 1..count {
+        subset[i] = subset[i - 1] + 1;
+    }
+    true
+}
+
+/// All orders of `count` numbers but the natural one.
+pub fn orders(count: usize) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> = vec![Vec::new()];
+    for _ in 0..count {
+        let mut longer = Vec::new();
+        for start in &all {
+            for i in (0..count).filter(|i| !start.contains(i)) {
+                longer.push([&start[..], &[i]].concat());
+            }
+        }
+        all = longer;
+    }
+    // The first is the natural one.
+    all.split_off(1)
+}
+
+/// Orders in which `count` labels can be mixed up: all exchanges of two first, then, of few
+/// labels, every other order. `order[a]` is what the label `a` really belongs to.
+pub fn exchanges_first(count: usize) -> Vec<Vec<usize>> {
+    let natural: Vec<usize> = (0..count).collect();
+    let mut out = Vec::new();
+    for b in 0..count {
+        for a in 0..b {
+            let mut order = natural.clone();
+            order.swap(a, b);
+            out.push(order);
+        }
+    }
+    if count <= ALL_ORDERS {
+        let others = orders(count).into_iter();
+        let others: Vec<_> = others.filter(|order| !out.contains(order)).collect();
+        out.extend(others);
+    }
+    out
+}
