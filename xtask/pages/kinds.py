@@ -6,7 +6,6 @@ import hashlib
 import json
 import pathlib
 import re
-import shutil
 import struct
 import subprocess
 
@@ -74,13 +73,12 @@ class Kind:
     expected: Expected
     cell: str | None = None
     results: list = dataclasses.field(default_factory=list)
-    needs_fanuc: bool = False
     may_be_refused: bool = False
 
 
-def kind(name, before, command, cell=COMAU, commands=None, results=(), needs_fanuc=False, may_be_refused=False, **expected):
+def kind(name, before, command, cell=COMAU, commands=None, results=(), may_be_refused=False, **expected):
     wanted = Expected(commands=commands or [command[0]], **expected)
-    return Kind(name, before, command, wanted, cell, list(results), needs_fanuc, may_be_refused)
+    return Kind(name, before, command, wanted, cell, list(results), may_be_refused)
 
 
 # Readings and the stiffness that others start from.
@@ -120,7 +118,7 @@ KINDS = [
         None, commands=["identify", "identify"], results=["one.json", "two.json"], numbers=20, groups=1,
     ),
     kind(
-        "fanuc", [], ["identify", "builtin:fanuc-r2000ic", "fanuc.csv"], cell="builtin:fanuc-r2000ic", needs_fanuc=True,
+        "fanuc", [], ["identify", "builtin:fanuc-r2000ic", "builtin:fanuc-r2000ic-readings"], cell="builtin:fanuc-r2000ic",
     ),
     kind(
         "kr210-obstacles", [["init", "--robot", "kuka-kr210-r2700-2", "--output-dir", "kr210"], ["+prior", "kr210/cell.toml", "6"], ["+obstacles", "kr210/cell.toml"]],
@@ -176,8 +174,8 @@ class NotMade(Exception):
 class Maker:
     """Runs the commands of a kind in a folder of its own."""
 
-    def __init__(self, stiffarm, folder, fanuc):
-        self.stiffarm, self.folder, self.fanuc = stiffarm.resolve(), folder.resolve(), fanuc
+    def __init__(self, stiffarm, folder):
+        self.stiffarm, self.folder = stiffarm.resolve(), folder.resolve()
 
     def has_report(self):
         done = subprocess.run([self.stiffarm, "report", "--help"], capture_output=True)
@@ -187,8 +185,6 @@ class Maker:
         """The pages of one kind, that of the command first, and the files of their results."""
         folder = self.folder / kind.name
         folder.mkdir()
-        if self.fanuc:
-            shutil.copy(self.fanuc, folder / "fanuc.csv")
         for words in kind.before:
             self.run(words, folder)
         results, pages = kind.results, []

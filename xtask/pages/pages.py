@@ -1,6 +1,6 @@
 """Opens the pages that stiffarm writes in Chromium and Firefox and checks them.
 
-    python pages.py --stiffarm FILE --folder FOLDER [--chromium FILE] [--firefox FILE] [--fanuc FILE]
+    python pages.py --stiffarm FILE --folder FOLDER [--chromium FILE] [--firefox FILE]
                     [--look FOLDER] [--only KIND,…] [--gallery FOLDER]
 
 One line for each check: `ok`, `FAILED` or `SKIPPED`, then page and check. The last line is
@@ -73,9 +73,6 @@ def check_kinds(browser, tally, maker, wanted, folder):
     for kind in kinds.KINDS:
         if wanted and kind.name not in wanted:
             continue
-        if kind.needs_fanuc and not maker.fanuc:
-            tally.skip(f"page {kind.name}", "there are no reference data", "set STIFFARM_REFERENCE_DATA")
-            continue
         start = time.monotonic()
         try:
             pages, results = maker.make(kind)
@@ -122,7 +119,7 @@ def main():
     parser = argparse.ArgumentParser()
     for name in ("stiffarm", "folder"):
         parser.add_argument(f"--{name}", type=pathlib.Path, required=True)
-    for name in ("chromium", "firefox", "fanuc", "look", "only", "gallery"):
+    for name in ("chromium", "firefox", "look", "only", "gallery"):
         parser.add_argument(f"--{name}")
     options = parser.parse_args()
     tally = Tally()
@@ -131,7 +128,7 @@ def main():
     folder.mkdir(parents=True)
 
     made = []
-    maker = kinds.Maker(options.stiffarm, folder, options.fanuc)
+    maker = kinds.Maker(options.stiffarm, folder)
     there = maker.has_report()
     if options.chromium:
         with sync_playwright() as playwright:

@@ -41,8 +41,6 @@ pub enum Command {
         check: bool,
     },
     /// Run the commands of xtask/src/outputs/commands.txt and keep everything that they print and write.
-    ///
-    /// The measured robot takes part when STIFFARM_REFERENCE_DATA names the folder of the reference data.
     Outputs(OutputsOptions),
     /// Write crates/stiffarm/data/robots.toml, the catalogue's data, from robot descriptions.
     Robots {

@@ -6,8 +6,6 @@ use std::process::Command;
 
 use crate::arguments::PagesOptions;
 use crate::checked::{Checked, Script};
-use crate::outputs::fanuc;
-use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace};
 use crate::tools::{self, Missing, first_that_runs};
 
@@ -80,11 +78,6 @@ pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Fai
         if let Some(browser) = browser {
             option(name, full_path(browser).into());
         }
-    }
-    if let Ok(measured) = fanuc::folder(reference_folder(std::env::var_os(REFERENCE_VARIABLE))) {
-        let table = folder.join("fanuc.csv");
-        fanuc::write(&measured, &table)?;
-        option("--fanuc", table.into());
     }
     if let Some(look) = &options.look {
         option("--look", look.into());

@@ -31,17 +31,14 @@ FIGURES = {
 }
 
 
-def run(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, data: str | None) -> Any:
-    """Executes a notebook in a folder of its own, with or without the folder of measured readings."""
+def run(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """Executes a notebook in a folder of its own."""
     path = folder / f"{name}.ipynb"
     shutil.copy(FOLDER / path.name, path)
     package = str(Path(stiffarm.__file__).parent.parent)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([package, os.environ.get("PYTHONPATH", "")]))
-    monkeypatch.delenv("STIFFARM_REFERENCE_DATA", raising=False)
     # Figures come by the notebook's own backend.
     monkeypatch.delenv("MPLBACKEND", raising=False)
-    if data is not None:
-        monkeypatch.setenv("STIFFARM_REFERENCE_DATA", data)
     notebook = nbformat.read(path, as_version=4)
     started = time.monotonic()
     # A cell that fails raises here, with its traceback.
@@ -81,21 +78,10 @@ def check(notebook: Any, name: str) -> None:
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_notebook_runs(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    notebook = run(name, tmp_path, monkeypatch, None)
+    notebook = run(name, tmp_path, monkeypatch)
     check(notebook, name)
     if name.startswith("3_"):
-        assert "SIMULATED readings: STIFFARM_REFERENCE_DATA is not set" in text(notebook)
-
-
-def test_measured_readings_are_read_where_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    data = os.environ.get("STIFFARM_REFERENCE_DATA")
-    if not data or not (Path(data) / "fanuc_r2000ic" / "joint_angles.csv").exists():
-        pytest.skip("STIFFARM_REFERENCE_DATA is not set: no measured readings")
-    name = "3_from_readings_to_a_prediction"
-    notebook = run(name, tmp_path, monkeypatch, str(Path(data).resolve()))
-    check(notebook, name)
-    assert "MEASURED readings" in text(notebook)
-    assert "model: mixed" in text(notebook)
+        assert "model: mixed" in text(notebook)
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.ipynb")), ids=lambda path: path.stem)

@@ -4,10 +4,8 @@ use std::collections::BTreeSet;
 
 use crate::run::Failure;
 
-/// The commands that need nothing but this repository.
+/// The commands.
 pub const COMMANDS: &str = include_str!("commands.txt");
-/// The commands on the measured robot of the reference data.
-pub const FANUC: &str = include_str!("fanuc.txt");
 
 /// Options with which a command writes a file or a folder.
 const WRITING: [&str; 6] = [
@@ -173,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_list_repeats_every_command_without_a_clock() {
-        let all = calls(&format!("{COMMANDS}{FANUC}")).unwrap();
+        let all = calls(COMMANDS).unwrap();
         let begins = |name: &str| all.iter().any(|c| !c.is_wrong && c.words[0] == name);
         for name in "study init check select evaluate simulate register identify validate predict compensate map zones \
                      export capsules robots schema completions man docs"

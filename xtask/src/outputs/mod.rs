@@ -1,7 +1,6 @@
 //! `cargo xtask outputs`: everything that `stiffarm` prints and writes, to compare before with after.
 
 mod compare;
-pub mod fanuc;
 mod folder;
 mod list;
 
@@ -11,11 +10,10 @@ use std::time::Instant;
 
 use crate::arguments::OutputsOptions;
 use crate::files;
-use crate::reference::{REFERENCE_VARIABLE, reference_folder};
 use crate::run::{Failure, Workspace};
 use crate::tools;
 use compare::Comparison;
-use list::{COMMANDS, Call, FANUC, brief, calls};
+use list::{COMMANDS, Call, brief, calls};
 
 /// Variables that change what a command prints or how it works.
 const UNSET: [&str; 5] = [
@@ -36,14 +34,7 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
     let mut against = against
         .map(|other| folder::other(other, &folder))
         .transpose()?;
-    let robot = fanuc::folder(reference_folder(std::env::var_os(REFERENCE_VARIABLE)));
-    let mut calls = match &robot {
-        Ok(_) => calls(&format!("{COMMANDS}{FANUC}"))?,
-        Err(why) => {
-            println!("without the measured robot: {why}");
-            calls(COMMANDS)?
-        }
-    };
+    let mut calls = calls(COMMANDS)?;
     if options.is_brief {
         calls = brief(calls);
     }
@@ -64,9 +55,6 @@ pub fn run(workspace: &Workspace, options: &OutputsOptions) -> Result<(), Failur
     for pass in &passes {
         folder::check(&pass.folder)?;
         folder::prepare(workspace, &pass.folder)?;
-        if let Ok(robot) = &robot {
-            fanuc::write(robot, &pass.folder.join("fanuc.csv"))?;
-        }
     }
     // Each has a folder of its own, so they need not wait for each other.
     let start = Instant::now();

@@ -51,6 +51,7 @@ use values::{count_or_none, number};
     after_help = "Where a file is read, `-` is standard input and `builtin:NAME` a built-in file:\n  \
                   cells     builtin:comau (the default cell), builtin:comau-reference,\n            builtin:comau-shapes (with a table and a tracker), builtin:fanuc-r2000ic\n  \
                   postures  builtin:comau-group1\n  \
+                  readings  builtin:fanuc-r2000ic-readings (measured, of builtin:fanuc-r2000ic)\n  \
                   pairs     builtin:example-pairs\n  \
                   paths     builtin:contour\n  \
                   meshes    builtin:spindle.obj\n\n\

@@ -1,13 +1,6 @@
-//! The measured robot of the reference data, from raw files to stiffness.
+//! The measured robot that is built in, from its readings to stiffness.
 
-use crate::support;
-
-#[path = "../../../stiffarm/examples/convert_fanuc.rs"]
-#[allow(dead_code, reason = "its main belongs to the example")]
-mod convert_fanuc;
-
-use std::path::PathBuf;
-use support::Folder;
+use crate::support::Folder;
 
 /// Least-squares stiffness of all 43 postures [N·m/rad] and RMS residual [m],
 /// from a separate computation in Python: Craig's DH rows of the data set, Ψ in
@@ -23,27 +16,13 @@ const STIFFNESS: [f64; 6] = [
 const RESIDUAL_RMS: f64 = 0.00021484804740675402;
 
 #[test]
-#[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn the_measured_fanuc_is_identified() {
-    let reference = std::env::var_os("STIFFARM_REFERENCE_DATA")
-        .expect("STIFFARM_REFERENCE_DATA names a folder");
-    let mut reference = PathBuf::from(reference);
-    if reference.is_relative() {
-        // As seen from the workspace, where the developer stands.
-        reference = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-            .join("../..")
-            .join(reference);
-    }
     let folder = Folder::new();
-    folder.write(
-        "fanuc.csv",
-        convert_fanuc::convert(&reference.join("fanuc_r2000ic")).unwrap(),
-    );
-    let out = folder.ok("identify builtin:fanuc-r2000ic fanuc.csv");
+    let out = folder.ok("identify builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings");
     assert!(out.starts_with("The stiffness is known to ± "), "{out}");
     assert!(out.lines().count() <= 42, "{out}");
     assert!(out.lines().all(|line| line.chars().count() <= 80), "{out}");
-    let value = folder.json("identify builtin:fanuc-r2000ic fanuc.csv");
+    let value = folder.json("identify builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings");
     let result = &value["result"];
     assert_eq!(result["rows"], 129);
     assert_eq!(result["undetermined_joints"].as_array().unwrap().len(), 0);
@@ -61,10 +40,10 @@ fn the_measured_fanuc_is_identified() {
     let kept: Vec<String> = (1..=43).step_by(4).map(|i: u32| i.to_string()).collect();
     let kept = kept.join(",");
     folder.ok(&format!(
-        "identify builtin:fanuc-r2000ic fanuc.csv --exclude {kept} --output stiffness.json"
+        "identify builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --exclude {kept} --output stiffness.json"
     ));
     let value = folder.json(&format!(
-        "validate builtin:fanuc-r2000ic stiffness.json fanuc.csv --only {kept}"
+        "validate builtin:fanuc-r2000ic stiffness.json builtin:fanuc-r2000ic-readings --only {kept}"
     ));
     let result = &value["result"];
     assert_eq!(result["points"].as_array().unwrap().len(), 11);
@@ -74,7 +53,9 @@ fn the_measured_fanuc_is_identified() {
 
     // Each posture predicted from the other 42; a joint that tilts predicts better.
     let left_out = |terms: &str| {
-        let line = format!("validate builtin:fanuc-r2000ic fanuc.csv --folds all{terms}");
+        let line = format!(
+            "validate builtin:fanuc-r2000ic builtin:fanuc-r2000ic-readings --folds all{terms}"
+        );
         let ran = folder.run(&format!("{line} --json"));
         let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
         let band = &value["result"]["band"];
@@ -96,6 +77,12 @@ fn the_measured_fanuc_is_identified() {
     println!("compensation factor: {of_axes:.2}, with tilt of joint 3 {of_tilt:.2}");
     assert!((of_axes - 4.26).abs() < 5e-3 && (of_tilt - 5.49).abs() < 5e-3);
     println!("leave one out: {axes:.4} mm, with tilt of joint 3 {tilt:.4} mm");
+    // README's first number.
+    let (mixed, of_mixed) = left_out(" --elastic mixed");
+    assert!(
+        (mixed - 0.1422).abs() < 5e-5 && (of_mixed - 7.01).abs() < 5e-3,
+        "{mixed}"
+    );
     assert!((axes - 0.2339).abs() < 5e-5, "{axes}");
     assert!((tilt - 0.1813).abs() < 5e-5, "{tilt}");
 }

@@ -1,12 +1,14 @@
-//! Built-in cells, posture groups, point pairs, paths and meshes: `builtin:comau`,
-//! `builtin:comau-group1`, `builtin:example-pairs`, `builtin:contour`, `builtin:spindle.obj`.
+//! Built-in cells, posture groups, measurements, point pairs, paths and meshes: `builtin:comau`,
+//! `builtin:comau-group1`, `builtin:fanuc-r2000ic-readings`, `builtin:example-pairs`,
+//! `builtin:contour`, `builtin:spindle.obj`.
 //!
 //! The files lie in `data/cells`, sources in their comments.
 
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::files::cell::parse_cell;
-use crate::files::table::read_postures;
+use crate::files::table::{read_measurements, read_postures};
 use crate::model::cell::Cell;
+use crate::model::measurement::Measurements;
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
 
@@ -34,6 +36,11 @@ const POSTURES: [(&str, &str); 1] = [(
     include_str!("../../data/cells/comau-group1.csv"),
 )];
 
+const MEASUREMENTS: [(&str, &str); 1] = [(
+    "fanuc-r2000ic-readings",
+    include_str!("../../data/cells/fanuc-r2000ic-readings.csv"),
+)];
+
 const PAIRS: [(&str, &str); 1] = [(
     "example-pairs",
     include_str!("../../data/cells/example-pairs.csv"),
@@ -49,36 +56,12 @@ pub fn cell_names() -> Vec<&'static str> {
     CELLS.iter().map(|(name, _)| *name).collect()
 }
 
-/// Names of the built-in posture groups.
-pub fn postures_names() -> Vec<&'static str> {
-    POSTURES.iter().map(|(name, _)| *name).collect()
-}
-
-/// Names of the built-in tables of point pairs.
-pub fn pairs_names() -> Vec<&'static str> {
-    PAIRS.iter().map(|(name, _)| *name).collect()
-}
-
-/// Names of the built-in paths.
-pub fn path_names() -> Vec<&'static str> {
-    PATHS.iter().map(|(name, _)| *name).collect()
-}
-
-/// Names of the built-in meshes.
-pub fn mesh_names() -> Vec<&'static str> {
-    MESHES.iter().map(|(name, _)| *name).collect()
-}
+/// The files of all kinds, cells first.
+const KINDS: [&[(&str, &str)]; 6] = [&CELLS, &POSTURES, &MEASUREMENTS, &PAIRS, &PATHS, &MESHES];
 
 /// All built-in names, cells first.
 pub fn names() -> Vec<&'static str> {
-    [
-        cell_names(),
-        postures_names(),
-        pairs_names(),
-        path_names(),
-        mesh_names(),
-    ]
-    .concat()
+    KINDS.concat().iter().map(|(name, _)| *name).collect()
 }
 
 /// Text of a built-in `cell.toml`; `name` without [`PREFIX`].
@@ -111,8 +94,7 @@ pub fn mesh_text(name: &str) -> Option<&'static str> {
 /// # Errors
 /// There is no built-in file of this name.
 pub fn bytes(name: &str) -> Result<&'static [u8]> {
-    let kinds: [&[(&str, &str)]; 5] = [&CELLS, &POSTURES, &PAIRS, &PATHS, &MESHES];
-    let found = kinds.into_iter().find_map(|files| text(files, name));
+    let found = text(&KINDS.concat(), name);
     found.map(str::as_bytes).ok_or_else(|| {
         let known: Vec<String> = names().iter().map(|n| format!("{PREFIX}{n}")).collect();
         Error::new(
@@ -156,9 +138,17 @@ impl Cell {
 /// # Errors
 /// There is no built-in group of this name, or it belongs to another robot.
 pub fn postures(name: &str, robot: &Robot) -> Result<Vec<Posture>> {
-    let text =
-        postures_text(name).ok_or_else(|| unknown("posture group", name, postures_names()))?;
+    let known = || POSTURES.map(|(name, _)| name).to_vec();
+    let text = postures_text(name).ok_or_else(|| unknown("posture group", name, known()))?;
     read_postures(text.as_bytes(), &format!("{PREFIX}{name}"), robot)
+}
+
+/// Built-in measurements of `cell`; `name` without [`PREFIX`].
+///
+/// # Errors
+/// There is no built-in file of this name, or it holds no measurements of the cell.
+pub fn measurements(name: &str, cell: &Cell) -> Result<Measurements> {
+    read_measurements(bytes(name)?, &format!("{PREFIX}{name}"), cell, None)
 }
 
 fn text(files: &[(&'static str, &'static str)], name: &str) -> Option<&'static str> {

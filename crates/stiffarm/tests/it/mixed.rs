@@ -337,7 +337,6 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
 
 /// The measured robot: what the documentation says of it.
 #[test]
-#[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn the_measured_robot_needs_the_mixed_model() {
     let (cell, measured) = crate::diagnose::fanuc::measured_robot();
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();

@@ -29,6 +29,13 @@ pub fn reference() -> Value {
     serde_json::from_str(include_str!("../../golden/cell-comau.json")).unwrap()
 }
 
+/// The folder of the reference data, for tests that are ignored without it.
+pub fn reference_folder() -> std::path::PathBuf {
+    std::env::var_os("STIFFARM_REFERENCE_DATA")
+        .expect("names a folder")
+        .into()
+}
+
 pub fn number(value: &Value) -> f64 {
     value
         .as_f64()

@@ -1,26 +1,17 @@
-//! The measured robot of the reference data.
+//! The measured robot that is built in.
 
 use super::*;
-use stiffarm::files::table::read_displacements;
 
 /// Its cell and its 43 displacements.
-pub fn measured_robot() -> (Cell, Vec<MeasuredPosture>) {
-    let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
-    let mut folder = std::path::PathBuf::from(folder);
-    if folder.is_relative() {
-        folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-            .join("../..")
-            .join(folder);
-    }
-    let cell = builtin::cell("fanuc-r2000ic").unwrap();
-    let text = convert_fanuc::convert(&folder.join("fanuc_r2000ic")).unwrap();
-    let measured = read_displacements(text.as_bytes(), "fanuc.csv", &cell, None).unwrap();
-    assert_eq!(measured.len(), 43);
+pub fn measured_robot() -> (Cell, Measured) {
+    let cell = Cell::built_in("fanuc-r2000ic").unwrap();
+    let readings = builtin::measurements("fanuc-r2000ic-readings", &cell).unwrap();
+    let measured = prepare(&cell, readings, &Default::default()).unwrap();
+    assert_eq!(measured.postures.len(), 43);
     (cell, measured)
 }
 
 #[test]
-#[ignore = "needs STIFFARM_REFERENCE_DATA"]
 fn what_a_careful_engineer_would_say() {
     let (cell, measured) = measured_robot();
     let found =

@@ -5,10 +5,6 @@ mod alarms;
 pub mod fanuc;
 mod outliers;
 
-#[path = "../../../examples/convert_fanuc.rs"]
-#[allow(dead_code, missing_docs, reason = "its main belongs to the example")]
-mod convert_fanuc;
-
 use crate::common::prelude::*;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

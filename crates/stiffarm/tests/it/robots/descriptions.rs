@@ -3,11 +3,10 @@
 use super::*;
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub(super) fn folder() -> PathBuf {
-    let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
-    Path::new(&folder).join("robots")
+    common::reference_folder().join("robots")
 }
 
 pub(super) fn described() -> Vec<(&'static CatalogueEntry, String, Value)> {

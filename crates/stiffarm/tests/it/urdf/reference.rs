@@ -2,11 +2,10 @@
 
 use super::*;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 fn folder() -> PathBuf {
-    let folder = std::env::var_os("STIFFARM_REFERENCE_DATA").expect("names a folder");
-    Path::new(&folder).to_path_buf()
+    crate::common::reference_folder()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
