@@ -79,10 +79,6 @@ fn the_unit_of_a_heading_is_that_of_its_suggested_key() {
             None => assert!(!hint.contains(&format!("= \"{name}\"")), "{hint}"),
         }
     }
-    for (name, key) in [("point id", "point"), ("point name", "name")] {
-        let hint = hint(&format!("{name},center x,center y,center z"));
-        assert!(hint.contains(&format!("{key} = \"{name}\"")), "{hint}");
-    }
 }
 
 /// The times of readings with these in their column, since the first of them.
