@@ -214,6 +214,12 @@ def test_null_is_nan(cell: stiffarm.Cell) -> None:
     assert stiffarm.evaluate(cell, few).table()["expected_error"].tolist() == [pytest.approx(np.nan, nan_ok=True)]
 
 
+def test_the_measured_robot_is_built_in() -> None:
+    readings = "builtin:fanuc-r2000ic-readings"
+    found = stiffarm.validate("builtin:fanuc-r2000ic", None, readings, folds="all", elastic="mixed")
+    assert found.folds == 43 and found.component_rms_m == pytest.approx(1.422e-4, abs=5e-8)
+
+
 def test_cells(cell: stiffarm.Cell, tmp_path: Path) -> None:
     assert cell.joint_count == 6 and len(cell.joint_names) == 6 and cell.spring_names == cell.joint_names
     assert cell.limits.shape == cell.bounds.shape == (6, 2)
