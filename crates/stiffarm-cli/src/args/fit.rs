@@ -1,7 +1,6 @@
 //! How the joint stiffness is estimated.
 
-use super::values::number;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use super::values::{number, one_of};
 use clap::{Args, ValueEnum};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
@@ -14,7 +13,7 @@ use stiffarm::{Code, Error, Result};
 #[command(next_help_heading = "Estimator")]
 pub struct FitArgs {
     /// How the joint stiffness is estimated [default: two-variance]
-    #[arg(long, value_name = "NAME", value_parser = estimator())]
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Estimator::ALL, |own| own.as_str().into()))]
     pub estimator: Option<Estimator>,
     /// Further terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -110,15 +109,6 @@ fn check_confidence(confidence: f64) -> Result<()> {
         .key("--confidence")
         .hint("give 0.95 for 95 %")),
     }
-}
-
-fn estimator() -> impl TypedValueParser<Value = Estimator> {
-    PossibleValuesParser::new(Estimator::ALL.map(Estimator::as_str)).map(|name| {
-        Estimator::ALL
-            .into_iter()
-            .find(|e| e.as_str() == name)
-            .unwrap_or_default()
-    })
 }
 
 /// What gives way.
