@@ -71,7 +71,7 @@ pub struct ControllerArgs {
     /// Axis of the controller of each joint of the cell, for arms of seven joints: 1,2,7,3,4,5,6 where
     /// the third joint is axis 7
     #[arg(long, value_name = "N,…", value_delimiter = ',')]
-    pub axes: Vec<usize>,
+    pub controller_axes: Vec<usize>,
     /// Encoder pulses per degree of each axis (inform only)
     #[arg(
         long,

@@ -86,7 +86,7 @@ fn newcomers_set_ups_are_named() {
     for line in [
         // Six equal postures seen at one point: rank 3.
         "evaluate one-point.toml equal.csv",
-        "select one-point.toml --from equal.csv --index condition",
+        "select one-point.toml --initial equal.csv --index condition",
         "simulate one-point.toml equal.csv",
         // One posture with one point.
         "evaluate one-point.toml one.csv",
@@ -97,7 +97,7 @@ fn newcomers_set_ups_are_named() {
         "evaluate weight.toml builtin:comau-group1",
         // Fewer than six joints: no k(J_N).
         "evaluate five.toml five.csv",
-        "select five.toml --from five.csv --index classical",
+        "select five.toml --initial five.csv --index classical",
         "evaluate builtin:comau five.csv",
         // Not numbers.
         "evaluate builtin:comau inf.csv",
@@ -165,6 +165,6 @@ fn micrometres_under_a_heading_in_millimetres_are_a_finding_not_an_error() {
     );
     let ran = folder.run("identify builtin:comau um.csv --json");
     let saved: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
-    let found = &saved["result"]["sanity"]["suspicions"][0];
+    let found = &saved["result"]["screening"]["suspicions"][0];
     assert_eq!(found["cause"], "displacement_units", "{found}");
 }

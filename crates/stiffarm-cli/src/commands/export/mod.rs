@@ -50,7 +50,7 @@ pub struct Options {
     /// Tool of the controller, where one was given.
     tool: Option<String>,
     /// Axis of the controller of each joint, where they were given.
-    axes: Option<Vec<usize>>,
+    controller_axes: Option<Vec<usize>>,
     /// Pulses per degree of each axis, where they were given.
     pulses_per_degree: Option<Vec<f64>>,
     /// Whether a plan that violates limits is written.
@@ -208,7 +208,7 @@ impl Task {
             states: self.states.clone(),
             controller: args.controller.controller.map(Controller::as_str),
             tool: self.options.tool.clone(),
-            axes: self.options.axes.clone(),
+            controller_axes: self.options.controller_axes.clone(),
             pulses_per_degree: self.options.pulses_per_degree.clone(),
             despite_limits: args.despite_limits,
         }
@@ -239,7 +239,7 @@ fn as_option(error: Error) -> Error {
 
 fn program_options(args: &ControllerArgs) -> ProgramOptions {
     ProgramOptions {
-        axes: (!args.axes.is_empty()).then(|| args.axes.clone()),
+        controller_axes: (!args.controller_axes.is_empty()).then(|| args.controller_axes.clone()),
         pulses_per_degree: (!args.pulses_per_degree.is_empty())
             .then(|| args.pulses_per_degree.clone()),
         tool: args.tool.clone(),
