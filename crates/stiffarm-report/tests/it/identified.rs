@@ -1,14 +1,14 @@
 //! Pages of identify and validate.
 
 use super::tell::{good, suspected};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
+use stiffarm::Control;
 use stiffarm::estimate::clamped::{
     ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
 };
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::diagnose::diagnose;
+use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
-use stiffarm::estimate::systematic::systematic_errors;
 use stiffarm::estimate::validate::{cross_validate, validate_with};
 use stiffarm::files::builtin;
 use stiffarm::files::result::SavedResult;
@@ -44,25 +44,13 @@ pub(crate) fn saved(command: &str, result: Value) -> SavedResult {
 /// What the command writes, without the search for a next posture.
 pub(crate) fn identified(cell: &Cell, measured: &Measured) -> Value {
     let fit = Fit::new(cell, measured, &IdentifyOptions::default()).unwrap();
-    let mut result: Map<String, Value> = to(&fit.identification().unwrap());
-    result.insert(
-        "systematic_errors".into(),
-        json!(systematic_errors(&fit).unwrap()),
-    );
-    result.insert("diagnosis".into(), json!(diagnose(&fit).unwrap()));
-    if let (Some(reduction), Some(screening)) = (&measured.reduction, &measured.screening) {
-        let readings = json!({"reduction": reduction, "screening": screening});
-        result.insert("readings".into(), readings);
-    }
-    Value::Object(result)
-}
-
-fn to(value: &impl serde::Serialize) -> Map<String, Value> {
-    serde_json::to_value(value)
-        .unwrap()
-        .as_object()
-        .unwrap()
-        .clone()
+    let control = Control {
+        stop: Some(&|| true),
+        ..Control::default()
+    };
+    let mut found = Identified::new(&fit, &Wanted::default(), control).unwrap();
+    (found.profile, found.not_computed) = (None, Vec::new());
+    json!(found)
 }
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
