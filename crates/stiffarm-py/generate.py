@@ -47,6 +47,7 @@ KINDS = {
     "input": "TableLike | PosturesLike",
     "number": "float",
     "numbers": "ArrayLike",
+    "path": "str | os.PathLike[str]",
     "text": "str",
     "whole": "int",
 }
@@ -242,7 +243,6 @@ def parameter(argument: Schema, is_optional: bool) -> str:
         kind = "str | os.PathLike[str] | float | Sequence[float]"
     kind += f" | Sequence[{kind}]" if argument["several"] else ""
     kind += " | bool" if argument["bare"] else ""
-    name += "_" if keyword.iskeyword(name) else ""
     none = "" if argument["kind"] == "flag" else " | None"
     return f"{name}: {kind}{none} = ..." if is_optional else f"{name}: {kind}"
 

@@ -169,7 +169,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
             Kind::Readings,
         ),
         (
-            "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --sheet s.csv --states up,down --drift --base-reflector",
+            "select builtin:comau --initial builtin:comau-group1 --max-iterations 1 --sheet s.csv --states up,down --drift --base-reflector",
             "s.csv",
             Kind::Readings,
         ),
@@ -240,7 +240,7 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
             Kind::Saved,
         ),
         (
-            "study builtin:comau --runs 1 --starts 0 --output-dir folder --json",
+            "study builtin:comau --runs 1 --initial-groups 0 --output-dir folder --json",
             PRINTED,
             Kind::Saved,
         ),

@@ -91,7 +91,7 @@ READINGS = [
 ]
 
 KINDS = [
-    kind("study", [], ["study", "--runs", "20", "--starts", "4", "--output-dir", "study"], groups=2, megabytes=6),
+    kind("study", [], ["study", "--runs", "20", "--initial-groups", "4", "--output-dir", "study"], groups=2, megabytes=6),
     kind(
         "select-shapes", [], ["select", "builtin:comau-shapes", "-n", "3", "--rounds", "1", "--no-certificate", "--output", "plan.csv"],
         cell="builtin:comau-shapes",

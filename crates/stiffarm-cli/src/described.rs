@@ -58,6 +58,8 @@ pub enum Kind {
     Text,
     /// A file that is read.
     Input,
+    /// A file that is written, or a folder.
+    Path,
 }
 
 /// All commands that answer with a result.
@@ -117,8 +119,10 @@ fn kind(argument: &Arg) -> Kind {
     if !argument.get_action().takes_values() {
         return Kind::Flag;
     }
-    if argument.get_value_hint() == ValueHint::FilePath {
-        return Kind::Input;
+    match argument.get_value_hint() {
+        ValueHint::FilePath => return Kind::Input,
+        ValueHint::AnyPath => return Kind::Path,
+        _ => {}
     }
     let own = argument.get_value_parser().type_id();
     let is = |types: &[TypeId]| types.iter().any(|one| own == *one);

@@ -271,13 +271,13 @@ mod tests {
 
     #[test]
     fn a_field_of_the_library_is_an_option_of_the_command() {
-        let wrong = Error::new(Code::InvalidValue, "Wrong `axes`.").hint("give `start_deg`");
+        let wrong = Error::new(Code::InvalidValue, "Wrong `axes`.").hint("give `near_deg`");
         let key = |e: &Error| e.place().key.clone();
-        let usage = of_usage(wrong.clone().key("start_deg"), &["start_deg"]);
-        assert_eq!(key(&usage).as_deref(), Some("--start-deg"));
+        let usage = of_usage(wrong.clone().key("near_deg"), &["near_deg"]);
+        assert_eq!(key(&usage).as_deref(), Some("--near-deg"));
         assert_eq!(usage.code(), Code::Usage);
         let said = (usage.message(), usage.hint_text());
-        assert_eq!(said, ("Wrong `axes`.", Some("give --start-deg")));
+        assert_eq!(said, ("Wrong `axes`.", Some("give --near-deg")));
         let option = of_option(wrong.clone().key("bootstrap"), &["bootstrap"]);
         assert_eq!(option.code(), Code::InvalidValue);
         assert_eq!(key(&option).as_deref(), Some("--bootstrap"));

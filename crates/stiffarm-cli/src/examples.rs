@@ -3,10 +3,10 @@
 //! where it would be broken in two.
 
 pub const STUDY: &str = "Examples:
-  $ stiffarm study --runs 20 --starts 2 --output-dir quick-study";
+  $ stiffarm study --runs 20 --initial-groups 2 --output-dir quick-study";
 pub const INIT: &str = "Examples:
   $ stiffarm init
-  $ stiffarm init --robot fanuc-r2000ic-165f --output-dir my-cell";
+  $ stiffarm init --robot fanuc-r2000ic165f --output-dir my-cell";
 pub const CHECK: &str = "Examples:
   $ stiffarm check
   $ stiffarm check cell.toml
@@ -37,7 +37,7 @@ pub const SELECT: &str = "Examples:
   $ stiffarm select cell.toml --space-filling -n 15
 
   As in the paper, from an initial group under the novel index:
-  $ stiffarm select builtin:comau --index novel --from builtin:comau-group1";
+  $ stiffarm select builtin:comau --index novel --initial builtin:comau-group1";
 pub const ROUTE: &str = "Examples:
   The order to drive in, with the moves between the postures:
   $ stiffarm route cell.toml plan.csv --output driven.csv
@@ -81,7 +81,7 @@ pub const IDENTIFY: &str = "Examples:
 
   For validate, without one posture; with a tilting elbow; robust:
   $ stiffarm identify builtin:comau simulated.csv --exclude 6 --output k.json
-  $ stiffarm identify builtin:comau tracked.csv --terms tilt3 --bootstrap 300
+  $ stiffarm identify builtin:comau tracked.csv --extra tilt3 --bootstrap 300
   $ stiffarm identify builtin:comau tracked.csv --estimator huber --brief
 
   What gives way beyond the joint axes, as far as the data show:
@@ -133,7 +133,7 @@ pub const POSE: &str = "Examples:
   $ stiffarm pose builtin:comau plan.csv --convention kuka --output poses.csv
 
   All postures that hold the poses, full turns included:
-  $ stiffarm pose builtin:comau --from poses.csv --convention kuka \\
+  $ stiffarm pose builtin:comau --poses poses.csv --convention kuka \\
       --output all.csv";
 pub const EXPORT: &str = "Examples:
   The plan for the cell's COMAU arm, as a table:

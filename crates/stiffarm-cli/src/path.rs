@@ -20,7 +20,7 @@ impl PathArgs {
             force_n: self.force_n,
             moment_nm: self.moment_nm,
             load_uncertainty_percent: self.load_uncertainty_percent,
-            start_deg: (!self.start_deg.is_empty()).then(|| self.start_deg.clone()),
+            near_deg: (!self.near_deg.is_empty()).then(|| self.near_deg.clone()),
             max_step_deg: self.max_step_deg,
             free_turn: self.free_turn,
         }
@@ -33,7 +33,7 @@ pub fn of_path_usage(error: Error) -> Error {
         "load_uncertainty_percent",
         "force_n",
         "axes",
-        "start_deg",
+        "near_deg",
         "max_step_deg",
     ];
     of_usage(error, &fields)

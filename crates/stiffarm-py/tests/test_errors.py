@@ -195,8 +195,8 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
     select, validate = stiffarm.select, stiffarm.validate
-    refused(lambda: select(cell, postures=6, from_=group), "usage", key="postures", said="from_")
-    refused(lambda: select(cell, from_=group, given=group), "usage", key="from_")
+    refused(lambda: select(cell, count=6, initial=group), "usage", key="count", said="initial")
+    refused(lambda: select(cell, initial=group, given=group), "usage", key="initial")
     refused(lambda: select(cell, add=2), "usage", key="given")
     refused(lambda: select(cell, candidates=group, rounds=1), "usage", key="candidates")
     refused(lambda: select(cell, given=group, largest_load_n=600), "usage", key="given")
@@ -207,6 +207,7 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     refused(lambda: validate(cell, [1e6] * 6, measured, estimator="huber"), "usage", key="estimator")
     refused(lambda: stiffarm.identify(cell, [measured, measured], clamped=True), "usage", key="clamped")
     refused(lambda: stiffarm.map(cell, "prior", plane=("z", 800)), "wrong-type", key="plane")
+    refused(lambda: stiffarm.select(cell, output=[1, 2]), "wrong-type", key="output")
     refused(lambda: stiffarm.weight(), "usage", key="mass_kg")
 
 
@@ -218,7 +219,7 @@ def test_unknown_names(cell: stiffarm.Cell) -> None:
     for option in choices:
         refused(lambda option=option: stiffarm.identify(cell, measured, **option), "usage", key=next(iter(option)))
     refused(lambda: stiffarm.identify(cell, measured, exclude=["nobody"]), "unknown-name", key="exclude")
-    refused(lambda: stiffarm.identify(cell, measured, terms=["wobble"]), "unknown-name", key="terms")
+    refused(lambda: stiffarm.identify(cell, measured, extra=["wobble"]), "unknown-name", key="extra")
     refused(lambda: stiffarm.validate(cell, [1e6] * 6, measured, model="exact"), "usage", key="model", said="equilibrium")
     refused(lambda: stiffarm.indices(cell, group.angles, ["d", "e"]), "unknown-name")
     refused(lambda: stiffarm.Cell.built_in("comauu"), "unknown-name", said="comau-reference")

@@ -19,7 +19,7 @@ CELL = stiffarm.Cell.built_in("comau")
 
 @pytest.fixture(scope="module")
 def plan() -> stiffarm.Postures:
-    return stiffarm.select(CELL, space_filling=True, postures=8, seed=3).postures
+    return stiffarm.select(CELL, space_filling=True, count=8, seed=3).postures
 
 
 @pytest.fixture(scope="module")
@@ -90,7 +90,7 @@ def test_measurements(plan: stiffarm.Postures, readings: bool, tmp_path: Path) -
 
 
 def test_results(plan: stiffarm.Postures, measured: stiffarm.Table, tmp_path: Path) -> None:
-    selected = stiffarm.select(CELL, postures=4, rounds=1, no_certificate=True)
+    selected = stiffarm.select(CELL, count=4, rounds=1, no_certificate=True)
     selected.postures.save(tmp_path / "selected.csv")
     by_file = stiffarm.evaluate(CELL, tmp_path / "selected.csv")
     assert unsigned(by_file) == unsigned(stiffarm.evaluate(CELL, {"selected": selected}))
@@ -137,7 +137,7 @@ def test_files_are_those_of_the_command(command: Any, measured: stiffarm.Table, 
     assert type(found).load(saved) == found and unsigned(theirs) == unsigned(found)
     with pytest.raises(stiffarm.StiffarmError, match="its class is Identified, not Predicted"):
         stiffarm.results.Predicted.load(saved)
-    plan = stiffarm.select(CELL, postures=3, rounds=1, no_certificate=True, output=str(tmp_path / "option.csv"))
+    plan = stiffarm.select(CELL, count=3, rounds=1, no_certificate=True, output=str(tmp_path / "option.csv"))
     plan.postures.save(tmp_path / "own.csv")
     words = ["select", "builtin:comau", "-n", "3", "--rounds", "1", "--no-certificate", "--quiet"]
     command([*words, f"--output={tmp_path / 'command.csv'}"])
@@ -153,7 +153,7 @@ def test_files_are_those_of_the_command(command: Any, measured: stiffarm.Table, 
 def test_whatever_is_identified_can_be_used() -> None:
     """The mixed model in simulated experiments."""
     cell = stiffarm.Cell.built_in("comau-shapes")
-    postures = stiffarm.select(cell, space_filling=True, postures=8, seed=5)
+    postures = stiffarm.select(cell, space_filling=True, count=8, seed=5)
     for seed in range(6):
         found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, postures, seed=seed), elastic="mixed")
         stiffarm.predict(cell, found, postures, cell_load=True)

@@ -47,7 +47,7 @@ def group(cell: stiffarm.Cell) -> stiffarm.Postures:
 
 @pytest.fixture(scope="module")
 def plan(cell: stiffarm.Cell) -> stiffarm.results.Plan:
-    return stiffarm.select(cell, postures=6, rounds=1, seed=1)
+    return stiffarm.select(cell, count=6, rounds=1, seed=1)
 
 
 @pytest.fixture(scope="module")
@@ -184,13 +184,13 @@ def test_deflection_has_every_point_and_its_band(cell: Any, found: Any) -> None:
 
 
 def test_curve_with_its_bound(cell: Any) -> None:
-    result = stiffarm.select(cell, curve=True, postures=3, rounds=1)
+    result = stiffarm.select(cell, curve=True, count=3, rounds=1)
     ax = plot.curve(result)
     best, bound = ax.lines
     assert list(best.get_xdata()) == [1, 2, 3]
     assert np.all(bound.get_ydata() <= best.get_ydata())
     labels_have_units(ax)
-    classical = plot.curve(stiffarm.select(cell, curve=True, postures=2, rounds=1, index="condition", no_certificate=True))
+    classical = plot.curve(stiffarm.select(cell, curve=True, count=2, rounds=1, index="condition", no_certificate=True))
     assert len(classical.lines) == 1 and "condition" in classical.get_ylabel()
 
 
@@ -269,7 +269,7 @@ def test_every_kind_of_load_has_its_direction(cell: Any) -> None:
     assert not measured.collections
 
 
-@pytest.mark.parametrize("name", ["comau-nj165-3.0", "fanuc-r2000ic-165f", "abb-irb4400l-30-243", "kuka-kr210-r2700-2"])
+@pytest.mark.parametrize("name", ["comau-nj165-3.0", "fanuc-r2000ic165f", "abb-irb4400l-30-243", "kuka-kr210-r2700-2"])
 def test_links_turn_with_their_joints(name: str) -> None:
     """Between two bends the arm is rigid: lengths do not change, and it ends at the flange."""
     robot = stiffarm.Robot.catalogue(name)

@@ -31,7 +31,7 @@ def test_progress(cell: stiffarm.Cell) -> None:
         assert threading.get_ident() == main
         told.append((what, done, of))
 
-    stiffarm.select(cell, postures=6, rounds=60, no_certificate=True, progress=tell)
+    stiffarm.select(cell, count=6, rounds=60, no_certificate=True, progress=tell)
     assert told and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in told)
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
 
@@ -45,18 +45,18 @@ def test_an_exception_of_the_callback_ends_the_work(cell: stiffarm.Cell) -> None
 
     began = time.monotonic()
     with pytest.raises(Enough):
-        stiffarm.select(cell, postures=6, rounds=100_000, progress=tell)
+        stiffarm.select(cell, count=6, rounds=100_000, progress=tell)
     assert time.monotonic() - began < 20
 
     def wrong(what: str) -> None:
         """Takes too few arguments."""
 
     with pytest.raises(TypeError, match="positional"):
-        stiffarm.select(cell, postures=6, rounds=100_000, progress=wrong)
+        stiffarm.select(cell, count=6, rounds=100_000, progress=wrong)
 
 
 def test_a_bar_of_tqdm(cell: stiffarm.Cell, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    stiffarm.select(cell, postures=6, rounds=60, no_certificate=True, progress=True)
+    stiffarm.select(cell, count=6, rounds=60, no_certificate=True, progress=True)
     assert "%" in capsys.readouterr().err
     # Without tqdm there is no bar, and no error.
     monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
@@ -78,7 +78,7 @@ def test_the_interpreter_goes_on(cell: stiffarm.Cell) -> None:
     thread = threading.Thread(target=count)
     thread.start()
     began = time.monotonic()
-    stiffarm.select(cell, postures=6, rounds=100, no_certificate=True)
+    stiffarm.select(cell, count=6, rounds=100, no_certificate=True)
     took = time.monotonic() - began
     stop.set()
     thread.join()
@@ -95,7 +95,7 @@ def tell(what, done, of):
     told.append(what)
 with warnings.catch_warnings(record=True) as caught:
     warnings.simplefilter("always")
-    plan = stiffarm.select(cell, postures=6, rounds=1_000_000, progress=tell)
+    plan = stiffarm.select(cell, count=6, rounds=1_000_000, progress=tell)
 assert plan.interrupted and len(plan.postures) == 6 and plan.value > 0, plan
 assert [w.category for w in caught] == [stiffarm.StiffarmWarning], caught
 assert caught[0].filename == "<string>", caught[0].filename
@@ -141,7 +141,7 @@ def test_control_c_without_a_result_is_keyboard_interrupt() -> None:
 
 def job(given: tuple[stiffarm.Cell, int]) -> tuple[str, float]:
     cell, seed = given
-    plan = stiffarm.select(cell, space_filling=True, postures=4, seed=1)
+    plan = stiffarm.select(cell, space_filling=True, count=4, seed=1)
     simulated = stiffarm.simulate(cell, plan, runs=50, levels=[1.0], seed=seed).to_json()
     return simulated, float(stiffarm.indices(cell, [plan.postures.angles] * 50, ["d"])["d"][7])
 
@@ -171,13 +171,13 @@ def test_every_posture_of_the_plan_is_accepted_as_it_is_written() -> None:
         asked.append(q.shape)
         return away(q)
 
-    own = stiffarm.select(cell, postures=6, rounds=2, no_certificate=True, accept=accept)
-    free = stiffarm.select(cell, postures=6, rounds=2, no_certificate=True)
+    own = stiffarm.select(cell, count=6, rounds=2, no_certificate=True, accept=accept)
+    free = stiffarm.select(cell, count=6, rounds=2, no_certificate=True)
     assert all(away(q) for q in own.postures.angles)
     assert not all(away(q) for q in free.postures.angles)
     assert own.value > free.value
     assert asked and set(asked) == {(6,)}
-    again = stiffarm.select(cell, postures=6, rounds=2, no_certificate=True, accept=away)
+    again = stiffarm.select(cell, count=6, rounds=2, no_certificate=True, accept=away)
     assert again.to_json() == own.to_json()
 
 
@@ -188,13 +188,13 @@ def test_what_the_constraint_raises_is_raised_and_ends_the_search() -> None:
         raise LookupError("the planner does not answer")
 
     with pytest.raises(LookupError, match="does not answer"):
-        stiffarm.select(cell, postures=4, accept=accept)
+        stiffarm.select(cell, count=4, accept=accept)
 
 
 def test_a_constraint_that_accepts_nothing_is_named() -> None:
     cell = stiffarm.Cell.built_in("comau")
     with pytest.raises(stiffarm.StiffarmError, match="None of") as error:
-        stiffarm.select(cell, postures=4, accept=lambda q: False)
+        stiffarm.select(cell, count=4, accept=lambda q: False)
     assert error.value.place["key"] == "accept"
     with pytest.raises(stiffarm.StiffarmError, match="From an initial group"):
-        stiffarm.select(cell, from_="builtin:comau-group1", accept=away)
+        stiffarm.select(cell, initial="builtin:comau-group1", accept=away)

@@ -20,7 +20,7 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "capsules": (["meshes"], {"unit": "mm"}),
     "check": (["cell"], {"postures": "postures", "posture": "2", "figure": "figure.svg", "force": True}),
     "compensate": (["cell", "stiffness", "path"], {"axes": "base", "load_uncertainty_percent": 5.5}),
-    "coverage": (["cell", "postures"], {"runs": 60, "terms": ["tilt1"]}),
+    "coverage": (["cell", "postures"], {"runs": 60, "extra": ["tilt1"]}),
     "evaluate": (["cell", "groups"], {}),
     "export": (["cell", "postures"], {"language": "pdl2", "name": "plan", "output_dir": "program", "force": True}),
     "identify": (["cell", "readings"], {"registration": "registration", "bootstrap": 200, "exclude": ["3"]}),
@@ -36,7 +36,7 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "schema": ([], {"what": "result-select"}),
     "select": (["cell"], {"given": "postures", "add": 2, "rounds": 1, "no_certificate": True, "seed": 7}),
     "simulate": (["cell", "groups"], {"runs": 3, "levels": [1.0, 2.25], "force_percent": 0.5}),
-    "study": (["cell"], {"initial": "postures", "runs": 2, "starts": 1, "output_dir": "study", "force": True}),
+    "study": (["cell"], {"initial": "postures", "runs": 2, "initial_groups": 1, "output_dir": "study", "force": True}),
     "validate": (["cell", "nothing", "measurements"], {"folds": 4, "estimator": "ordinary"}),
     "zones": (["cell"], {"steps": 4}),
 }
@@ -63,7 +63,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], di
     """Inputs in memory and, in a folder, as files."""
     folder = tmp_path_factory.mktemp("inputs")
     cell = stiffarm.Cell.built_in("comau").with_changes({"name": "in memory"})
-    plan = stiffarm.select(cell, space_filling=True, postures=8, seed=3)
+    plan = stiffarm.select(cell, space_filling=True, count=8, seed=3)
     measured = stiffarm.simulate_measurements(cell, plan, seed=5)
     memory: dict[str, Any] = {
         "cell": cell,
@@ -135,7 +135,7 @@ def test_words(command: Any, inputs: Any, name: str, monkeypatch: pytest.MonkeyP
 
 
 def test_long_work_stops_with_the_best_so_far() -> None:
-    plan = stiffarm.select("builtin:comau-reference", postures=6, rounds=1_000_000, time_limit=1, no_certificate=True)
+    plan = stiffarm.select("builtin:comau-reference", count=6, rounds=1_000_000, time_limit=1, no_certificate=True)
     assert plan.termination == "time_limit" and len(plan.postures) == 6 and not plan.interrupted
 
 
@@ -144,7 +144,7 @@ import hashlib, sys, stiffarm
 cell, plan, measured = stiffarm.Cell(sys.argv[1]), sys.argv[2], sys.argv[3]
 group = stiffarm.Postures.read(plan, cell).angles
 found = [
-    stiffarm.select(cell, postures=3, rounds=2, seed=3), stiffarm.simulate(cell, plan, runs=20),
+    stiffarm.select(cell, count=3, rounds=2, seed=3), stiffarm.simulate(cell, plan, runs=20),
     stiffarm.identify(cell, measured, bootstrap=200), stiffarm.map(cell, "prior", plane="z=800", steps=4),
     stiffarm.coverage(cell, plan, runs=50), stiffarm.Table(stiffarm.indices(cell, [group] * 50)).to_csv(),
     repr(stiffarm.certificate(cell, plan, samples=8).to_dict()),

@@ -36,11 +36,11 @@ cell = stiffarm.Cell.built_in("comau")
 folder = Path("somewhere")
 checked: results.Checked = stiffarm.check(cell, figure=folder / "arm.svg", posture="all")
 sampled: int = checked.postures_sampled
-plan = stiffarm.select(cell, postures=6, index="expected_error", rounds=2, accept=lambda q: bool(q[0] > 0), time_limit=5)
+plan = stiffarm.select(cell, count=6, index="expected_error", rounds=2, accept=lambda q: bool(q[0] > 0), time_limit=5)
 assert isinstance(plan, results.Plan)
 value: float = plan.value
-stiffarm.select("cell.toml", curve=True, postures=8)
-stiffarm.select(cell, from_=plan, angle_step_deg=0.5)
+stiffarm.select("cell.toml", curve=True, count=8)
+stiffarm.select(cell, initial=plan, angle_step_deg=0.5)
 dropped = stiffarm.select(cell, given=plan.postures, drop=True)
 measured = stiffarm.simulate_measurements(cell, plan)
 evaluated: results.Evaluated = stiffarm.evaluate(cell, {"mine": np.zeros((3, 6))}, degrees=True)
@@ -54,7 +54,7 @@ validated: results.Validated = stiffarm.validate(cell, found, measured, toleranc
 validated = stiffarm.validate(cell, measurements=measured, folds="all")
 validated = stiffarm.validate(cell, measurements=measured, folds=4)
 predicted: results.Predicted = stiffarm.predict(cell, found, "path.csv", force_n=[0, 0, -100.0], free_turn=4)
-predicted = stiffarm.predict(cell, [1e6] * 6, start_deg=[0.0] * 6, free_turn=True)
+predicted = stiffarm.predict(cell, [1e6] * 6, near_deg=[0.0] * 6, free_turn=True)
 deflection: float = predicted.deflection_max_m
 compensated: results.Compensated = stiffarm.compensate(cell, "prior", "path.csv", output=folder / "commands.csv")
 mapped = stiffarm.map(cell, found, plane="z=800", steps=5, direction=(1.0, 0.0, 0.0))
@@ -66,7 +66,7 @@ others: list[stiffarm.Result] = [
     stiffarm.init(robot="fanuc-m20ia", output_dir=folder),
     stiffarm.measure(cell, plan, measured, once=True, until="2%"),
     stiffarm.pose(cell, plan, convention="kuka"),
-    stiffarm.pose(cell, from_="poses.csv"),
+    stiffarm.pose(cell, poses="poses.csv"),
     stiffarm.report([found, "saved.json"], cell=[cell], output="page.html"),
     stiffarm.robots(),
     stiffarm.route(cell, plan, keep_order=True),

@@ -135,13 +135,13 @@ def test_results(
         "name", "stiffness", "half_width", "standard_error", "interval_low", "interval_high",
     ]  # fmt: skip
     # The intervals of a frame are those of the page, readings and systematic errors together.
-    totals = [own["interval_nm_per_rad"] for own in document["result"]["budget"]["uncertainty"]]
+    totals = [own["interval_nm_per_rad"] for own in document["result"]["systematic_errors"]["uncertainty"]]
     assert [list(ends) for ends in zip(frame["interval_low"], frame["interval_high"], strict=True)] == totals
     assert set(frame["interval_holds"]) == {"all_errors"}
     assert (frame["readings_interval_low"] > frame["interval_low"]).all()
     brief = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, group), brief=True)
     assert set(brief.to_frame("pandas")["interval_holds"]) == {"readings"}
-    parts = document["result"]["diagnosis"], document["result"]["budget"]
+    parts = document["result"]["diagnosis"], document["result"]["systematic_errors"]
     assert [f.sentence for f in found.findings] == [f["sentence"] for part in parts for f in part["findings"]]
     assert repr(found).startswith("<Identified: k = ")
     with pytest.raises(stiffarm.StiffarmError, match="exists"):
@@ -160,22 +160,22 @@ def test_every_result_tells_itself(
     own = stiffarm.results
     results: list[tuple[type[stiffarm.Result], stiffarm.Result]] = [
         (own.Checked, stiffarm.check(full)),
-        (own.Chosen, stiffarm.select(cell, postures=4, candidates=group)),
+        (own.Chosen, stiffarm.select(cell, count=4, candidates=group)),
         (own.Compensated, stiffarm.compensate(full, "prior", "builtin:contour")),
         (own.Coverage, stiffarm.coverage(cell, group, runs=50)),
-        (own.Curve, stiffarm.select(cell, curve=True, postures=4, **quick)),
+        (own.Curve, stiffarm.select(cell, curve=True, count=4, **quick)),
         (own.Dropped, stiffarm.select(cell, given=group, drop=1)),
         (own.Evaluated, stiffarm.evaluate(full, group)),
         (own.Identified, found),
         (own.Identified, stiffarm.identify(cell, measured, elastic="mixed", bootstrap=200)),
         (own.Placement, stiffarm.map(full, "prior", place="builtin:contour", steps=2)),
-        (own.Plan, stiffarm.select(cell, postures=3, sensitivity=True, **quick)),
-        (own.Plan, stiffarm.select(full, postures=3, prices=True, largest_load_n=700, **quick)),
+        (own.Plan, stiffarm.select(cell, count=3, sensitivity=True, **quick)),
+        (own.Plan, stiffarm.select(full, count=3, prices=True, largest_load_n=700, **quick)),
         (own.Predicted, stiffarm.predict(full, found.stiffness, "builtin:contour", matrix=True)),
         (own.Registered, stiffarm.register("builtin:example-pairs")),
         (own.Simulation, stiffarm.simulate(cell, group, runs=3)),
         (own.Simulation, stiffarm.simulate(cell, group, runs=2, elastic="auto")),
-        (own.SpaceFilling, stiffarm.select(full, space_filling=True, postures=3)),
+        (own.SpaceFilling, stiffarm.select(full, space_filling=True, count=3)),
         (own.StiffnessMap, stiffarm.map(full, "prior", plane="z=1200", steps=4)),
         (own.Validated, stiffarm.validate(cell, found, measured)),
         (own.Validated, stiffarm.validate(cell, None, measured, folds=3)),
@@ -274,7 +274,7 @@ import pickle, sys, stiffarm
 values = pickle.load(open(sys.argv[1], "rb"))
 pickle.dump(values, open(sys.argv[2], "wb"))
 cell = values[0]
-print(stiffarm.select(cell, postures=3, rounds=1, no_certificate=True).to_json(), end="")
+print(stiffarm.select(cell, count=3, rounds=1, no_certificate=True).to_json(), end="")
 """
 
 
@@ -295,7 +295,7 @@ def test_pickles(found: stiffarm.results.Identified, group: stiffarm.Postures, t
         pickle.dump(values, file)
     words = [sys.executable, "-c", VALUES, str(tmp_path / "in"), str(tmp_path / "out")]
     printed = subprocess.run(words, stdout=subprocess.PIPE, check=True, encoding="utf-8").stdout
-    assert printed == stiffarm.select(shapes, postures=3, rounds=1, no_certificate=True).to_json()
+    assert printed == stiffarm.select(shapes, count=3, rounds=1, no_certificate=True).to_json()
     with (tmp_path / "out").open("rb") as file:
         again = pickle.load(file)
     for before, after in zip(values[:5], again[:5], strict=True):
@@ -329,7 +329,7 @@ def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
     for page in shown:
         assert tags(page) <= {"p", "b", "table", "thead", "tbody", "tr", "th", "td"}, page
     assert "&lt;script&gt;" in shown[0]
-    for page in (found._repr_html_(), stiffarm.select(cell, postures=3, rounds=1)._repr_html_()):
+    for page in (found._repr_html_(), stiffarm.select(cell, count=3, rounds=1)._repr_html_()):
         assert page.count("<table>") == page.count("</table>") == 1
     many = stiffarm.Table({"x": list(range(100))})._repr_html_()
     assert "80 further rows" in many and many.count("<tr>") == 21
@@ -337,7 +337,7 @@ def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
 
 def test_degrees_that_are_taken_for_radians_are_refused() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    degrees = stiffarm.select(cell, space_filling=True, postures=4).postures.degrees
+    degrees = stiffarm.select(cell, space_filling=True, count=4).postures.degrees
     calls = [
         lambda: stiffarm.Postures(degrees),
         lambda: stiffarm.indices(cell, degrees),
@@ -422,7 +422,7 @@ def test_a_wrong_keyword_is_said_with_the_function_and_the_name_that_was_meant()
 
 def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    own = stiffarm.select(cell, space_filling=True, postures=4).postures
+    own = stiffarm.select(cell, space_filling=True, count=4).postures
     frame = own.to_frame()
     assert stiffarm.Postures.of(frame) == own
     assert stiffarm.Postures.of(frame.drop(columns="posture")) == own
@@ -435,7 +435,7 @@ def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
 
 def test_serious_findings_of_readings_are_counted() -> None:
     cell = stiffarm.Cell.built_in("comau")
-    plan = stiffarm.select(cell, space_filling=True, postures=8)
+    plan = stiffarm.select(cell, space_filling=True, count=8)
     table = stiffarm.simulate_measurements(cell, plan, readings=True)
     sound = stiffarm.identify(cell, table, brief=True)
     assert "serious" not in repr(sound)

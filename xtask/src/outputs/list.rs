@@ -182,7 +182,7 @@ mod tests {
         // Searches that would go on until nothing improves depend on no clock either, but take long.
         for call in all.iter().filter(|c| !c.is_wrong && c.words[0] == "select") {
             let has = |word: &str| call.words.iter().any(|w| w == word);
-            let ends = "--rounds --from --drop --space-filling --candidates --help -h";
+            let ends = "--rounds --initial --drop --space-filling --candidates --help -h";
             assert!(ends.split(' ').any(has), "{call:?}");
             assert!(!has("--time-limit"), "{call:?}");
         }

@@ -1,7 +1,8 @@
 //! Options of `export`.
 
-use clap::builder::PossibleValuesParser;
-use clap::{Args, ValueEnum, ValueHint};
+use super::values::one_of;
+use clap::builder::PossibleValue;
+use clap::{Args, ValueHint};
 use std::path::PathBuf;
 use stiffarm::files::program::Language;
 use stiffarm::model::robot::Controller;
@@ -15,8 +16,8 @@ pub struct ExportArgs {
     #[arg(value_hint = ValueHint::FilePath, value_name = "POSTURES.csv")]
     pub plan: String,
     /// Language of the robot's controller
-    #[arg(long, value_name = "LANGUAGE")]
-    pub language: LanguageChoice,
+    #[arg(long, value_name = "LANGUAGE", value_parser = one_of(&Language::ALL, shown))]
+    pub language: Language,
     /// Folder for the program
     #[arg(
         long,
@@ -61,8 +62,8 @@ pub struct ExportArgs {
 pub struct ControllerArgs {
     /// Maker of the controller, where the language is another's than the cell's robot has: its pendant
     /// shows the angles of this cell
-    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(Controller::ALL.map(Controller::as_str)))]
-    pub controller: Option<String>,
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Controller::ALL, |own| own.as_str().into()))]
+    pub controller: Option<Controller>,
     /// Tool of the controller: a number, in RAPID a name [default: rapid tool0, ls 1, inform 0, krl as
     /// it is on the controller; pdl2 and urscript always so]
     #[arg(long, value_name = "TOOL")]
@@ -70,7 +71,7 @@ pub struct ControllerArgs {
     /// Axis of the controller of each joint of the cell, for arms of seven joints: 1,2,7,3,4,5,6 where
     /// the third joint is axis 7
     #[arg(long, value_name = "N,…", value_delimiter = ',')]
-    pub axes: Vec<usize>,
+    pub controller_axes: Vec<usize>,
     /// Encoder pulses per degree of each axis (inform only)
     #[arg(
         long,
@@ -81,35 +82,7 @@ pub struct ControllerArgs {
     pub pulses_per_degree: Vec<f64>,
 }
 
-/// Languages of controllers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum LanguageChoice {
-    /// KUKA KRL: .src and .dat
-    Krl,
-    /// ABB RAPID: .mod
-    Rapid,
-    /// FANUC TP: .ls
-    Ls,
-    /// Yaskawa INFORM: .jbi
-    Inform,
-    /// COMAU PDL2: .pdl
-    Pdl2,
-    /// Universal Robots: .script
-    Urscript,
-    /// A table for everything else
-    Csv,
-}
-
-impl From<LanguageChoice> for Language {
-    fn from(choice: LanguageChoice) -> Self {
-        match choice {
-            LanguageChoice::Krl => Language::Krl,
-            LanguageChoice::Rapid => Language::Rapid,
-            LanguageChoice::Ls => Language::Ls,
-            LanguageChoice::Inform => Language::Inform,
-            LanguageChoice::Pdl2 => Language::Pdl2,
-            LanguageChoice::Urscript => Language::Urscript,
-            LanguageChoice::Csv => Language::Csv,
-        }
-    }
+/// A language with what its programs are.
+fn shown(language: Language) -> PossibleValue {
+    PossibleValue::new(language.as_str()).help(language.files())
 }

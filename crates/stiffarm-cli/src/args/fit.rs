@@ -1,7 +1,6 @@
 //! How the joint stiffness is estimated.
 
-use super::values::number;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use super::values::{number, one_of};
 use clap::{Args, ValueEnum};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
@@ -14,11 +13,11 @@ use stiffarm::{Code, Error, Result};
 #[command(next_help_heading = "Estimator")]
 pub struct FitArgs {
     /// How the joint stiffness is estimated [default: two-variance]
-    #[arg(long, value_name = "NAME", value_parser = estimator())]
+    #[arg(long, value_name = "NAME", value_parser = one_of(&Estimator::ALL, |own| own.as_str().into()))]
     pub estimator: Option<Estimator>,
-    /// Further terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
+    /// Extra terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    pub terms: Vec<String>,
+    pub extra: Vec<String>,
     /// What gives way: the joint axes, everything as far as the data show, or what the data call
     /// for [default: axes]
     #[arg(long, value_name = "MODEL")]
@@ -42,7 +41,7 @@ impl FitArgs {
     pub fn given(&self) -> Option<&'static str> {
         [
             ("--estimator", self.estimator.is_some()),
-            ("--terms", !self.terms.is_empty()),
+            ("--extra", !self.extra.is_empty()),
             ("--elastic", self.elastic.is_some()),
             ("--weights", self.weights.is_some()),
             ("--prior-std-percent", self.prior_std_percent.is_some()),
@@ -65,8 +64,8 @@ impl FitArgs {
     pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
         let default = IdentifyOptions::default();
         let mut extra = Vec::new();
-        for word in &self.terms {
-            extra.extend(ExtraTerm::parse(word, robot).map_err(|e| e.key("--terms"))?);
+        for word in &self.extra {
+            extra.extend(ExtraTerm::parse(word, robot).map_err(|e| e.key("--extra"))?);
         }
         let confidence = self.confidence.unwrap_or(default.confidence);
         check_confidence(confidence)?;
@@ -110,15 +109,6 @@ fn check_confidence(confidence: f64) -> Result<()> {
         .key("--confidence")
         .hint("give 0.95 for 95 %")),
     }
-}
-
-fn estimator() -> impl TypedValueParser<Value = Estimator> {
-    PossibleValuesParser::new(Estimator::ALL.map(Estimator::as_str)).map(|name| {
-        Estimator::ALL
-            .into_iter()
-            .find(|e| e.as_str() == name)
-            .unwrap_or_default()
-    })
 }
 
 /// What gives way.

@@ -23,7 +23,7 @@ pub struct RegisterArgs {
     #[arg(long)]
     pub details: bool,
     /// Write the result as JSON to this file
-    #[arg(long, value_name = "registration.json")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "registration.json")]
     pub output: Option<String>,
     /// Overwrite an existing file
     #[arg(long)]
@@ -62,16 +62,16 @@ pub struct IdentifyArgs {
     /// Seed of the resampling and of the search for the next posture
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Estimates and residuals only: no leave-one-out, common-mode budget,
-    /// further terms tried or next posture
+    /// Estimates and residuals only: no leave-one-out, systematic errors,
+    /// extra terms tried or next posture
     #[arg(long)]
     pub brief: bool,
-    /// Also show intervals, the budget of systematic errors, what each joint carries, further terms,
+    /// Also show intervals, systematic errors by source, what each joint carries, extra terms,
     /// the largest residuals and the next posture
     #[arg(long)]
     pub details: bool,
     /// Write the result as JSON to this file, for `validate`
-    #[arg(long, value_name = "stiffness.json")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "stiffness.json")]
     pub output: Option<String>,
     /// The page of the result.
     #[command(flatten)]

@@ -176,7 +176,7 @@ pub struct StudyArgs {
     pub initial: Option<String>,
     /// Choose from the postures of these measurements instead, and predict the others: which
     /// postures and which model predict a measured robot
-    #[arg(value_hint = ValueHint::FilePath, long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "starts", "elastic"])]
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "MEASUREMENTS.csv", conflicts_with_all = ["initial", "runs", "initial_groups", "elastic"])]
     pub measured: Option<String>,
     /// How to split measurements.
     #[command(flatten)]
@@ -192,7 +192,7 @@ pub struct StudyArgs {
     pub runs: usize,
     /// Other initial groups to try, half random, half with small wrist angles
     #[arg(long, default_value_t = 60, value_parser = count_or_none())]
-    pub starts: usize,
+    pub initial_groups: usize,
     /// Also simulate groups on an arm that gives way beyond its joint axes, as simulate --elastic
     /// does, in at most 40 runs each [default: axes]
     #[arg(long, value_name = "MODEL")]
@@ -244,7 +244,7 @@ pub struct CheckArgs {
     #[arg(value_hint = ValueHint::FilePath, default_value = "builtin:comau")]
     pub cell: String,
     /// Draw the cell from the side, from above and in perspective, what violates a limit in red
-    #[arg(long, value_name = "FILE.svg")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.svg")]
     pub figure: Option<String>,
     /// Postures to draw [default: the middle of the bounds, or where that violates a limit, one that does not]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", requires = "figure")]

@@ -35,7 +35,7 @@ pub struct PathArgs {
         value_parser = number("deg"),
         allow_hyphen_values = true
     )]
-    pub start_deg: Vec<f64>,
+    pub near_deg: Vec<f64>,
     /// Largest change of a joint from one point to the next [deg]; more is a jump
     #[arg(
         long,
@@ -80,10 +80,10 @@ pub struct PredictArgs {
     #[arg(long)]
     pub matrix: bool,
     /// Write the deflections of all points to this table
-    #[arg(long, value_name = "predicted.csv")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "predicted.csv")]
     pub output: Option<String>,
     /// Draw the deflection along the path with its band
-    #[arg(long, value_name = "predicted.svg")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "predicted.svg")]
     pub figure: Option<String>,
     /// Also show all points, what the ± is made of, and which way the tip gives way
     #[arg(long)]
@@ -111,13 +111,13 @@ pub struct CompensateArgs {
     #[command(flatten)]
     pub along: PathArgs,
     /// Write the path to command to this table, in the columns of the path
-    #[arg(long, value_name = "commanded.csv")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "commanded.csv")]
     pub output: Option<String>,
     /// What the table holds [default: what the path holds]
     #[arg(long, value_name = "WHAT", requires = "output")]
     pub write: Option<WriteChoice>,
     /// Draw the deflection along the path before and after
-    #[arg(long, value_name = "compensated.svg")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "compensated.svg")]
     pub figure: Option<String>,
     /// Write also what goes beyond the identification's displacements and forces, or has a serious finding
     #[arg(long)]

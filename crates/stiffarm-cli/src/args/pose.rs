@@ -12,25 +12,25 @@ pub struct PoseArgs {
     /// Postures whose poses are wanted
     #[arg(
         value_hint = ValueHint::FilePath,
-        required_unless_present = "from",
-        conflicts_with = "from",
+        required_unless_present = "poses",
+        conflicts_with = "poses",
         value_name = "POSTURES.csv"
     )]
     pub postures: Option<String>,
     /// Poses whose postures are wanted: x_mm, y_mm, z_mm and the convention's numbers
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSES.csv")]
-    pub from: Option<String>,
+    pub poses: Option<String>,
     /// How orientations are written [default: as the controller that the cell names does, else matrix]
     #[arg(long, value_name = "NAME")]
     pub convention: Option<ConventionChoice>,
     /// Frame that poses are given in
     #[arg(long, value_name = "FRAME", default_value = "controller")]
     pub frame: FrameChoice,
-    /// What the poses of --from and --output are of
+    /// What the poses that are read and written are of
     #[arg(long, value_name = "POINT", default_value = "flange")]
     pub point: PointChoice,
-    /// Where to write the poses, or with --from all postures, as a table
-    #[arg(long, value_name = "FILE")]
+    /// Where to write the poses, or with --poses all postures, as a table
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE")]
     pub output: Option<String>,
     /// Overwrite an existing file
     #[arg(long)]

@@ -10,7 +10,7 @@ use stiffarm_report::paper::{Format, PaperOptions};
 #[derive(Debug, Clone, Default, Args)]
 pub struct PageArgs {
     /// Write the result as one offline page, with the cell in 3D
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.html")]
     pub report: Option<String>,
 }
 
@@ -32,7 +32,7 @@ pub struct ReportArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "CELL.toml")]
     pub cell: Vec<String>,
     /// File for the page; report.html, or no page where --figures is given
-    #[arg(long, value_name = "FILE.html")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.html")]
     pub output: Option<String>,
     /// Write the pictures for a paper to this folder, each with its data
     #[arg(long, value_name = "DIR")]

@@ -29,7 +29,7 @@ pub struct RouteArgs {
     #[arg(long)]
     pub details: bool,
     /// Write the postures in this order, as they are to be driven to
-    #[arg(long, value_name = "plan.csv", help_heading = "Output")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "plan.csv", help_heading = "Output")]
     pub output: Option<String>,
     /// The page of the result.
     #[command(flatten)]

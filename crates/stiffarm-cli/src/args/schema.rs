@@ -37,7 +37,7 @@ pub static SCHEMAS: [Row; 30] = rows! {
     "result-capsules": "Output of `capsules --json`",
     "result-measure": "Output of `measure --once --json`",
     "result-pose": "Output of `pose --json`",
-    "result-pose-from": "Output of `pose --from --json`",
+    "result-pose-poses": "Output of `pose --poses --json`",
     "result-report": "Output of `report --json`",
     "result-route": "Output of `route --json`",
     "result-export": "Output of `export --json`",

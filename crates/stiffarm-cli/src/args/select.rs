@@ -19,27 +19,27 @@ pub struct SelectArgs {
     pub index: String,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
     #[arg(long, short = 'n', value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_POSTURES),
-          conflicts_with_all = ["from", "given"])]
-    pub postures: Option<u64>,
-    /// The best value for every number of postures up to --postures, and what one more gains
-    #[arg(long, conflicts_with_all = ["from", "given", "sensitivity"])]
+          conflicts_with_all = ["initial", "given"])]
+    pub count: Option<u64>,
+    /// The best value for every number of postures up to --count, and what one more gains
+    #[arg(long, conflicts_with_all = ["initial", "given", "sensitivity"])]
     pub curve: bool,
     /// Also say whether another prior stiffness, or errors of postures and tool points, would change the plan
     #[arg(long)]
     pub sensitivity: bool,
     /// Also say what each kind of limit costs: the index of the best plan without it
-    #[arg(long, conflicts_with_all = ["from", "curve"])]
+    #[arg(long, conflicts_with_all = ["initial", "curve"])]
     pub prices: bool,
     /// Do not compute how good any plan could be (for expected-error, d and task)
     #[arg(long)]
     pub no_certificate: bool,
     /// Postures that cover the joint space evenly, without any index: a baseline to compare with
-    #[arg(long, conflicts_with_all = ["index", "curve", "sensitivity", "no_certificate", "from", "given", "rounds",
+    #[arg(long, conflicts_with_all = ["index", "curve", "sensitivity", "no_certificate", "initial", "given", "rounds",
           "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
     pub space_filling: bool,
     /// Choose the best postures out of this list: a table of postures, or one of measurements,
     /// whose postures count under their measured wrenches
-    #[arg(value_hint = ValueHint::FilePath, long, value_name = "TABLE", conflicts_with_all = ["space_filling", "curve", "sensitivity", "from", "given",
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "TABLE", conflicts_with_all = ["space_filling", "curve", "sensitivity", "initial", "given",
           "rounds", "time_limit", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
     pub candidates: Option<String>,
     /// Also show all indices, correlations, the moves, the room that each limit leaves and what errors rest on
@@ -67,9 +67,9 @@ pub struct ExistingArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv",
           conflicts_with_all = ["given", "seed", "rounds", "time_limit", "no_certificate", "anchor_box_mm",
                                 "loading_point_box_mm", "largest_load_n"])]
-    pub from: Option<String>,
+    pub initial: Option<String>,
     /// Iterations of the optimiser from the initial group [default: 2000]
-    #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", requires = "initial", value_parser = clap::value_parser!(u64).range(1..))]
     pub max_iterations: Option<u64>,
     /// Postures measured or planned already: they stay as they are, and --add or --drop says what to do
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", conflicts_with_all = ["sensitivity", "anchor_box_mm",
@@ -126,17 +126,17 @@ pub struct OutputArgs {
     #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
     pub angle_step_deg: f64,
     /// Write the postures to this file; with --curve the curve as CSV
-    #[arg(long, value_name = "plan.csv")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "plan.csv")]
     pub output: Option<String>,
     /// Write a sheet for the readings, pre-filled per posture, load state and point: CSV, or
     /// a workbook with a page to print where the name ends in .xlsx
-    #[arg(long, value_name = "measurements.xlsx", conflicts_with = "curve")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "measurements.xlsx", conflicts_with = "curve")]
     pub sheet: Option<String>,
     /// Write a page to print on A4: each posture with its angles, its picture and boxes to tick
-    #[arg(long, value_name = "plan.html", conflicts_with = "curve")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "plan.html", conflicts_with = "curve")]
     pub print: Option<String>,
     /// Draw the cell at the postures, the one with the least room in full
-    #[arg(long, value_name = "FILE.svg", conflicts_with = "curve")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "FILE.svg", conflicts_with = "curve")]
     pub figure: Option<String>,
     /// Load states of the sheet, in the order in which they are taken, for example
     /// preload,up-250,up-500,down-250; an unloaded state comes first [default: loaded]

@@ -39,11 +39,11 @@ pub struct SimulateArgs {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Also write one simulated measurement of the first group (exact model), to try `identify` on
-    #[arg(long, value_name = "measurements.csv")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "measurements.csv")]
     pub measurements: Option<String>,
     /// Also write the raw readings of one simulated experiment with the first group: tracker somewhere,
     /// loads going up and down, repeats, drift, a base reflector (exact model)
-    #[arg(long, value_name = "readings.csv")]
+    #[arg(value_hint = ValueHint::AnyPath, long, value_name = "readings.csv")]
     pub readings: Option<String>,
     /// The readings come as on a day in the cell: one load state more after each pause, for `stiffarm measure`
     #[arg(long, value_name = "S", requires = "readings", value_parser = pause())]

@@ -1,6 +1,7 @@
 //! Values that several commands read alike. Each number is refused where it cannot be
 //! meant: nothing that is computed from an option is infinite.
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::time::Duration;
 use stiffarm::units::Sense;
 
@@ -12,6 +13,20 @@ pub fn count() -> clap::builder::RangedU64ValueParser {
 /// The same for a number that may be zero.
 pub fn count_or_none() -> clap::builder::RangedU64ValueParser<usize> {
     clap::builder::RangedU64ValueParser::new().range(0..=1_000_000)
+}
+
+/// One of the library's values by its name; `shown` is the name, and what is said of it.
+pub fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &'static [T],
+    shown: fn(T) -> PossibleValue,
+) -> impl TypedValueParser<Value = T> {
+    let names = all.iter().map(|value| shown(*value));
+    PossibleValuesParser::new(names).try_map(move |name| {
+        let found = all
+            .iter()
+            .find(|value| shown(**value).matches(&name, false));
+        found.copied().ok_or("it is none of these")
+    })
 }
 
 /// A number in a unit, which is the end of its option's name.

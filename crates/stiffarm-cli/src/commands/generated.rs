@@ -106,8 +106,8 @@ pub fn generated() -> Result<BTreeMap<&'static str, String>> {
         ),
         ("result-pose", of::<poses::Options, poses::Poses>("pose")),
         (
-            "result-pose-from",
-            of::<poses::Options, poses::Found>("pose --from"),
+            "result-pose-poses",
+            of::<poses::Options, poses::Found>("pose --poses"),
         ),
         (
             "result-report",

@@ -57,7 +57,7 @@ fn existing_files_are_kept_unless_forced() {
     let folder = Folder::new();
     folder.write("plan.csv", "mine");
     let line =
-        "select builtin:comau --from builtin:comau-group1 --output plan.csv --sheet sheet.csv";
+        "select builtin:comau --initial builtin:comau-group1 --output plan.csv --sheet sheet.csv";
     let ran = folder.run(line);
     assert_eq!((ran.code, ran.out.as_str()), (Some(2), ""));
     assert_eq!(folder.read("plan.csv"), "mine");
@@ -107,7 +107,7 @@ fn dashes_are_standard_input_and_output() {
         ran.out
     );
     // The plan alone is on standard output; the table goes to standard error.
-    let ran = folder.run("select builtin:comau --from builtin:comau-group1 --output -");
+    let ran = folder.run("select builtin:comau --initial builtin:comau-group1 --output -");
     assert!(
         ran.out.starts_with("posture,q1_deg") && ran.out.lines().count() == 7,
         "{}",
@@ -117,9 +117,10 @@ fn dashes_are_standard_input_and_output() {
     let plan = ran.out;
     let ran = folder.run_with("evaluate builtin:comau -", plan.as_bytes());
     assert_eq!(ran.code, Some(0), "{}", ran.err);
-    let ran = folder.run("select builtin:comau --from builtin:comau-group1 --output - --quiet");
+    let ran = folder.run("select builtin:comau --initial builtin:comau-group1 --output - --quiet");
     assert_eq!((ran.out, ran.err.as_str()), (plan, ""));
-    let ran = folder.run("select builtin:comau --from builtin:comau-group1 --output - --sheet -");
+    let ran =
+        folder.run("select builtin:comau --initial builtin:comau-group1 --output - --sheet -");
     assert_eq!(ran.code, Some(2));
     let ran = folder.run_with("evaluate - -", cell.as_bytes());
     assert_eq!(ran.code, Some(2));
@@ -227,11 +228,11 @@ fn links_stay_links() {
         let folder = Folder::new();
         folder.write("real.csv", "old");
         std::os::unix::fs::symlink("real.csv", folder.path("link.csv")).unwrap();
-        folder.ok("select builtin:comau --from builtin:comau-group1 --output link.csv --force");
+        folder.ok("select builtin:comau --initial builtin:comau-group1 --output link.csv --force");
         assert!(folder.path("link.csv").is_symlink());
         assert!(folder.read("real.csv").starts_with("posture"));
         // A device is written in place.
-        folder.ok("select builtin:comau --from builtin:comau-group1 --output /dev/null");
+        folder.ok("select builtin:comau --initial builtin:comau-group1 --output /dev/null");
     }
 }
 
@@ -262,8 +263,8 @@ fn an_input_is_never_overwritten() {
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("input of the same command"), "{}", ran.err);
     assert_eq!(folder.read("m.csv"), before);
-    let ran =
-        folder.run("select builtin:comau --from builtin:comau-group1 --output a.csv --sheet a.csv");
+    let ran = folder
+        .run("select builtin:comau --initial builtin:comau-group1 --output a.csv --sheet a.csv");
     assert_eq!(ran.code, Some(2));
     assert!(ran.err.contains("same file"), "{}", ran.err);
 }

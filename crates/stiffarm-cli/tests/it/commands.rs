@@ -55,7 +55,7 @@ fn check_finds_a_dark_joint() {
 #[test]
 fn evaluate() {
     let folder = Folder::new();
-    folder.ok("select builtin:comau --from builtin:comau-group1 --output plan.csv");
+    folder.ok("select builtin:comau --initial builtin:comau-group1 --output plan.csv");
     assert_snapshot!(folder.transcript("evaluate builtin:comau builtin:comau-group1 plan.csv"));
 }
 
@@ -159,11 +159,11 @@ fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
 #[test]
 fn a_study_may_hold_arms_that_give_way_beyond_their_axes() {
     let folder = Folder::new();
-    folder.ok("study --runs 1 --starts 0 --elastic mixed --output-dir out");
+    folder.ok("study --runs 1 --initial-groups 0 --elastic mixed --output-dir out");
     let page = folder.read("out/report.html");
     let said = "Arms that give way beyond their joint axes were simulated with typical sizes";
     assert!(page.contains(said));
-    assert!(page.contains("stiffarm study --runs 1 --starts 0 --elastic mixed"));
+    assert!(page.contains("stiffarm study --runs 1 --initial-groups 0 --elastic mixed"));
     let table = folder.read("out/elastic.csv");
     let names: Vec<&str> = table
         .lines()
@@ -179,7 +179,7 @@ fn a_study_may_hold_arms_that_give_way_beyond_their_axes() {
     ];
     assert_eq!(names, expected);
     // Nothing of it in a study that was not asked for it.
-    let plain = folder.json("study --runs 1 --starts 0 --output-dir plain");
+    let plain = folder.json("study --runs 1 --initial-groups 0 --output-dir plain");
     assert!(plain["result"]["elastic"].is_null());
     assert!(plain["options"]["study"]["elastic"].is_null());
     assert!(!folder.read("plain/report.html").contains(said));
@@ -409,7 +409,7 @@ fn schemas_describe_what_the_commands_print() {
         ),
         (
             "result-select",
-            "select builtin:comau --from builtin:comau-group1",
+            "select builtin:comau --initial builtin:comau-group1",
         ),
         (
             "result-select",
@@ -447,13 +447,13 @@ fn schemas_describe_what_the_commands_print() {
         ),
         (
             "result-validate",
-            "validate builtin:comau simulated.csv --folds 3 --terms tilt3 --estimator ordinary",
+            "validate builtin:comau simulated.csv --folds 3 --extra tilt3 --estimator ordinary",
         ),
         ("result-zones", "zones --steps 5"),
         ("result-pose", "pose builtin:comau builtin:comau-group1"),
         (
-            "result-pose-from",
-            "pose builtin:comau --from poses.csv --convention kuka",
+            "result-pose-poses",
+            "pose builtin:comau --poses poses.csv --convention kuka",
         ),
         (
             "result-export",
@@ -465,11 +465,11 @@ fn schemas_describe_what_the_commands_print() {
         ),
         (
             "result-study",
-            "study --runs 2 --starts 2 --output-dir study",
+            "study --runs 2 --initial-groups 2 --output-dir study",
         ),
         (
             "result-study",
-            "study --runs 1 --starts 0 --elastic auto --output-dir study-elastic",
+            "study --runs 1 --initial-groups 0 --elastic auto --output-dir study-elastic",
         ),
     ];
     for (name, line) in lines {

@@ -253,7 +253,9 @@ fn a_day_beside_the_robot() {
     // The arm that was simulated has the prior stiffness: it is within what is stated.
     let found = folder.json("identify cell.toml day.csv --postures plan.csv");
     let truth = [950e3, 3000e3, 900e3, 250e3, 200e3, 150e3];
-    let stated = found["result"]["budget"]["uncertainty"].as_array().unwrap();
+    let stated = found["result"]["systematic_errors"]["uncertainty"]
+        .as_array()
+        .unwrap();
     for (j, (own, k)) in stated.iter().zip(truth).enumerate() {
         let end = |at: usize| own["interval_nm_per_rad"][at].as_f64().unwrap();
         assert!(end(0) < k && k < end(1), "joint {}: {own}", j + 1);

@@ -78,7 +78,7 @@ fn newcomers_set_ups_are_named() {
     for line in [
         // Six equal postures seen at one point: rank 3.
         "evaluate one-point.toml equal.csv",
-        "select one-point.toml --from equal.csv --index condition",
+        "select one-point.toml --initial equal.csv --index condition",
         "simulate one-point.toml equal.csv",
         // One posture with one point.
         "evaluate one-point.toml one.csv",
@@ -89,7 +89,7 @@ fn newcomers_set_ups_are_named() {
         "evaluate weight.toml builtin:comau-group1",
         // Fewer than six joints: no k(J_N).
         "evaluate five.toml five.csv",
-        "select five.toml --from five.csv --index classical",
+        "select five.toml --initial five.csv --index classical",
         "evaluate builtin:comau five.csv",
         // Not numbers.
         "evaluate builtin:comau inf.csv",

@@ -53,7 +53,7 @@ fn folder() -> Folder {
         "no-prior.toml",
         slip(
             "catalogue = \"comau-nj165-3.0\"",
-            "catalogue = \"fanuc-r2000ic-165f\"\nlimits_deg = [[-360, 360], [-360, 360], [-360, 360], [-360, 360], [-360, 360], [-360, 360]]",
+            "catalogue = \"fanuc-r2000ic165f\"\nlimits_deg = [[-360, 360], [-360, 360], [-360, 360], [-360, 360], [-360, 360], [-360, 360]]",
         )
         .replace("prior_nm_per_rad", "# prior_nm_per_rad"),
     );
@@ -128,11 +128,11 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "evaluate builtin:comau simulated.csv",
         "evaluate builtin:fanuc-r2000ic one.csv",
         "select builtin:comau --index nowel",
-        "select builtin:comau --from builtin:comau-group1 --output simulated.csv",
+        "select builtin:comau --initial builtin:comau-group1 --output simulated.csv",
         "select no-prior.toml --rounds 2",
-        "select builtin:comau --from builtin:comau-group1 --rounds 3",
+        "select builtin:comau --initial builtin:comau-group1 --rounds 3",
         "select builtin:comau --max-iterations 5",
-        "select builtin:comau --postures 0",
+        "select builtin:comau --count 0",
         "select builtin:comau --rounds 0",
         "select builtin:comau --time-limit 0",
         "select builtin:comau --time-limit -1",
@@ -140,7 +140,7 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "select builtin:comau --time-limit 1e30",
         "select builtin:comau --add 1",
         "select builtin:comau --given builtin:comau-group1 --add 0",
-        "select builtin:comau --given builtin:comau-group1 --postures 3",
+        "select builtin:comau --given builtin:comau-group1 --count 3",
         "select builtin:comau --given builtin:comau-group1 --add 1 --drop 1",
         "select builtin:comau --given builtin:comau-group1 --drop 0",
         "select builtin:comau --given builtin:comau-group1 --drop 6",
@@ -205,7 +205,7 @@ fn a_group_that_cannot_determine_all_joints_is_a_finding_not_a_fault() {
     let mut report = String::new();
     for line in [
         "evaluate one-point.toml one.csv --json",
-        "select one-point.toml --from one.csv --output plan.csv",
+        "select one-point.toml --initial one.csv --output plan.csv",
         "simulate one-point.toml one.csv",
         "identify one-point.toml few.csv",
     ] {

@@ -265,7 +265,7 @@ fn wrong_inputs_are_refused_before_anything_is_written() {
         "--language krl --controller kuka --name move_it_quickly_to_the_left --output-dir x".to_string(),
         "--language ls --controller fanuc --name small --output-dir x".to_string(),
         "--language krl --controller kuka --tool spindle --output-dir x".to_string(),
-        "--language krl --controller kuka --axes 1,2,3,4,5,5 --output-dir x".to_string(),
+        "--language krl --controller kuka --controller-axes 1,2,3,4,5,5 --output-dir x".to_string(),
         "--language krl --controller kuka --speed-percent 0 --output-dir x".to_string(),
         "--language krl --controller kuka --start two.csv --output-dir x".to_string(),
         "--language krl --controller kuka --output-dir taken".to_string(),

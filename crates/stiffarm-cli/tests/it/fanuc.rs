@@ -73,7 +73,7 @@ fn the_measured_fanuc_is_identified() {
         )
     };
     let (axes, of_axes) = left_out("");
-    let (tilt, of_tilt) = left_out(" --terms tilt3");
+    let (tilt, of_tilt) = left_out(" --extra tilt3");
     println!("compensation factor: {of_axes:.2}, with tilt of joint 3 {of_tilt:.2}");
     assert!((of_axes - 4.26).abs() < 5e-3 && (of_tilt - 5.49).abs() < 5e-3);
     println!("leave one out: {axes:.4} mm, with tilt of joint 3 {tilt:.4} mm");

@@ -15,14 +15,14 @@ use support::runs;
 /// Runs that write, with the files that they read and the files that they leave.
 /// All take a fraction of a second.
 const WRITERS: [&str; 8] = [
-    "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --output plan.csv --sheet sheet.csv --figure plan.svg --force",
+    "select builtin:comau --initial builtin:comau-group1 --max-iterations 1 --output plan.csv --sheet sheet.csv --figure plan.svg --force",
     "simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv --readings r.csv --force",
     "identify builtin:comau in.csv --brief --output stiffness.json --force",
     "compensate builtin:comau prior builtin:contour --output c.csv --figure c.svg --force",
     "map builtin:comau prior --plane z=800 --steps 7 --output-dir map --force",
     "zones --steps 5 --output-dir zones --force",
     "export builtin:comau builtin:comau-group1 --language krl --controller kuka --output-dir program --force",
-    "study --runs 1 --starts 0 --output-dir study --force",
+    "study --runs 1 --initial-groups 0 --output-dir study --force",
 ];
 
 /// Text of a file that was there before.

@@ -76,7 +76,7 @@ fn names_that_are_more_than_letters_are_refused_with_their_place() {
         let words = [
             "select",
             "builtin:comau",
-            "--from",
+            "--initial",
             "builtin:comau-group1",
             "--sheet",
             "s.csv",
@@ -94,7 +94,7 @@ fn names_that_are_more_than_letters_are_refused_with_their_place() {
         &[
             "select",
             "builtin:comau",
-            "--from",
+            "--initial",
             "builtin:comau-group1",
             "--sheet",
             "s.csv",
@@ -108,7 +108,7 @@ fn names_that_are_more_than_letters_are_refused_with_their_place() {
 #[test]
 fn signs_before_letters_and_digits_are_names_and_stay_the_same() {
     let folder = Folder::new();
-    let line = "select builtin:comau --from builtin:comau-group1 --sheet s.csv --states";
+    let line = "select builtin:comau --initial builtin:comau-group1 --sheet s.csv --states";
     let ran = run(
         &folder,
         &[line.split(' ').collect(), vec!["+z 250,down_1"]].concat(),
@@ -205,7 +205,7 @@ fn the_page_of_a_study_takes_names_as_text() {
         .unwrap();
     lines[at] = format!("name = '{name}'");
     folder.write("cell.toml", lines.join("\n"));
-    let ran = folder.run("study cell.toml --runs 2 --starts 0 --output-dir s");
+    let ran = folder.run("study cell.toml --runs 2 --initial-groups 0 --output-dir s");
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.err);
     let page = folder.read("s/report.html");
     assert!(page.contains("alert(1)"));

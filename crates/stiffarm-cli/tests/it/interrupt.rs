@@ -210,7 +210,7 @@ fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
         "/../../cells/comau.toml"
     ));
     folder.write("my-cell.toml", cell.unwrap());
-    let line = "study my-cell.toml --runs 2 --starts 2 --seed 3 --output-dir out";
+    let line = "study my-cell.toml --runs 2 --initial-groups 2 --seed 3 --output-dir out";
     folder.ok(line);
     // As an older version of the program would have left it.
     let json = folder.read("out/study.json");
@@ -230,7 +230,7 @@ fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
     ] {
         folder.write(name, "text");
     }
-    let line = "study my-cell.toml --starts 1000000 --seed 3 --output-dir out --force";
+    let line = "study my-cell.toml --initial-groups 1000000 --seed 3 --output-dir out --force";
     let found = result(&folder, line, "-TERM");
     assert_eq!(found["interrupted"], true);
     let page = folder.read("out/report.html");

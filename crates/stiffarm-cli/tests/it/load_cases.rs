@@ -55,7 +55,7 @@ fn from_the_cell_to_the_stiffness() {
         ran
     };
     run("check cell.toml");
-    let ran = run("select cell.toml --postures 4 --rounds 1 --output plan.csv --sheet sheet.csv");
+    let ran = run("select cell.toml --count 4 --rounds 1 --output plan.csv --sheet sheet.csv");
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     run("evaluate cell.toml plan.csv");
     run("predict cell.toml prior plan.csv --cell-load");
@@ -147,11 +147,11 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
     for line in [
         "identify cell.toml two-sizes.csv",
         "identify cell.toml no-state.csv",
-        "select cell.toml --postures 4 --states left,loaded --sheet s.csv",
-        "select cell.toml --postures 4 --states preload,left --sheet s.csv",
+        "select cell.toml --count 4 --states left,loaded --sheet s.csv",
+        "select cell.toml --count 4 --states preload,left --sheet s.csv",
         "identify cell.toml readings.csv",
-        "select cell.toml --postures 4 --index prediction",
-        "select cell.toml --postures 4 --largest-load-n 600",
+        "select cell.toml --count 4 --index prediction",
+        "select cell.toml --count 4 --largest-load-n 600",
         "zones cell.toml",
         "predict cell.toml prior plan.csv --cell-load --load-case right",
     ] {
@@ -167,7 +167,7 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
 fn a_sheet_with_two_sizes_of_one_load_asks_for_them() {
     let folder = Folder::new();
     folder.write("cell.toml", cell(CASES));
-    let line = "select cell.toml --space-filling --postures 2 --states left-250,left-500,push \
+    let line = "select cell.toml --space-filling --count 2 --states left-250,left-500,push \
                 --sheet sheet.csv";
     assert_eq!(folder.run(line).code, Some(0));
     let sheet = std::fs::read_to_string(folder.path("sheet.csv")).unwrap();
@@ -180,7 +180,7 @@ fn a_sheet_with_two_sizes_of_one_load_asks_for_them() {
     // Sizes are those of the names, else those of the cell: a mass of 50 kg weighs 490 N.
     let expected = ["unloaded ", "left-250 250", "left-500 500", "push 400"];
     assert_eq!(loads(&sheet), expected);
-    let line = "select cell.toml --space-filling --postures 2 --sheet plain.csv";
+    let line = "select cell.toml --space-filling --count 2 --sheet plain.csv";
     assert_eq!(folder.run(line).code, Some(0));
     let sheet = std::fs::read_to_string(folder.path("plain.csv")).unwrap();
     let expected = [

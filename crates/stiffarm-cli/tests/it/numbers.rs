@@ -27,7 +27,7 @@ const OPTIONS: [(&str, &str); 24] = [
         "",
     ),
     (
-        "predict builtin:comau prior builtin:contour --start-deg 0,0,0,0,0,",
+        "predict builtin:comau prior builtin:contour --near-deg 0,0,0,0,0,",
         "",
     ),
     (

@@ -6,7 +6,7 @@ use crate::support;
 use std::fs;
 use support::Folder;
 
-const PLAN: &str = "select builtin:comau --from builtin:comau-group1";
+const PLAN: &str = "select builtin:comau --initial builtin:comau-group1";
 
 #[test]
 fn two_results_in_one_file_are_refused_in_every_spelling() {

@@ -84,7 +84,7 @@ fn a_picture_may_go_to_standard_output_and_is_the_same_every_time() {
 fn a_plan_comes_with_its_picture() {
     let folder = folder();
     for (line, count) in [
-        ("--from builtin:comau-group1 --max-iterations 1", 6),
+        ("--initial builtin:comau-group1 --max-iterations 1", 6),
         ("-n 3 --rounds 1 --no-certificate", 3),
         ("--given builtin:comau-group1 --drop 2", 4),
         ("--space-filling -n 5", 5),

@@ -31,7 +31,7 @@ fn poses_of_a_kuka_and_back() {
     is_narrow(&printed);
     insta::assert_snapshot!("pose_kuka", printed.replace('\\', "/"));
     insta::assert_snapshot!("pose_kuka_table", folder.read("poses.csv"));
-    let back = folder.ok("pose cell/cell.toml --from poses.csv --output back.csv");
+    let back = folder.ok("pose cell/cell.toml --poses poses.csv --output back.csv");
     is_narrow(&back);
     insta::assert_snapshot!("pose_kuka_from", back.replace('\\', "/"));
     // The postures that the poses were made of are among those found.
@@ -60,7 +60,7 @@ fn every_convention_goes_there_and_back() {
                 "pose cell/cell.toml postures.csv --output poses.csv {options}"
             ));
             is_narrow(&printed);
-            let line = format!("pose cell/cell.toml --from poses.csv {options}");
+            let line = format!("pose cell/cell.toml --poses poses.csv {options}");
             is_narrow(&folder.ok(&line));
             let found = folder.json(&line);
             let postures = found["result"]["poses"][1]["postures"].as_array().unwrap();
@@ -136,9 +136,9 @@ fn turns_are_counted_for_each_pose() {
         "poses.csv",
         format!("posture,x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\nP,{pose}\nP-1.5,{pose}\n"),
     );
-    let json = folder.ok("pose cell/cell.toml --from poses.csv --json");
+    let json = folder.ok("pose cell/cell.toml --poses poses.csv --json");
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    let printed = folder.ok("pose cell/cell.toml --from poses.csv");
+    let printed = folder.ok("pose cell/cell.toml --poses poses.csv");
     let mut branches = 0;
     for pose in json["result"]["poses"].as_array().unwrap() {
         let name = pose["name"].as_str().unwrap();
@@ -162,7 +162,7 @@ fn a_pose_without_a_posture_is_a_finding() {
         "poses.csv",
         "posture,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg\nfar,9000,0,0,0,0,0\nnear,1765,0,1910,0,90,0\n",
     );
-    let line = "pose cell/cell.toml --from poses.csv";
+    let line = "pose cell/cell.toml --poses poses.csv";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1));
     insta::assert_snapshot!(
@@ -203,13 +203,13 @@ fn what_is_refused() {
     for line in [
         "pose cell/cell.toml",
         "pose cell/cell.toml postures.csv --convention euler",
-        "pose cell/cell.toml postures.csv --from missing.csv",
-        "pose cell/cell.toml --from missing.csv",
-        "pose cell/cell.toml --from empty.csv",
-        "pose cell/cell.toml --from word.csv",
-        "pose cell/cell.toml --from quaternion.csv --convention abb",
-        "pose cell/cell.toml --from quaternion.csv",
-        "pose cell/cell.toml --from vector.csv --convention ur",
+        "pose cell/cell.toml postures.csv --poses missing.csv",
+        "pose cell/cell.toml --poses missing.csv",
+        "pose cell/cell.toml --poses empty.csv",
+        "pose cell/cell.toml --poses word.csv",
+        "pose cell/cell.toml --poses quaternion.csv --convention abb",
+        "pose cell/cell.toml --poses quaternion.csv",
+        "pose cell/cell.toml --poses vector.csv --convention ur",
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);

@@ -367,7 +367,7 @@ fn every_number_of_every_page_stands_in_its_result() {
         ("validate builtin:comau m.csv --folds all", 5, 1),
         ("zones builtin:comau --steps 5", 3, 0),
         (
-            "study builtin:comau --runs 2 --starts 0 --output-dir folder",
+            "study builtin:comau --runs 2 --initial-groups 0 --output-dir folder",
             20,
             1,
         ),

@@ -63,7 +63,7 @@ fn a_plan_from_an_initial_group() {
     request.max_iterations = 5;
     let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
     let planned = planned.with_forecast();
-    let line = "--from builtin:comau-group1 --index novel --max-iterations 5";
+    let line = "--initial builtin:comau-group1 --index novel --max-iterations 5";
     same(line, &planned);
 }
 

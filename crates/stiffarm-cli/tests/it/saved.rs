@@ -37,7 +37,7 @@ fn every_kind_of_result_is_read_back() {
     let kinds = [
         "m.csv",
         "m.csv --brief",
-        "m.csv --terms tilt2,lost",
+        "m.csv --extra tilt2,lost",
         "m.csv --elastic mixed",
         "m.csv --elastic auto --brief",
         "m.csv --bootstrap 200 --estimator ordinary",
@@ -56,7 +56,7 @@ fn every_kind_of_result_is_read_back() {
         ] {
             let used = folder.run(line);
             let is_read = matches!(used.code, Some(0 | 1));
-            // The exact equilibrium of `validate` alone has no further terms.
+            // The exact equilibrium of `validate` alone has no extra terms.
             assert!(is_read, "{kind}: {line}: {}", used.err);
         }
     }
@@ -71,7 +71,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
     let ran = folder.run("identify builtin:comau inch.csv --output inch.json");
     assert_eq!(ran.code, Some(1), "{}", ran.out);
     let saved: Value = serde_json::from_str(&folder.read("inch.json")).unwrap();
-    assert!(saved["result"]["sanity"].is_object());
+    assert!(saved["result"]["screening"].is_object());
     for line in [
         "predict builtin:comau inch.json builtin:contour",
         "compensate builtin:comau inch.json builtin:contour",
@@ -172,10 +172,7 @@ fn what_the_mixed_model_cannot_use_is_refused() {
     folder
         .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
     for (options, words) in [
-        (
-            "--elastic mixed --terms tilt3",
-            "leave the further terms out",
-        ),
+        ("--elastic mixed --extra tilt3", "leave the extra terms out"),
         ("--elastic auto --estimator ordinary", "two-variance"),
         ("--elastic mixed --noise known", "noise from the residuals"),
     ] {

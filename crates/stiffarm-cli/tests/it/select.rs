@@ -42,7 +42,7 @@ fn close(a: f64, b: f64, tolerance: f64) {
 #[test]
 fn from_group_1() {
     let folder = Folder::new();
-    let line = "select builtin:comau --index expected-error --from builtin:comau-group1 --output plan.csv --sheet sheet.csv";
+    let line = "select builtin:comau --index expected-error --initial builtin:comau-group1 --output plan.csv --sheet sheet.csv";
     assert_snapshot!(folder.transcript(line));
     assert_eq!(folder.names(), ["plan.csv", "sheet.csv"]);
     // The plan is read back, and the sheet has a row per posture and point.
@@ -91,7 +91,7 @@ fn only_indices_with_a_bound_have_a_certificate() {
 fn errors_beyond_the_first_order_are_a_caution() {
     let folder = Folder::new();
     let line =
-        "select builtin:comau --from builtin:comau-group1 --index classical --output plan.csv";
+        "select builtin:comau --initial builtin:comau-group1 --index classical --output plan.csv";
     let caution = "caution: A joint's relative standard error is above 10 %";
     for line in [line, "evaluate builtin:comau plan.csv"] {
         let out = folder.ok(line);
@@ -135,7 +135,7 @@ fn the_next_postures_beside_those_measured() {
 #[test]
 fn a_sheet_asks_for_what_will_be_read() {
     let folder = Folder::new();
-    let select = "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --index d";
+    let select = "select builtin:comau --initial builtin:comau-group1 --max-iterations 1 --index d";
     folder.ok(&format!(
         "{select} --sheet sheet.csv --states preload,up-250,down-250 --drift --base-reflector"
     ));

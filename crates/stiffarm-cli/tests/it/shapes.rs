@@ -119,8 +119,8 @@ fn limits_that_leave_no_posture_are_named() {
     );
     let mut report = String::new();
     for line in [
-        "select wrist.toml --postures 4 --rounds 1 --output plan.csv",
-        "select floor.toml --postures 4 --rounds 1 --output plan.csv",
+        "select wrist.toml --count 4 --rounds 1 --output plan.csv",
+        "select floor.toml --count 4 --rounds 1 --output plan.csv",
     ] {
         let ran = folder.run(line);
         assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);

@@ -5,8 +5,7 @@ use crate::support;
 use insta::assert_snapshot;
 use support::Folder;
 
-const PLAN: &str =
-    "select builtin:comau --from builtin:comau-group1 --max-iterations 1 --output plan.csv --force";
+const PLAN: &str = "select builtin:comau --initial builtin:comau-group1 --max-iterations 1 --output plan.csv --force";
 
 /// A plan of six postures and the readings of an experiment with it.
 fn experiment() -> (Folder, Vec<String>) {

@@ -18,7 +18,7 @@ fn each_posture_is_predicted_from_the_others() {
     let line = "validate builtin:comau simulated.csv --folds all --tolerance-mm 0.1";
     assert_snapshot!(folder.transcript(line));
     let value = folder
-        .json("validate builtin:comau simulated.csv --folds 3 --estimator ordinary --terms tilt2");
+        .json("validate builtin:comau simulated.csv --folds 3 --estimator ordinary --extra tilt2");
     assert_eq!(value["result"]["folds"], 3);
     assert_eq!(value["options"]["fit"]["estimator"], "ordinary");
     assert_eq!(value["options"]["fit"]["extra"][0]["joint_tilt"], 1);
@@ -32,7 +32,7 @@ fn each_posture_is_predicted_from_the_others() {
 fn saved_further_terms_are_used_and_not_lost() {
     let folder = measured();
     let fit = folder.json(
-        "identify builtin:comau simulated.csv --terms tilt3 --estimator ordinary --output tilt.json",
+        "identify builtin:comau simulated.csv --extra tilt3 --estimator ordinary --output tilt.json",
     );
     let with = folder.json("validate builtin:comau tilt.json simulated.csv");
     let rms = with["result"]["component_rms_m"].as_f64().unwrap();
@@ -40,7 +40,7 @@ fn saved_further_terms_are_used_and_not_lost() {
     assert!((rms / residual - 1.0).abs() < 1e-9, "{rms} {residual}");
     let line = "validate builtin:comau tilt.json simulated.csv --model equilibrium";
     let refused = folder.refused(line);
-    assert!(refused.contains("cannot use further terms"), "{refused}");
+    assert!(refused.contains("cannot use extra terms"), "{refused}");
 }
 
 /// A stiffness that was identified from displacements in inches: it is said first, and the
@@ -87,7 +87,7 @@ fn wrong_requests_are_answered() {
         "validate builtin:comau k.json simulated.csv --estimator huber",
         "validate builtin:comau simulated.csv --folds 7",
         "validate builtin:comau simulated.csv --folds 1",
-        "validate builtin:comau simulated.csv --folds 3 --terms tilt9",
+        "validate builtin:comau simulated.csv --folds 3 --extra tilt9",
         "validate builtin:comau simulated.csv --folds 3 --estimator best",
         "validate builtin:comau simulated.csv --folds 3 --model equilibrium",
         "validate builtin:comau simulated.csv --folds 3 --confidence 95",

@@ -140,7 +140,7 @@ fn slips() {
         "predict builtin:comau k.json builtin:contour --force-n 1,2,3",
         "predict builtin:comau k.json builtin:contour --force-n 1,2",
         "predict builtin:comau k.json builtin:contour --cell-load",
-        "predict builtin:comau k.json builtin:contour --start-deg 1,2,3",
+        "predict builtin:comau k.json builtin:contour --near-deg 1,2,3",
         "predict builtin:comau k.json builtin:contour --max-step-deg 0.1",
         "predict builtin:comau k.json builtin:contour --load-uncertainty-percent -3",
         "predict builtin:fanuc-r2000ic prior builtin:contour",

@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import inspect
 import json
-import keyword
 import os
 import re
 import warnings
@@ -56,15 +55,9 @@ def __dir__() -> list[str]:
     return [*globals(), *_described()]
 
 
-def python_name(argument: _Spec) -> str:
-    """The name of an argument; one that is a word of Python has a ``_`` behind it."""
-    return _keyword(argument["name"])
-
-
 def _keyword(option: str) -> str:
     """The keyword of an option."""
-    name = option.replace("-", "_")
-    return f"{name}_" if keyword.iskeyword(name) else name
+    return option.replace("-", "_")
 
 
 def _default(argument: _Spec) -> Any:
@@ -85,12 +78,12 @@ def _signature(spec: _Spec) -> inspect.Signature:
         if argument["option"] is None:
             optional |= not argument["required"]
             default = _default(argument) if optional else kinds.empty
-            found.append(kinds(python_name(argument), kinds.POSITIONAL_OR_KEYWORD, default=default))
+            found.append(kinds(argument["name"], kinds.POSITIONAL_OR_KEYWORD, default=default))
     # What has a short form on the command line may stand by its place here: select(cell, 6).
     for argument in sorted(spec["arguments"], key=lambda one: not one["short"]):
         if argument["option"] is not None:
             kind = kinds.POSITIONAL_OR_KEYWORD if argument["short"] else kinds.KEYWORD_ONLY
-            found.append(kinds(python_name(argument), kind, default=_default(argument)))
+            found.append(kinds(argument["name"], kind, default=_default(argument)))
     for extra in _extras(spec):
         default = False if extra is _DEGREES else None
         found.append(kinds(extra.partition(":")[0], kinds.KEYWORD_ONLY, default=default))
@@ -108,7 +101,7 @@ def _documentation(spec: _Spec) -> str:
     for argument in spec["arguments"]:
         said = _OPTION.sub(lambda found: _keyword(found[1]), argument["help"]).replace("`", "``")
         choices = "".join(f" ``{choice}``" for choice in argument["choices"])
-        lines.append(f"    {python_name(argument)}: {said}.{f' One of{choices}.' if choices else ''}")
+        lines.append(f"    {argument['name']}: {said}.{f' One of{choices}.' if choices else ''}")
     lines += [f"    {extra}" for extra in _extras(spec)]
     return "\n".join([*lines, "", "Raises:", "    StiffarmError: Anything that is wrong, with its place and what to do."])
 
@@ -149,7 +142,7 @@ class _Call:
         """What the command gives."""
         words = ["stiffarm", self.spec["name"]]
         for argument in self.spec["arguments"]:
-            key = python_name(argument)
+            key = argument["name"]
             if self.given.get(key) is not None:
                 words += self.words(argument, key, self.given[key])
         both = [self.given.get(key) is not None for key in ("folds", "stiffness")]
@@ -247,7 +240,7 @@ def _plain(kind: str, value: Any, key: str) -> str:
         return str(_checks.whole(value, key))
     if kind == "number":
         return repr(_checks.number(value, key))
-    if isinstance(value, (str, os.PathLike)):
+    if kind == "path" or isinstance(value, (str, os.PathLike)):
         return _checks.path(value, key)
     numbers = [_checks.number(one, key) for one in _listed(value, key) or [value]]
     return ",".join(str(int(one)) if one == int(one) else repr(one) for one in numbers)

@@ -161,7 +161,7 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
         keys["tool"] = long_tool
         keys["load"] = {**rope, "magnitude_n": row["load_n"]}
         cell = sa.Cell.from_dict(keys)
-        plan = sa.select(cell, postures=6, index="expected_error", seed=1, rounds=1, no_certificate=True)
+        plan = sa.select(cell, count=6, index="expected_error", seed=1, rounds=1, no_certificate=True)
         assert row["postures_deg"] == plan.to_dict()["postures_deg"]
 
 

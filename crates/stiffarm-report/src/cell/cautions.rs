@@ -75,9 +75,7 @@ impl Cautions {
             LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
                 self.measuring.fill(true);
             }
-            LimitKind::ToolBox | LimitKind::Floor | LimitKind::KeepOut | LimitKind::WristHeight => {
-                self.place(cell, subject)
-            }
+            _ => self.place(cell, subject),
         }
     }
 

@@ -83,11 +83,8 @@ impl Stage {
             let ends = [point - across, point + across];
             found.extend(ends.into_iter().filter(|p| within(p, &around)));
         }
-        let levels = [cell.limits.floor, cell.limits.wrist_height];
-        let levels = levels
-            .into_iter()
-            .flatten()
-            .map(|z| Vector3::new(0.0, 0.0, z));
+        let levels = cell.limits.on_points().filter_map(|limit| limit.level());
+        let levels = levels.map(|z| Vector3::new(0.0, 0.0, z));
         found.extend(levels.filter(|p| within(p, &around)));
         if let Some(sight) = cell.scene.sight() {
             let around = self.around(STATIONS);

@@ -158,11 +158,10 @@ impl Things {
                 bound(self, What::Solid(block), LimitKind::ToolBox);
             }
         }
-        if let Some(floor) = limits.floor {
-            bound(self, What::Level(floor), LimitKind::Floor);
-        }
-        if let Some(height) = limits.wrist_height {
-            bound(self, What::Level(height), LimitKind::WristHeight);
+        for limit in limits.on_points() {
+            if let Some(height) = limit.level() {
+                bound(self, What::Level(height), limit.kind);
+            }
         }
         if let Some(radius) = limits.keep_out_radius {
             // Without end as the limit is: far beyond what is seen.

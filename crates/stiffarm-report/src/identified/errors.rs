@@ -5,24 +5,18 @@ use stiffarm::estimate::identify::Estimates;
 use stiffarm::estimate::systematic::SystematicErrors;
 
 /// What each source of systematic error leaves in each joint's stiffness.
-pub fn errors_figure(budget: &SystematicErrors) -> Figure {
-    let count = budget.joints.len();
-    let series = budget.sources.iter().map(|source| {
-        // Results of earlier versions have the whole change alone.
-        let own = match source.bounded.is_empty() {
-            true => &source.change,
-            false => &source.bounded,
-        };
-        let known = own.iter().enumerate().take(count);
+pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
+    let count = systematic.joints.len();
+    let series = systematic.sources.iter().map(|source| {
+        let known = source.bounded.iter().enumerate().take(count);
         let known = known.filter_map(|(j, c)| Some((j as f64, 100.0 * (*c)?.abs())));
         let (x, y) = known.unzip();
         let star = if source.declared { "" } else { " *" };
         let label = format!("{}{star}", source.name.replace('-', " "));
         Series::new(label, Style::Bars, x, y)
     });
-    // Results of earlier versions say none.
-    let level = budget.confidence.unwrap_or(0.95);
-    let assumed = budget.sources.iter().any(|source| !source.declared);
+    let level = systematic.confidence;
+    let assumed = systematic.sources.iter().any(|source| !source.declared);
     Figure {
         id: "systematic-errors".into(),
         title: "Systematic errors by source".into(),
@@ -43,7 +37,7 @@ pub fn errors_figure(budget: &SystematicErrors) -> Figure {
         columns: 1,
         panels: vec![Panel {
             title: String::new(),
-            x: Axis::categorical("", budget.joints.clone()),
+            x: Axis::categorical("", systematic.joints.clone()),
             y: Axis::linear("standard uncertainty", "% of k").from_zero(),
             series: series.collect(),
             equal_aspect: false,

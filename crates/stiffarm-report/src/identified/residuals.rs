@@ -40,23 +40,9 @@ pub fn residual_figure(found: &Identification) -> Figure {
         .enumerate()
         .map(|(number, (x, y))| Series::new(named(number), Style::Points, x, y))
         .collect();
-    let has_vectors = all.iter().any(|series| !series.x.is_empty());
     let last = postures.len() as f64 - 0.5;
     let band = 1e3 * BAND * found.expected_std_m;
-    if !has_vectors {
-        // A result of an earlier version has no vectors: its RMS, posture by posture.
-        let x = found
-            .postures
-            .iter()
-            .map(|p| place(&postures, &p.posture) as f64);
-        let y = found.postures.iter().map(|p| 1e3 * p.residual_rms_m);
-        all = vec![Series::new(
-            "RMS of a load state",
-            Style::Points,
-            x.collect(),
-            y.collect(),
-        )];
-    } else if band > 0.0 {
+    if band > 0.0 {
         // Two lines under one name: one entry of the legend.
         let ends = || vec![-0.5, last];
         for line in [band, -band] {

@@ -104,7 +104,7 @@ fn with_groups(first: &str, study: &Study) -> Vec<String> {
 fn indices(study: &Study) -> Table {
     let mut table = Table::new(
         "indices",
-        "Every index of each group; expected_error, worst_joint, drop_one and d in %, task and prediction in mm.",
+        "Every index of each group.",
         with_groups("index", study),
     );
     for index in Index::ALL {

@@ -5,7 +5,7 @@ use crate::cell::usual_posture;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, visible};
-use stiffarm::model::cell::{Cell, Noise};
+use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Noise, PointBound};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::CellCheck;
@@ -234,15 +234,18 @@ fn limits(cell: &Cell) -> String {
         let [low, high] = [low, high].map(|corner| point(corner.as_slice()));
         parts.push(format!("box ({low}) to ({high}) mm"));
     }
-    parts.extend(
-        limits
-            .floor
-            .map(|floor| format!("tool above {}", length(floor))),
-    );
-    let clear = limits.keep_out_radius;
-    parts.extend(clear.map(|radius| format!("{} clear of axis 1", length(radius))));
-    let wrist = limits.wrist_height;
-    parts.extend(wrist.map(|height| format!("wrist above {}", length(height))));
+    let others = limits.on_points();
+    for limit in others.filter(|limit| limit.kind != LimitKind::ToolBox) {
+        let points = match limit.of {
+            LimitedPoints::Wrist => "wrist",
+            _ => "tool",
+        };
+        parts.push(match limit.bound {
+            PointBound::Lowest(_, z) => format!("{points} above {}", length(z)),
+            PointBound::Highest(_, z) => format!("{points} below {}", length(z)),
+            PointBound::FromAxis1(radius) => format!("{} clear of axis 1", length(radius)),
+        });
+    }
     if let Some([short, long]) = limits.rope_length {
         parts.push(format!(
             "{line} {} to {}",

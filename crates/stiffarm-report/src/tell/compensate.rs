@@ -152,14 +152,12 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
             shift_m: point.uncompensated_shift_m,
             principal: extremes.iter().find(|e| e.at == i).map(|e| e.principal),
         });
-    // Results of earlier versions have neither positions nor loads.
-    let has_places = result.extremes.is_some();
     let work = AtWork {
         groups: vec![("path", points.collect())],
         stiffness: &result.stiffness_nm_per_rad,
         model: Model::Equilibrium,
-        at_tip: has_places,
-        path: has_places.then_some("path"),
+        at_tip: true,
+        path: Some("path"),
         kept: extremes.iter().map(|e| e.at).collect(),
     };
     work.section(

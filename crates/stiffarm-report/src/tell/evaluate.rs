@@ -45,7 +45,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
                 .words(" finds postures that tell more.")
         }
         Some(_) if is_outside(context) => Text::new("Do not drive there as they are: ")
-            .code("stiffarm select --from")
+            .code("stiffarm select --initial")
             .words(" moves the postures inside the limits of the cell."),
         Some(_) => Text::new("Measure it, or let ")
             .code("stiffarm select")

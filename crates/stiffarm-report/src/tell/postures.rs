@@ -79,14 +79,11 @@ fn nearest_share(limits: &PostureLimits) -> Option<usize> {
 /// A place in few words, for a narrow column.
 fn place(limit: &NearestLimit) -> String {
     let what = match limit.kind {
-        LimitKind::ToolBox => "tool box: ",
-        LimitKind::Floor => "floor: ",
-        LimitKind::KeepOut => "keep-out cylinder: ",
-        LimitKind::WristHeight => "lowest height: ",
-        LimitKind::RopeLength => "length of ",
-        LimitKind::Sight => "line of sight: ",
+        LimitKind::WristHeight => "lowest height: ".to_string(),
+        LimitKind::RopeLength => "length of ".to_string(),
         // The two that come near each other say it all.
-        _ => "",
+        LimitKind::Shapes | LimitKind::RopeClearance => String::new(),
+        other => format!("{}: ", other.short()),
     };
     let subject = visible(&limit.subject).replace("measuring point", "point");
     let load = match &limit.load {

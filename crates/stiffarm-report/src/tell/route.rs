@@ -43,7 +43,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     let next = match blocked {
         0 if findings.iter().any(|f| f.code == "posture-forbidden") => {
             Text::new("Do not drive there as they are: ")
-                .code("stiffarm select --from")
+                .code("stiffarm select --initial")
                 .words(" moves the postures inside the limits of the cell.")
         }
         0 => Text::new("Write the postures in this order with ")

@@ -61,7 +61,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         }
     };
     let next = Text::new("Measure its postures: ")
-        .code("stiffarm select --postures 6 --sheet sheet.xlsx")
+        .code("stiffarm select --count 6 --sheet sheet.xlsx")
         .words(" chooses such a group for your cell and writes the sheet for the readings.");
     let mut sections = Vec::new();
     sections.push(cell_section(context, &study)?);

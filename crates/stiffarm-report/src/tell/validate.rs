@@ -38,7 +38,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         sections.extend(cell(context, found)?);
     }
     let readings = all.readings.as_ref();
-    let screening = readings.map(|readings| &readings.sanity);
+    let screening = readings.map(|readings| &readings.screening);
     sections.extend(readings::section(context, screening, readings));
     sections.push(points(context, found));
     let heading = match found.folds {

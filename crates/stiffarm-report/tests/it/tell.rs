@@ -27,12 +27,18 @@ pub(crate) fn suspected(mut result: Value, cause: &str, severity: &str, sentence
         "lines": [64, 69], "repeat": null, "before_m": null, "after_m": null, "off_m": 5e-4, "factor": null,
         "angles_deg": [], "alternatives": [], "certain": true
     });
-    let sanity = &mut result["readings"]["sanity"];
-    sanity["suspicions"] = json!([suspicion]);
-    sanity["findings"] = json!([finding(cause, severity, sentence)]);
-    for (i, place) in ["budget", "diagnosis", "diagnosis", "budget", "budget"]
-        .into_iter()
-        .enumerate()
+    let screening = &mut result["readings"]["screening"];
+    screening["suspicions"] = json!([suspicion]);
+    screening["findings"] = json!([finding(cause, severity, sentence)]);
+    for (i, place) in [
+        "systematic_errors",
+        "diagnosis",
+        "diagnosis",
+        "systematic_errors",
+        "systematic_errors",
+    ]
+    .into_iter()
+    .enumerate()
     {
         let own = finding("of-the-fit", "caution", &format!("Of the fit {i}."));
         result[place]["findings"].as_array_mut().unwrap().push(own);
@@ -92,7 +98,7 @@ fn what_is_wrong_with_the_readings_stands_before_what_the_fit_says() {
     let said = sentences(&part);
     assert_eq!(said[0], "They lie apart.");
     let at = |words: &str| said.iter().position(|s| *s == words).unwrap();
-    // The diagnosis before the budget, as in the terminal.
+    // The diagnosis before the systematic errors, as in the terminal.
     assert!(at("Of the fit 1.") < at("Of the fit 0."), "{said:?}");
     assert!(section(&part, "held-back").is_none());
     let table = section(&part, "readings").unwrap();
@@ -143,7 +149,7 @@ fn a_bound_has_its_unit_and_goes_by_all_errors() {
     result["joints"][4]["verdict"] = json!("lower_bound_only");
     result["joints"][4]["interval"] = ends.clone();
     result["joints"][4]["readings_interval"] = json!([4290.0, null]);
-    result["budget"]["uncertainty"][4]["interval_nm_per_rad"] = ends;
+    result["systematic_errors"]["uncertainty"][4]["interval_nm_per_rad"] = ends;
     let part = one(result);
     assert_eq!(verdicts(&part)[4], "above 0.00447");
     let came = part.verdict[1].plain();
@@ -156,7 +162,7 @@ fn a_bound_has_its_unit_and_goes_by_all_errors() {
 #[test]
 fn without_a_budget_it_says_what_was_not_examined() {
     let (_, mut result) = good();
-    result["budget"] = Value::Null;
+    result["systematic_errors"] = Value::Null;
     let removed = one(result.clone());
     result["diagnosis"] = Value::Null;
     let envelope = json!({
@@ -233,7 +239,7 @@ fn a_column_that_says_nothing_is_left_out_and_the_summary_is_short() {
             .headings
             .contains(&"± systematic [%]".to_string())
     );
-    result["budget"] = Value::Null;
+    result["systematic_errors"] = Value::Null;
     let brief = one(result);
     assert_eq!(
         brief.key.as_ref().unwrap().headings,

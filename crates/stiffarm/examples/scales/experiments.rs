@@ -23,7 +23,7 @@ use stiffarm::plan::select::{StartKind, random_group};
 pub const ROBOTS: [&str; 5] = [
     "comau-nj165-3.0",
     "kuka-kr240-2",
-    "fanuc-r2000ic-165f",
+    "fanuc-r2000ic165f",
     "abb-irb4600-60-205",
     "kuka-kr10r1100sixx",
 ];

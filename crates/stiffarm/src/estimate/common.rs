@@ -14,7 +14,7 @@ pub struct CommonPart {
     /// [`SystematicErrors`](super::systematic::SystematicErrors).
     pub source: String,
     /// Change of the identified unknowns while the part is there: compliances
-    /// \[rad/(N·m)\], then further terms in their own units.
+    /// \[rad/(N·m)\], then extra terms in their own units.
     #[serde(with = "lists::vector")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub change: DVector<f64>,
@@ -91,7 +91,7 @@ pub struct PosteriorPart {
     /// `x`, `y`, `z`, the name of a joint, or empty where the source is one number.
     pub part: String,
     /// Change of the unknowns while this part is there with one standard
-    /// uncertainty: compliances \[rad/(N·m)\], then further terms in their own units.
+    /// uncertainty: compliances \[rad/(N·m)\], then extra terms in their own units.
     pub response: Vec<f64>,
     /// The term by which it acts again at work; `null` where it belongs to the
     /// experiment alone.

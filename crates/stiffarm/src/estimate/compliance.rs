@@ -52,12 +52,12 @@ impl Spread {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IdentifiedCompliance {
-    /// Compliance of each spring \[rad/(N·m)\], then further terms in their own units. As
+    /// Compliance of each spring \[rad/(N·m)\], then extra terms in their own units. As
     /// they came out: what noise alone may explain can be below zero.
     #[serde(with = "lists::vector")]
     #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub values: DVector<f64>,
-    /// The further terms.
+    /// The extra terms.
     pub extra: Vec<ExtraTerm>,
     /// Unknowns that nothing bounds, counted from 0: their value is 0 and means nothing,
     /// and what depends on them cannot be calculated.
@@ -304,9 +304,9 @@ impl IdentifiedCompliance {
             true => Ok(self.values.as_slice()),
             false => Err(Error::new(
                 Code::Unsupported,
-                format!("The {model} model cannot use further terms."),
+                format!("The {model} model cannot use extra terms."),
             )
-            .hint("use the linear model, or a stiffness identified without further terms")),
+            .hint("use the linear model, or a stiffness identified without extra terms")),
         }
     }
 }

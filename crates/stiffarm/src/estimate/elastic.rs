@@ -79,8 +79,7 @@ pub struct Elastic {
     /// The mixed model, where it predicts.
     pub mixed: Option<MixedResult>,
     /// Errors common to the experiment as they move the mixed model, where it predicts.
-    #[serde(default)]
-    pub budget: Option<SystematicErrors>,
+    pub systematic_errors: Option<SystematicErrors>,
 }
 
 /// Fits and compares the elastic models that `asked` calls for. Where the data cannot
@@ -97,7 +96,7 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
         axes_rms_m: None,
         mixed_rms_m: None,
         mixed: None,
-        budget: None,
+        systematic_errors: None,
     };
     if asked == ElasticChoice::Axes {
         return Ok((out, None));
@@ -144,10 +143,10 @@ pub fn elastic(fit: &Fit, asked: ElasticChoice) -> Result<(Elastic, Option<Mixed
     };
     if is_mixed {
         out.model = ElasticChoice::Mixed;
-        let (mut found, budget) = (mixed.result()?, mixed_systematic_errors(&mixed)?);
-        budget.widen(&mut found.joints);
+        let (mut found, systematic) = (mixed.result()?, mixed_systematic_errors(&mixed)?);
+        systematic.widen(&mut found.joints);
         out.mixed = Some(found);
-        out.budget = Some(budget);
+        out.systematic_errors = Some(systematic);
     }
     Ok((out, Some(mixed)))
 }

@@ -48,13 +48,13 @@ pub fn forecast(cell: &Cell, postures: &[Posture]) -> Result<Forecast> {
 }
 
 /// The same once `planned` postures (controller angles, rad) are measured beside those behind `fit`, each as the
-/// posture in the middle was; `budget` are the systematic errors of the fit.
+/// posture in the middle was; `systematic` are the systematic errors of the fit.
 ///
 /// # Errors
 /// No stiffness to begin with; measured forces from which no load can be assumed; angles that do not fit the robot.
 pub fn forecast_with<Q: AsRef<[f64]>>(
     fit: &Fit,
-    budget: &SystematicErrors,
+    systematic: &SystematicErrors,
     planned: &[Q],
 ) -> Result<Vec<JointUncertainty>> {
     let mut measured = fit.measured().clone();
@@ -65,7 +65,7 @@ pub fn forecast_with<Q: AsRef<[f64]>>(
     cell.noise.posture_common_std = (variance * ratio).sqrt();
     let whole = Fit::new(&cell, measured, &known_noise(fit.options()))?;
     let mut values = fit.solution().values.clone();
-    for (value, k) in values.iter_mut().zip(stiffness(fit, budget)?) {
+    for (value, k) in values.iter_mut().zip(stiffness(fit, systematic)?) {
         *value = 1.0 / k;
     }
     // The planned rows come last, and agree with the estimate.
@@ -104,12 +104,12 @@ fn noise(fit: &Fit) -> [f64; 2] {
 }
 
 /// Stiffness of each joint: identified where that has a ±, else the prior, else what was identified.
-fn stiffness(fit: &Fit, budget: &SystematicErrors) -> Result<Vec<f64>> {
+fn stiffness(fit: &Fit, systematic: &SystematicErrors) -> Result<Vec<f64>> {
     let joints = &fit.identification()?.estimates.joints;
     let prior = fit.cell().prior.as_deref();
     let of = |j: usize| {
         let own = joints[j].stiffness.filter(|k| *k > 0.0);
-        let half = budget.uncertainty.get(j).and_then(|own| own.total);
+        let half = systematic.uncertainty.get(j).and_then(|own| own.total);
         let known = own.filter(|_| half.is_some_and(|half| half < NO_LONGER));
         let found = known.or(prior.map(|prior| prior[j])).or(own);
         found.ok_or_else(|| {

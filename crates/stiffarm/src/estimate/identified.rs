@@ -6,8 +6,8 @@ use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measure
 use crate::estimate::diagnose::{Diagnosis, diagnose};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
-    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, JointEstimate, NoiseSource,
-    Profile, Weights, bootstrap, implausible_scale, profile,
+    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
+    bootstrap, implausible_scale, profile,
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
@@ -62,7 +62,7 @@ pub struct Options {
     pub noise: NoiseSource,
     /// Confidence of the intervals.
     pub confidence: f64,
-    /// Further terms asked for.
+    /// Extra terms asked for.
     pub extra: Vec<ExtraTerm>,
     /// What gives way, where that is not the joint axes alone.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -108,7 +108,7 @@ pub struct Reduced {
     /// Registration, drift, motion of the base, repeats, wrenches.
     pub reduction: Reduction,
     /// What is suspicious about the readings themselves.
-    pub sanity: Screening,
+    pub screening: Screening,
 }
 
 impl Reduced {
@@ -116,7 +116,7 @@ impl Reduced {
     pub fn of(measured: &Measured) -> Option<Self> {
         Some(Reduced {
             reduction: measured.reduction.clone()?,
-            sanity: measured.screening.clone()?,
+            screening: measured.screening.clone()?,
         })
     }
 }
@@ -125,7 +125,7 @@ impl Reduced {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified {
-    /// The estimates; ±, intervals and verdicts of the joints hold all errors where `budget` is known, else the
+    /// The estimates; ±, intervals and verdicts of the joints hold all errors where `systematic_errors` are known, else the
     /// scatter of the readings alone.
     #[serde(flatten)]
     pub identification: Identification,
@@ -134,13 +134,13 @@ pub struct Identified {
     /// What is suspicious about the scales of a table of displacements; for raw readings
     /// it stands in `readings`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sanity: Option<Screening>,
+    pub screening: Option<Screening>,
     /// Interval from the profile of the likelihood; `null` where there is none.
     pub profile: Option<Profile>,
     /// Interval from resampled postures; `null` unless asked for.
     pub bootstrap: Option<Bootstrap>,
     /// Errors common to the whole experiment; `null` with --brief.
-    pub budget: Option<SystematicErrors>,
+    pub systematic_errors: Option<SystematicErrors>,
     /// The elastic model that predicts, where --elastic asks for one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elastic: Option<Elastic>,
@@ -151,8 +151,7 @@ pub struct Identified {
     /// Why there is no next posture; `null` where there is one.
     pub next_posture_missing: Option<String>,
     /// Names of the parts above that were left out because the user stopped the
-    /// command: `bootstrap`, `elastic`, `profile`, `budget`, `diagnosis`, `next_posture`.
-    #[serde(default)]
+    /// command: `bootstrap`, `elastic`, `profile`, `systematic_errors`, `diagnosis`, `next_posture`.
     pub not_computed: Vec<String>,
     /// How often this estimator's intervals held the truth in simulation, where
     /// they are not exact; `null` for exact ones, and below the tabulated
@@ -171,19 +170,8 @@ impl Identified {
 
     /// What was found wrong with the table.
     pub fn screening(&self) -> Option<&Screening> {
-        let readings = self.readings.as_ref().map(|readings| &readings.sanity);
-        readings.or(self.sanity.as_ref())
-    }
-
-    /// Makes ±, intervals and verdicts of the joints hold all errors, where the budget is known: as
-    /// [`Identified::new`] leaves them, and results of earlier versions did not.
-    pub fn hold_all_errors(&mut self) {
-        let joints = &mut self.identification.estimates.joints;
-        let unjudged = joints.iter_mut().filter(|joint| joint.half_width.is_none());
-        unjudged.for_each(JointEstimate::judge);
-        if let Some(budget) = &self.budget {
-            budget.widen(joints);
-        }
+        let readings = self.readings.as_ref().map(|readings| &readings.screening);
+        readings.or(self.screening.as_ref())
     }
 
     /// The estimates, and what else was asked for, as far as the user lets it come.
@@ -194,10 +182,10 @@ impl Identified {
         let identification = fit.identification()?.clone();
         let mut out = Identified {
             readings: Reduced::of(fit.measured()),
-            sanity: sanity(fit.measured()),
+            screening: screening(fit.measured()),
             profile: None,
             bootstrap: None,
-            budget: None,
+            systematic_errors: None,
             elastic: None,
             diagnosis: None,
             next_posture: None,
@@ -231,8 +219,11 @@ impl Identified {
             return Ok(out);
         }
         out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
-        out.budget = unless_stopped("budget", &mut left_out, systematic_errors(fit))?;
-        out.hold_all_errors();
+        out.systematic_errors =
+            unless_stopped("systematic_errors", &mut left_out, systematic_errors(fit))?;
+        if let Some(systematic) = &out.systematic_errors {
+            systematic.widen(&mut out.identification.estimates.joints);
+        }
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
         out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
@@ -258,24 +249,24 @@ impl Identified {
     /// What predicts, by the `mixed` model where there is one, with all that was found wrong.
     fn seal(&self, fit: &Fit, mixed: Option<&MixedFit>) -> Option<Sealed> {
         let cell = fit.cell();
-        let (found, budget) = match (mixed, &self.elastic) {
+        let (found, systematic) = match (mixed, &self.elastic) {
             (Some(mixed), Some(elastic)) => {
                 let mut found = mixed.compliance().clone();
                 let axes = elastic.mixed.iter().flat_map(|mixed| &mixed.joints);
                 found.doubts = open_springs(axes);
-                (found, elastic.budget.as_ref())
+                (found, elastic.systematic_errors.as_ref())
             }
             _ => {
                 let found = IdentifiedCompliance::from_identification(cell, &self.identification);
-                (found.ok()?, self.budget.as_ref())
+                (found.ok()?, self.systematic_errors.as_ref())
             }
         };
-        let mut found = match budget {
-            Some(budget) => found.with_systematic_errors(budget),
+        let mut found = match systematic {
+            Some(systematic) => found.with_systematic_errors(systematic),
             None => found,
         };
         let missing = |part: &&str| self.not_computed.iter().any(|name| name == part);
-        if ["elastic", "budget"].iter().any(missing) {
+        if ["elastic", "systematic_errors"].iter().any(missing) {
             let sentence = "The identification was stopped before it had the elastic model and the systematic errors: bands hold the \
                             scatter of the readings alone. Identify again and let it end.";
             let code = "stiffness-unfinished";
@@ -302,7 +293,7 @@ impl Identified {
 }
 
 /// Findings about a table of displacements, where there are any.
-fn sanity(measured: &Measured) -> Option<Screening> {
+fn screening(measured: &Measured) -> Option<Screening> {
     let screening = measured.screening.clone();
     screening.filter(|s| measured.reduction.is_none() && !s.findings.is_empty())
 }

@@ -55,7 +55,7 @@ pub struct Standing {
     pub findings: Vec<Finding>,
 }
 
-/// How the experiment behind `fit` stands; `budget` are its systematic errors, `planned` the postures that
+/// How the experiment behind `fit` stands; `systematic` are its systematic errors, `planned` the postures that
 /// are left (controller angles, rad), in order, and `goal` the largest half width that is good enough
 /// (fraction of k).
 ///
@@ -63,14 +63,14 @@ pub struct Standing {
 /// A decomposition that fails; stopped.
 pub fn standing<Q: AsRef<[f64]>>(
     fit: &Fit,
-    budget: &SystematicErrors,
+    systematic: &SystematicErrors,
     planned: &[Q],
     goal: Option<f64>,
 ) -> Result<Standing> {
     let found = fit.identification()?;
     // Without a stiffness or a load to assume nothing is foreseen; stopped is stopped.
     let expected = |count: usize| -> Result<Option<Vec<Option<f64>>>> {
-        match forecast_with(fit, budget, &planned[..count]) {
+        match forecast_with(fit, systematic, &planned[..count]) {
             Ok(joints) => Ok(Some(joints.iter().map(|joint| joint.total).collect())),
             Err(error) if error.code() == Code::Interrupted => Err(error),
             Err(_) => Ok(None),
@@ -88,7 +88,7 @@ pub fn standing<Q: AsRef<[f64]>>(
         .iter()
         .enumerate()
         .map(|(j, joint)| {
-            let own = budget.uncertainty.get(j);
+            let own = systematic.uncertainty.get(j);
             let usable = joint.interval[1].is_some();
             JointStanding {
                 name: joint.name.clone(),
@@ -121,7 +121,7 @@ pub fn standing<Q: AsRef<[f64]>>(
         postures_to_goal = Some(count);
     }
     let findings = match (goal, reached) {
-        (Some(goal), Some(false)) => out_of_reach(budget, found.estimates.confidence, goal)?
+        (Some(goal), Some(false)) => out_of_reach(systematic, found.estimates.confidence, goal)?
             .into_iter()
             .collect(),
         _ => Vec::new(),
@@ -143,9 +143,13 @@ fn worst(parts: impl Iterator<Item = Option<f64>>) -> Option<f64> {
 }
 
 /// Says where the scale of the force alone is beyond the goal: no residual ever shows it.
-fn out_of_reach(budget: &SystematicErrors, confidence: f64, goal: f64) -> Result<Option<Finding>> {
+fn out_of_reach(
+    systematic: &SystematicErrors,
+    confidence: f64,
+    goal: f64,
+) -> Result<Option<Finding>> {
     let quantile = Level::new(confidence)?.quantile();
-    let scale = budget
+    let scale = systematic
         .sources
         .iter()
         .find(|source| source.name == FORCE_SCALE);

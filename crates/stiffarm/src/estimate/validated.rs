@@ -39,7 +39,7 @@ pub struct FitOptions {
     pub folds: usize,
     /// How the unknowns are estimated.
     pub estimator: Estimator,
-    /// The further terms.
+    /// The extra terms.
     pub extra: Vec<ExtraTerm>,
     /// What gives way, where that is not the joint axes alone.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -52,7 +52,7 @@ pub struct Options {
     pub orientation_columns: &'static [&'static str],
     /// Frame of the poses.
     pub frame: PoseFrame,
-    /// What the poses of `--from` and `--output` are of.
+    /// What the poses that are read and written are of.
     pub point: PosePoint,
 }
 

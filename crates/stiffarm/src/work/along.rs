@@ -28,7 +28,7 @@ pub struct PathOptions {
     /// Standard uncertainty of the load \[%\].
     pub load_uncertainty_percent: f64,
     /// Posture to start near \[deg\].
-    pub start_deg: Option<Vec<f64>>,
+    pub near_deg: Option<Vec<f64>>,
     /// Largest change of a joint from point to point \[deg\].
     pub max_step_deg: f64,
     /// Turns about the tool axis that were tried; `null` where it was not freed.
@@ -43,7 +43,7 @@ impl Default for PathOptions {
             force_n: None,
             moment_nm: None,
             load_uncertainty_percent: 0.0,
-            start_deg: None,
+            near_deg: None,
             max_step_deg: 30.0,
             free_turn: None,
         }
@@ -97,14 +97,14 @@ impl PathOptions {
     /// Options of the search for postures; the load given here comes before that of the cell.
     ///
     /// # Errors
-    /// A start that is no posture of the robot (key `start_deg`), a step that is not above zero
+    /// A start that is no posture of the robot (key `near_deg`), a step that is not above zero
     /// (key `max_step_deg`), a force without axes (key `force_n`).
     pub fn posture_options(&self, cell: &Cell) -> Result<PosturePathOptions> {
         let joints = cell.setup.robot.joint_count();
-        let start = self.start_deg.as_deref();
+        let start = self.near_deg.as_deref();
         if start.is_some_and(|q| q.len() != joints || q.iter().any(|a| !a.is_finite())) {
             return Err(wrong(
-                "start_deg",
+                "near_deg",
                 format!("The start needs {joints} angles in degrees, one per joint."),
             ));
         }

@@ -177,16 +177,16 @@ pub fn judge(
         ..Judgement::not_yet(plan, &left)
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let found = systematic_errors(&fit).and_then(|budget| {
+    let found = systematic_errors(&fit).and_then(|systematic| {
         Ok((
-            standing(&fit, &budget, &left, options.until_stiffness)?,
-            budget,
+            standing(&fit, &systematic, &left, options.until_stiffness)?,
+            systematic,
         ))
     });
-    let budget = match found {
-        Ok((found, budget)) => {
+    let systematic = match found {
+        Ok((found, systematic)) => {
             out.standing = Some(found);
-            budget
+            systematic
         }
         Err(error) => {
             out.standing_missing = Some(error.message().to_string());
@@ -194,7 +194,7 @@ pub fn judge(
         }
     };
     if let Some(goal) = options.until_deflection_m {
-        out.deflection = Some(deflection(&fit, &budget, goal)?);
+        out.deflection = Some(deflection(&fit, &systematic, goal)?);
     }
     if options.search && !out.is_serious() && out.reached() != Some(true) {
         out.better = better(&fit, cell, &left, seed, control)?;
@@ -206,14 +206,14 @@ pub fn judge(
 ///
 /// # Errors
 /// The cell has no tasks, or tasks with different tips.
-fn deflection(fit: &Fit, budget: &SystematicErrors, goal: f64) -> Result<DeflectionStanding> {
+fn deflection(fit: &Fit, systematic: &SystematicErrors, goal: f64) -> Result<DeflectionStanding> {
     let mut cell = fit.cell().clone();
     let (tip, tasks) = tasks(&cell)?;
     cell.work.tip = Some(tip);
     // While a joint is not determined nothing is predicted.
     let known = IdentifiedCompliance::from_identification(&cell, fit.identification()?);
     let options = PredictOptions::default();
-    let predicted = known.map(|known| known.with_systematic_errors(budget));
+    let predicted = known.map(|known| known.with_systematic_errors(systematic));
     let predicted =
         predicted.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
     let mut out = DeflectionStanding {

@@ -1,5 +1,5 @@
 //! Identification beyond the plain case: joints that cannot be told apart,
-//! further springs, the next posture.
+//! extra springs, the next posture.
 
 use crate::common::prelude::*;
 use stiffarm::estimate::identify::Identification;
@@ -117,7 +117,7 @@ fn columns_of_further_terms_are_small_turns() {
     }
 }
 
-/// Measurements of `postures` with compliances of joints and further terms.
+/// Measurements of `postures` with compliances of joints and extra terms.
 fn measured_with(
     cell: &Cell,
     postures: &[Posture],

@@ -52,7 +52,7 @@ fn one_assembly_and_one_fit_per_options_and_data() {
         );
         let count = |what: &str| journal.iter().filter(|e| e.starts_with(what)).count();
         assert_eq!((count("terms"), count("system")), (1, 1), "{journal:#?}");
-        // The model as it is, and each further term beside it.
+        // The model as it is, and each extra term beside it.
         assert!(count("fit") > 7 && count("6 folds") > 7, "{journal:#?}");
     }
 }

@@ -300,8 +300,8 @@ fn common_errors_and_the_load_widen_the_band_by_their_size() {
     let options = IdentifyOptions::default();
     let found = identify(&cell, &measured, &options).unwrap();
     let plain = IdentifiedCompliance::from_identification(&cell, &found).unwrap();
-    let budget = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
-    let total = plain.clone().with_systematic_errors(&budget);
+    let systematic = systematic_errors(&Fit::new(&cell, &measured, &options).unwrap()).unwrap();
+    let total = plain.clone().with_systematic_errors(&systematic);
     let work = [at(&cell.tasks[1].q, cell.tasks[1].wrench)];
     let arm = LoadedArm::new(&cell, &plain).unwrap();
     let run = |predictor: &IdentifiedCompliance, load: f64| -> Prediction {

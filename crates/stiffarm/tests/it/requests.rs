@@ -135,10 +135,7 @@ fn options_of_a_path_name_what_is_wrong() {
         change(&mut options);
         key(options.posture_options(&cell).unwrap_err())
     };
-    assert_eq!(
-        refused(|o| o.start_deg = Some(vec![1.0])),
-        wrong("start_deg")
-    );
+    assert_eq!(refused(|o| o.near_deg = Some(vec![1.0])), wrong("near_deg"));
     assert_eq!(refused(|o| o.max_step_deg = 0.0), wrong("max_step_deg"));
     assert_eq!(refused(|o| o.force_n = Some([1.0; 3])), wrong("force_n"));
     let unsure = PathOptions {

@@ -91,8 +91,11 @@ fn what_predicts_is_read_back_to_the_last_bit() {
     let found = identified(&fit, ElasticChoice::Mixed);
     let saved = read_text(&text(&found)).unwrap();
     let mixed = stiffarm::estimate::mixed::MixedFit::new(&fit).unwrap();
-    let budget = found.elastic.unwrap().budget.unwrap();
-    let direct = mixed.compliance().clone().with_systematic_errors(&budget);
+    let systematic = found.elastic.unwrap().systematic_errors.unwrap();
+    let direct = mixed
+        .compliance()
+        .clone()
+        .with_systematic_errors(&systematic);
     // Not printed where it fails: twenty thousand numbers.
     assert!(saved.predictor.spread == direct.spread);
     assert!(saved.predictor.values == direct.values && saved.predictor.common == direct.common);
@@ -257,7 +260,7 @@ fn what_was_wrong_with_the_data_goes_with_the_stiffness() {
     let measured = prepare(&cell, inches, &Default::default()).unwrap();
     let fit = Fit::new(&cell, measured, &IdentifyOptions::default()).unwrap();
     let found = identified(&fit, ElasticChoice::Axes);
-    assert!(found.sanity.is_some());
+    assert!(found.screening.is_some());
     let saved = read_text(&text(&found)).unwrap();
     let serious: Vec<_> = saved.predictor.serious().collect();
     assert_eq!(serious[0].code, "stiffness-doubtful");

@@ -52,8 +52,8 @@ fn planned_postures_bring_what_the_information_says() {
 #[test]
 fn a_goal_is_reached_ahead_or_out_of_reach() {
     let (fit, plan) = fitted(6, 1);
-    let budget = systematic_errors(&fit).unwrap();
-    let at = |goal: f64| standing(&fit, &budget, &plan[6..], Some(goal)).unwrap();
+    let systematic = systematic_errors(&fit).unwrap();
+    let at = |goal: f64| standing(&fit, &systematic, &plan[6..], Some(goal)).unwrap();
     let now = at(0.99);
     let largest = now.largest.unwrap();
     assert_eq!((now.reached, now.postures_to_goal), (Some(true), None));
@@ -65,14 +65,14 @@ fn a_goal_is_reached_ahead_or_out_of_reach() {
     assert_eq!(far.findings[0].code, "goal-out-of-reach");
     assert!(at(0.021).findings.is_empty());
     // Without a goal nothing is said of one.
-    let plain = standing(&fit, &budget, &plan[6..], None).unwrap();
+    let plain = standing(&fit, &systematic, &plan[6..], None).unwrap();
     assert_eq!((plain.reached, plain.findings.len()), (None, 0));
     for joint in &plain.joints {
         assert!(joint.with_all <= joint.with_next && joint.with_next <= joint.total);
         assert!(joint.systematic <= joint.total);
     }
     // Nothing left: nothing expected.
-    let last = standing::<Vec<f64>>(&fit, &budget, &[], None).unwrap();
+    let last = standing::<Vec<f64>>(&fit, &systematic, &[], None).unwrap();
     assert!(last.joints.iter().all(|joint| joint.with_next.is_none()));
 }
 
@@ -96,8 +96,8 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// ± of each joint with all errors that `identify` prints.
 fn identified(fit: &Fit) -> Vec<Option<f64>> {
-    let budget = systematic_errors(fit).unwrap();
-    budget.uncertainty.iter().map(|own| own.total).collect()
+    let systematic = systematic_errors(fit).unwrap();
+    systematic.uncertainty.iter().map(|own| own.total).collect()
 }
 
 #[test]
@@ -106,8 +106,8 @@ fn the_first_postures_foresee_what_the_whole_plan_will_say() {
         let mut ratios = Vec::new();
         for seed in 0..8 {
             let (early, plan) = fitted(done, seed);
-            let budget = systematic_errors(&early).unwrap();
-            let found = standing(&early, &budget, &plan[done..], None).unwrap();
+            let systematic = systematic_errors(&early).unwrap();
+            let found = standing(&early, &systematic, &plan[done..], None).unwrap();
             let (late, _) = fitted(12, seed);
             for (joint, really) in found.joints.iter().zip(identified(&late)) {
                 ratios.push(joint.with_all.unwrap() / really.unwrap());

@@ -22,7 +22,7 @@ fn plan(cell: &Cell) -> Vec<Posture> {
     numbered(local(cell, Index::ExpectedError, &group1()).unwrap().group)
 }
 
-fn budget(
+fn systematic(
     cell: &Cell,
     measured: &[MeasuredPosture],
     options: &IdentifyOptions,
@@ -63,24 +63,24 @@ fn every_source_is_the_error_really_made() {
     let cell = cell;
     let postures = numbered(group1());
     let nominal = measure(&cell, &postures, 1);
-    let budget = budget(&cell, &nominal, &by(Estimator::Ordinary));
+    let systematic = systematic(&cell, &nominal, &by(Estimator::Ordinary));
     let made = |cell: &Cell| measure(cell, &postures, 1);
     let seen = |measured: &[MeasuredPosture]| bias(&cell, measured, &by(Estimator::Ordinary));
 
     let mut other = cell.clone();
     *rope_force(&mut other) /= 1.01;
-    let force = source(&budget, "force-scale");
+    let force = source(&systematic, "force-scale");
     assert_same(&force.change, &seen(&made(&other)), "force");
     assert_same(&force.change, &[0.01; 6], "force");
     for axis in 0..3 {
         let mut other = cell.clone();
         rope_anchor(&mut other)[axis] += 5e-3;
-        let part = &source(&budget, "anchor").parts[axis];
+        let part = &source(&systematic, "anchor").parts[axis];
         assert_same(&part.change, &seen(&made(&other)), "anchor");
 
         let mut other = cell.clone();
         other.setup.tool.loading_point[axis] += 1e-3;
-        let part = &source(&budget, "loading-point").parts[axis];
+        let part = &source(&systematic, "loading-point").parts[axis];
         assert_same(&part.change, &seen(&made(&other)), "loading point");
 
         let turn = Rotation3::new(Vector3::ith(axis, 0.5e-3));
@@ -88,7 +88,7 @@ fn every_source_is_the_error_really_made() {
         for displacement in turned.iter_mut().flat_map(|m| &mut m.displacements) {
             displacement.value = turn * displacement.value;
         }
-        let part = &source(&budget, "registration").parts[axis];
+        let part = &source(&systematic, "registration").parts[axis];
         assert_same(&part.change, &seen(&turned), "registration");
     }
     let mut other = cell.clone();
@@ -99,7 +99,7 @@ fn every_source_is_the_error_really_made() {
         matrix,
     });
     assert_same(
-        &source(&budget, "sensor").change,
+        &source(&systematic, "sensor").change,
         &seen(&made(&other)),
         "sensor",
     );
@@ -110,15 +110,19 @@ fn every_source_is_the_error_really_made() {
         })
     };
     let tilted = seen(&with(ExtraTerm::BaseTilt, 1e-8));
-    assert_same(&source(&budget, "base-tilt").change, &tilted, "base tilt");
+    assert_same(
+        &source(&systematic, "base-tilt").change,
+        &tilted,
+        "base tilt",
+    );
     for j in 0..6 {
         let loose = seen(&with(ExtraTerm::LostMotion(j), 0.1 * ARC_MINUTE));
-        let part = &source(&budget, "lost-motion").parts[j];
+        let part = &source(&systematic, "lost-motion").parts[j];
         assert_same(&part.change, &loose, "lost motion");
     }
 }
 
-/// The budget on the default cell's expected-error plan.
+/// The systematic errors on the default cell's expected-error plan.
 #[test]
 fn the_budget_of_the_default_cell() {
     let mut cell = quiet_cell();
@@ -129,7 +133,7 @@ fn the_budget_of_the_default_cell() {
     let postures = plan(&cell);
     let measured = measure(&cell, &postures, 1);
     let of = |cell: &Cell, name: &str| -> Vec<f64> {
-        let all = budget(cell, &measured, &by(Estimator::Ordinary));
+        let all = systematic(cell, &measured, &by(Estimator::Ordinary));
         let source = source(&all, name);
         source
             .change
@@ -167,7 +171,7 @@ fn the_budget_of_the_default_cell() {
 
     let postures = numbered(group1());
     let measured = measure(&cell, &postures, 1);
-    let all = budget(&cell, &measured, &by(Estimator::Ordinary));
+    let all = systematic(&cell, &measured, &by(Estimator::Ordinary));
     let k4 = source(&all, "anchor").change[3].unwrap();
     assert!((k4 - 0.039).abs() < 0.002, "{k4}");
     // Parts combine as root sum of squares; sources as well, as far as the readings
@@ -201,8 +205,8 @@ fn measured_wrenches_have_the_sources_that_made_them() {
         let terms = PostureTerms::new(&cell.setup, &m.posture.q, None).unwrap();
         m.wrench = Some(*terms.wrench());
     }
-    let a = budget(&cell, &nominal, &by(Estimator::Ordinary));
-    let b = budget(&cell, &along, &by(Estimator::Ordinary));
+    let a = systematic(&cell, &nominal, &by(Estimator::Ordinary));
+    let b = systematic(&cell, &along, &by(Estimator::Ordinary));
     for name in ["force-scale", "anchor", "loading-point"] {
         let other: Vec<f64> = source(&b, name).change.iter().map(|c| c.unwrap()).collect();
         assert_same(&source(&a, name).change, &other, name);
@@ -222,7 +226,7 @@ fn measured_wrenches_have_the_sources_that_made_them() {
             ..m.wrench.unwrap()
         });
     }
-    let c = budget(&sensing, &moments, &by(Estimator::Ordinary));
+    let c = systematic(&sensing, &moments, &by(Estimator::Ordinary));
     let names: Vec<&str> = c.sources.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(
         names,
@@ -248,7 +252,7 @@ fn the_force_scale_is_in_every_budget() {
     let measured = measure(&cell, &postures, 3);
     for estimator in Estimator::ALL {
         let options = by(estimator);
-        let all = budget(&cell, &measured, &options);
+        let all = systematic(&cell, &measured, &options);
         let force = &all.sources[0];
         assert!(force.name == "force-scale" && force.declared && force.size == 0.02);
         // The prior pulls a little the other way.
@@ -423,7 +427,7 @@ fn budgets_and_profiles_of_poor_data() {
     let measured = measure(&cell, &numbered(group1())[..1], 1);
     let options = by(Estimator::Ordinary);
     let result = identify(&cell, &measured, &options).unwrap();
-    let all = budget(&cell, &measured, &options);
+    let all = systematic(&cell, &measured, &options);
     for (j, joint) in result.estimates.joints.iter().enumerate() {
         let known = joint.compliance.is_some_and(|h| h > 0.0);
         assert_eq!(

@@ -154,9 +154,9 @@ fn dense(
     out
 }
 
-/// Parts in the budget's order that have a size: force scale, base tilt, joints.
-fn moments(budget: &SystematicErrors) -> (Vec<usize>, DVector<f64>, DMatrix<f64>) {
-    let found = budget.posterior.as_ref().unwrap();
+/// Parts in the systematic errors's order that have a size: force scale, base tilt, joints.
+fn moments(systematic: &SystematicErrors) -> (Vec<usize>, DVector<f64>, DMatrix<f64>) {
+    let found = &systematic.posterior;
     let has_size = |i: &usize| found.parts[*i].size > 0.0;
     let which: Vec<usize> = (0..found.parts.len()).filter(has_size).collect();
     let count = which.len();
@@ -178,9 +178,9 @@ fn what_readings_leave_under_the_mixed_model() {
     bend(&cell, &mut measured, 9, [1e-7, 1.5e-7, 1e-7]);
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let mixed = MixedFit::new(&fit).unwrap();
-    let budget = mixed_systematic_errors(&mixed).unwrap();
-    assert!(budget.sources.iter().all(|s| s.name != "base-tilt"));
-    let (which, mean, second) = moments(&budget);
+    let systematic = mixed_systematic_errors(&mixed).unwrap();
+    assert!(systematic.sources.iter().all(|s| s.name != "base-tilt"));
+    let (which, mean, second) = moments(&systematic);
     assert_eq!(which.len(), 7);
 
     let compliance = mixed.compliance();
@@ -241,8 +241,8 @@ fn what_readings_leave_is_what_the_whole_model_says() {
             let options = by(estimator);
             let fit = Fit::new(&cell, &measured, &options).unwrap();
             let found = fit.identification().unwrap();
-            let budget = systematic_errors(&fit).unwrap();
-            let (which, mean, second) = moments(&budget);
+            let systematic = systematic_errors(&fit).unwrap();
+            let (which, mean, second) = moments(&systematic);
 
             let system = measured_system(&cell, &measured, &[], options.weights).unwrap();
             let (psi, y) = (system.psi.clone(), system.delta.clone());
@@ -300,7 +300,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
             let off = (&second - &by_dense.second).amax();
             assert!(off < 1e-9 * (1.0 + second.amax()), "{name}: {off:e}");
             // C + R E[c cᵀ] Rᵀ is the mean square of what the estimate misses.
-            let parts = &budget.posterior.as_ref().unwrap().parts;
+            let parts = &systematic.posterior.parts;
             let response = DMatrix::from_fn(6, 8, |j, i| parts[which[i]].response[j]);
             let common = &response * &second * response.transpose();
             for j in 0..6 {
@@ -310,7 +310,7 @@ fn what_readings_leave_is_what_the_whole_model_says() {
                     (ours / theirs - 1.0).abs() < 1e-9,
                     "{name} {j}: {ours:e} {theirs:e}"
                 );
-                let total = budget.total[j].unwrap() * estimate[j];
+                let total = systematic.total[j].unwrap() * estimate[j];
                 assert!((total * total / ours - 1.0).abs() < 1e-9);
             }
         }
@@ -356,10 +356,10 @@ fn readings_bound_lost_motion_and_say_nothing_of_the_force() {
     let mut with = by(Estimator::Ordinary);
     with.extra = vec![ExtraTerm::LostMotion(0), ExtraTerm::BaseTilt];
     let fit = Fit::new(&cell, measured(&cell, &[0.0; 8], 3), &with).unwrap();
-    let budget = systematic_errors(&fit).unwrap();
-    let lost = source(&budget, "lost-motion");
+    let systematic = systematic_errors(&fit).unwrap();
+    let lost = source(&systematic, "lost-motion");
     assert_eq!(lost.parts.len(), 5);
-    assert!(budget.sources.iter().all(|s| s.name != "base-tilt"));
+    assert!(systematic.sources.iter().all(|s| s.name != "base-tilt"));
 }
 
 /// With errors drawn from the declared sizes the total band holds in each component,

@@ -46,11 +46,11 @@ pub struct Options {
     /// Load states that the texts name.
     states: Vec<String>,
     /// Maker of the controller, where the language was asked for by name.
-    controller: Option<String>,
+    controller: Option<&'static str>,
     /// Tool of the controller, where one was given.
     tool: Option<String>,
     /// Axis of the controller of each joint, where they were given.
-    axes: Option<Vec<usize>>,
+    controller_axes: Option<Vec<usize>>,
     /// Pulses per degree of each axis, where they were given.
     pulses_per_degree: Option<Vec<f64>>,
     /// Whether a plan that violates limits is written.
@@ -129,9 +129,7 @@ impl Task {
     fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
-        let language = Language::from(args.language);
-        let asked = args.controller.controller.as_deref();
-        let asked = asked.map(Controller::from_name).transpose()?;
+        let (language, asked) = (args.language, args.controller.controller);
         language.check_robot(robot, asked).map_err(as_option)?;
         let plan = session.read_postures("plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
@@ -208,9 +206,9 @@ impl Task {
             language: self.language,
             speed_percent: self.speed_percent,
             states: self.states.clone(),
-            controller: args.controller.controller.clone(),
+            controller: args.controller.controller.map(Controller::as_str),
             tool: self.options.tool.clone(),
-            axes: self.options.axes.clone(),
+            controller_axes: self.options.controller_axes.clone(),
             pulses_per_degree: self.options.pulses_per_degree.clone(),
             despite_limits: args.despite_limits,
         }
@@ -241,7 +239,7 @@ fn as_option(error: Error) -> Error {
 
 fn program_options(args: &ControllerArgs) -> ProgramOptions {
     ProgramOptions {
-        axes: (!args.axes.is_empty()).then(|| args.axes.clone()),
+        controller_axes: (!args.controller_axes.is_empty()).then(|| args.controller_axes.clone()),
         pulses_per_degree: (!args.pulses_per_degree.is_empty())
             .then(|| args.pulses_per_degree.clone()),
         tool: args.tool.clone(),

@@ -35,7 +35,7 @@ pub fn run(session: &Session, args: &PoseArgs) -> Result<Exit> {
         named,
         request,
     };
-    match (&args.from, &args.postures) {
+    match (&args.poses, &args.postures) {
         (Some(from), _) => job.postures_of(from),
         (None, Some(postures)) => job.poses_of(postures),
         (None, None) => Err(Error::new(

@@ -12,7 +12,7 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
     let (candidates, measured) = job.session.read_candidates(list, job.cell())?;
     let mut request = CandidateRequest::default();
     request.index = job.index;
-    request.postures = job.args.postures.map_or(request.postures, to_usize);
+    request.postures = job.args.count.map_or(request.postures, to_usize);
     request.seed = job.args.budget.seed.unwrap_or(request.seed);
     // The limits of a measured posture are the machine's, which held it.
     request.limits = !measured;

@@ -12,7 +12,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     let budget = &job.args.budget;
     let mut request = CurveRequest::default();
     request.index = job.index;
-    request.postures = job.args.postures.map_or(request.postures, to_usize);
+    request.postures = job.args.count.map_or(request.postures, to_usize);
     request.rounds = budget.rounds;
     request.time_limit = budget.time_limit;
     request.seed = budget.seed.unwrap_or(request.seed);

@@ -32,11 +32,11 @@ fn request(job: &Job<'_>) -> Result<PlanRequest> {
     };
     let mut request = PlanRequest::default();
     request.index = job.index;
-    request.initial = read("initial", &args.existing.from)?;
+    request.initial = read("initial", &args.existing.initial)?;
     request.given = read("given", &args.existing.given)?.unwrap_or_default();
     let count = match args.existing.given {
         Some(_) => Some(args.existing.add.unwrap_or(1)),
-        None => args.postures,
+        None => args.count,
     };
     request.postures = count.map_or(request.postures, to_usize);
     let iterations = args.existing.max_iterations;

@@ -9,7 +9,7 @@ use stiffarm::plan::planned::{SpaceFillingRequest, plan_space_filling};
 /// Spreads the postures and writes plan and sheet. True where a move has no free way.
 pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     let mut request = SpaceFillingRequest::default();
-    request.postures = job.args.postures.map_or(request.postures, to_usize);
+    request.postures = job.args.count.map_or(request.postures, to_usize);
     request.seed = job.args.budget.seed.unwrap_or(request.seed);
     request.angle_step_deg = job.angle_step();
     let progress = Progress::new(job.session, "spreading postures");

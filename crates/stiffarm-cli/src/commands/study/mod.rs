@@ -69,7 +69,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
             options.seed = args.seed;
             options
         };
-        own.starts = args.starts;
+        own.starts = args.initial_groups;
         own.elastic = args.elastic.map_or(ElasticChoice::Axes, Into::into);
         own
     };

@@ -130,7 +130,7 @@ def identify(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
     }
     figures |= by_joint("stiffness_nm_per_rad", [joint["stiffness"] for joint in joints])
     # The readings alone are all that a brief identification knows.
-    for part in ["", "readings_"] if data["budget"] else ["readings_"]:
+    for part in ["", "readings_"] if data["systematic_errors"] else ["readings_"]:
         errors = [joint[f"{part}standard_error"] for joint in joints]
         figures |= by_joint(f"{part}standard_error_nm_per_rad", errors)
         for end, side in enumerate(("low", "high")):

@@ -40,7 +40,10 @@ pub(super) fn section(given: &Given<'_>, found: &Identified) -> Section {
             texts.push(Text::new(said).code(option).words("."));
         }
     }
-    let assumed = found.budget.iter().flat_map(|budget| &budget.sources);
+    let assumed = found
+        .systematic_errors
+        .iter()
+        .flat_map(|systematic| &systematic.sources);
     let assumed = assumed.filter(|source| !source.declared);
     let sizes: Vec<String> = assumed
         .map(|source| format!("{} {}", source.name.replace('-', " "), size(source).plain()))

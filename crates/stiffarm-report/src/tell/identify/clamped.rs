@@ -17,7 +17,7 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
     let joints = Joints {
         given,
         estimates: own,
-        budget: None,
+        systematic_errors: None,
         unusable: found
             .findings
             .iter()

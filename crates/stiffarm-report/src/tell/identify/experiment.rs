@@ -1,4 +1,4 @@
-//! What the experiment shows beside the stiffness: load states, single postures, further terms, the next posture.
+//! What the experiment shows beside the stiffness: load states, single postures, extra terms, the next posture.
 
 use super::joints::Joints;
 use super::story::angles;
@@ -9,7 +9,7 @@ use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::next_posture::NextPosture;
 use stiffarm::findings::{list, visible};
 
-/// Further terms that the table shows.
+/// Extra terms that the table shows.
 const SHOWN_TERMS: usize = 5;
 
 /// Linearity and hysteresis.
@@ -120,7 +120,7 @@ pub(super) fn influence(found: &Identified) -> Option<Section> {
     ))
 }
 
-/// Further terms by how well the postures predict each other with them.
+/// Extra terms by how well the postures predict each other with them.
 pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
     let trials = found.diagnosis.as_ref()?.terms.as_ref()?;
     // The first row is the model without any of them.
@@ -129,7 +129,7 @@ pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
     let trial = |row: usize| Some(&trials.trials[row.checked_sub(1)?]);
     let names = ["none".to_string()].into_iter().chain(names);
     let table = DataTable::of(
-        "Each posture predicted from the others, with each further term alone",
+        "Each posture predicted from the others, with each extra term alone",
         "term",
         names,
     )
@@ -168,7 +168,7 @@ pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
         let lost = trial(row).map(|trial| shown(&trial.lost_joints));
         lost.unwrap_or_default().join(", ").into()
     });
-    let title = "Further terms";
+    let title = "Extra terms";
     let section = Section::new("terms", title, vec![Block::Table(table)]);
     (!trials.trials.is_empty()).then_some(section)
 }

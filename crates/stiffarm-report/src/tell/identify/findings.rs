@@ -27,12 +27,12 @@ pub(super) fn of(given: &Given<'_>, found: &Identified) -> Findings {
     data.extend(cell.and_then(|cell| implausible_scale(cell, &found.identification)));
     data.extend(scales.iter().copied().chain(of_readings).cloned());
     data.extend(stopped(&found.not_computed));
-    data.extend(no_budget(given, found));
+    data.extend(no_systematic(given, found));
     let diagnosed = found.diagnosis.iter().flat_map(|d| &d.findings);
-    let budget = found.budget.iter().flat_map(|b| &b.findings);
+    let systematic = found.systematic_errors.iter().flat_map(|b| &b.findings);
     let profiled = found.profile.iter().map(|p| &p.finding);
     let mut fit = together(&found.identification.estimates);
-    fit.extend(diagnosed.chain(budget).chain(profiled).cloned());
+    fit.extend(diagnosed.chain(systematic).chain(profiled).cloned());
     let rest = given.saved.findings();
     let rest = rest
         .into_iter()
@@ -134,8 +134,8 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
         "bootstrap" => "the bootstrap intervals",
         "elastic" => "what gives way beyond the joint axes",
         "profile" => "the profile of the likelihood",
-        "budget" => "the errors common to the whole experiment",
-        "diagnosis" => "the diagnosis (readings that do not fit, leave-one-out, further terms)",
+        "systematic_errors" => "the errors common to the whole experiment",
+        "diagnosis" => "the diagnosis (readings that do not fit, leave-one-out, extra terms)",
         _ => "the next posture",
     };
     let names: Vec<&str> = not_computed.iter().map(words).collect();
@@ -153,8 +153,8 @@ pub(super) fn is_brief(given: &Given<'_>) -> bool {
 }
 
 /// What is missing without systematic errors.
-fn no_budget(given: &Given<'_>, found: &Identified) -> Option<Finding> {
-    if found.budget.is_some() {
+fn no_systematic(given: &Given<'_>, found: &Identified) -> Option<Finding> {
+    if found.systematic_errors.is_some() {
         return None;
     }
     let why = if is_brief(given) { " (--brief)" } else { "" };
@@ -167,7 +167,12 @@ fn no_budget(given: &Given<'_>, found: &Identified) -> Option<Finding> {
          more than its ±{rest}."
     );
     let code = "no-systematic-errors";
-    Some(Finding::new(code, Severity::Caution, "budget", sentence))
+    Some(Finding::new(
+        code,
+        Severity::Caution,
+        "systematic_errors",
+        sentence,
+    ))
 }
 
 /// What mostly follows from a wrong scale, folded away.

@@ -41,12 +41,14 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
             level(found.identification.estimates.confidence),
             Quantity::STIFFNESS.unit
         );
-        let budget = elastic.budget.as_ref();
-        let has_budget = budget.is_some_and(|b| b.uncertainty.len() == mixed.joints.len());
+        let systematic = elastic.systematic_errors.as_ref();
+        let has_systematic = systematic.is_some_and(|b| b.uncertainty.len() == mixed.joints.len());
         let number = |below: String| Some(given.number(&below));
         let end = |j: usize, i: usize| {
-            number(match has_budget {
-                true => format!("/elastic/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
+            number(match has_systematic {
+                true => {
+                    format!("/elastic/systematic_errors/uncertainty/{j}/interval_nm_per_rad/{i}")
+                }
                 false => format!("/elastic/mixed/joints/{j}/interval/{i}"),
             })
         };
@@ -181,8 +183,8 @@ pub(super) fn largest<P>(
 
 /// Systematic errors by source: size, what the readings leave of it, and what it does to each joint.
 pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
-    let budget = found.budget.as_ref()?;
-    let sources = &budget.sources;
+    let systematic = found.systematic_errors.as_ref()?;
+    let sources = &systematic.sources;
     // The last row holds all of them together.
     let names = sources.iter().map(|source| source.name.replace('-', " "));
     let names = names.chain(["all that is left".to_string()]);
@@ -201,18 +203,21 @@ pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
     })
     .numbers("left", Quantity::PERCENT.digits(3), |row| {
         source(row)?;
-        Some(given.number(&format!("/budget/sources/{row}/remaining")))
+        Some(given.number(&format!("/systematic_errors/sources/{row}/remaining")))
     });
-    for (j, joint) in budget.joints.iter().enumerate() {
+    for (j, joint) in systematic.joints.iter().enumerate() {
         table = table.numbers(&visible(joint), Quantity::PERCENT, |row| {
             let below = match source(row) {
-                Some(_) => format!("/budget/sources/{row}/change/{j}"),
-                None => format!("/budget/combined/{j}"),
+                Some(_) => format!("/systematic_errors/sources/{row}/change/{j}"),
+                None => format!("/systematic_errors/combined/{j}"),
             };
             Some(given.number(&below))
         });
     }
-    let blocks = vec![Block::Figure(errors_figure(budget)), Block::Table(table)];
+    let blocks = vec![
+        Block::Figure(errors_figure(systematic)),
+        Block::Table(table),
+    ];
     let title = "Systematic errors";
     Some(Section::new("errors", title, blocks))
 }

@@ -16,7 +16,7 @@ const NOTHING: f64 = 1.0;
 pub(super) struct Joints<'a> {
     pub given: &'a Given<'a>,
     pub estimates: &'a Estimates,
-    pub budget: Option<&'a SystematicErrors>,
+    pub systematic_errors: Option<&'a SystematicErrors>,
     /// Something about the data is so wrong that no value counts.
     pub unusable: bool,
 }
@@ -48,7 +48,7 @@ impl<'a> Joints<'a> {
 
     /// With all errors, where they are in the result.
     fn errors(&self, j: usize) -> Option<&'a JointUncertainty> {
-        self.budget?.uncertainty.get(j)
+        self.systematic_errors?.uncertainty.get(j)
     }
 
     /// The half width as a number in percent.
@@ -62,13 +62,14 @@ impl<'a> Joints<'a> {
 
     /// One number of the errors of a joint.
     fn error(&self, j: usize, key: &str) -> Number {
-        self.given.number(&format!("/budget/uncertainty/{j}/{key}"))
+        self.given
+            .number(&format!("/systematic_errors/uncertainty/{j}/{key}"))
     }
 
     /// An end of the interval.
     pub fn end(&self, j: usize, i: usize) -> Number {
         let below = match self.errors(j) {
-            Some(_) => format!("/budget/uncertainty/{j}/interval_nm_per_rad/{i}"),
+            Some(_) => format!("/systematic_errors/uncertainty/{j}/interval_nm_per_rad/{i}"),
             None => format!("/joints/{j}/interval/{i}"),
         };
         self.given.number(&below).of(Quantity::STIFFNESS.digits(3))
@@ -96,7 +97,7 @@ impl<'a> Joints<'a> {
 
     /// The table to read first.
     pub fn key(&self) -> DataTable {
-        let with = self.budget.is_some();
+        let with = self.systematic_errors.is_some();
         let known = format!("of at most {:.0} %", 100.0 * WELL_KNOWN);
         let meant = match (self.unusable, with) {
             (true, _) => "from the data as they are".to_string(),
@@ -137,9 +138,9 @@ impl<'a> Joints<'a> {
                 let own = self.errors(j).filter(|_| usable(j));
                 let name = own.and_then(|own| own.largest_source.as_ref());
                 let source = self
-                    .budget
+                    .systematic_errors
                     .zip(name)
-                    .map(|(budget, name)| source(budget, name));
+                    .map(|(systematic, name)| source(systematic, name));
                 source.unwrap_or_default().into()
             })
             .words("verdict", |j| self.verdict(j))
@@ -197,8 +198,8 @@ pub(super) fn is_wide(verdict: Verdict) -> bool {
 }
 
 /// A source in words, with a star where its size is assumed.
-fn source(budget: &SystematicErrors, name: &str) -> String {
-    let own = budget.sources.iter().find(|source| source.name == name);
+fn source(systematic: &SystematicErrors, name: &str) -> String {
+    let own = systematic.sources.iter().find(|source| source.name == name);
     let star = match own {
         Some(own) if !own.declared => " *",
         _ => "",

@@ -27,15 +27,14 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     if is_clamped(given.saved) {
         return clamped::told(given, &given.saved.result()?);
     }
-    let mut found: Identified = given.saved.result()?;
-    found.hold_all_errors();
+    let found: Identified = given.saved.result()?;
     let findings = findings::of(given, &found);
     let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;
     let of_data: Vec<_> = findings.data.iter().filter(is_serious).collect();
     let joints = Joints {
         given,
         estimates: &found.identification.estimates,
-        budget: found.budget.as_ref(),
+        systematic_errors: found.systematic_errors.as_ref(),
         unusable: !of_data.is_empty(),
     };
     let came = match of_data.as_slice() {

@@ -18,8 +18,8 @@ pub(in crate::tell) fn section(
     let mut blocks = Vec::new();
     if let Some(screening) = screening.filter(|s| !s.suspicions.is_empty()) {
         let below = match readings {
-            Some(_) => "/readings/sanity",
-            None => "/sanity",
+            Some(_) => "/readings/screening",
+            None => "/screening",
         };
         blocks.push(Block::Table(suspicions(given, screening, below)));
     }

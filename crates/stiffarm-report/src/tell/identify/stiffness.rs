@@ -35,8 +35,8 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
                 "joint",
             )
             .numbers("systematic errors", Quantity::PERCENT, |j| {
-                joints.budget?;
-                Some(given.number(&format!("/budget/combined/{j}")))
+                joints.systematic_errors?;
+                Some(given.number(&format!("/systematic_errors/combined/{j}")))
             }),
         ),
     ];
@@ -120,7 +120,7 @@ fn intervals(
     })
 }
 
-/// Further springs, lost motion, and combinations that are determined; `None` where there are none.
+/// Extra springs, lost motion, and combinations that are determined; `None` where there are none.
 pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
     let (given, own) = (joints.given, joints.estimates);
     let mut blocks = Vec::new();
@@ -130,7 +130,7 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
             "/extra_springs",
             &own.extra_springs,
             own.confidence,
-            "further spring",
+            "extra spring",
         );
         blocks.push(Block::Table(table));
     }

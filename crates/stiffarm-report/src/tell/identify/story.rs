@@ -58,7 +58,7 @@ pub(super) fn unusable(first: &Finding, more: usize) -> Text {
 /// What came out.
 pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
     let given = joints.given;
-    let known = match found.budget {
+    let known = match found.systematic_errors {
         Some(_) => known(joints),
         None => known(joints)
             .words(" ")
@@ -90,7 +90,7 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
     let half = |j: &usize| joints.all()[*j].half_width.unwrap_or(f64::INFINITY);
     within.sort_by(|a, b| half(a).total_cmp(&half(b)));
     let level = level(joints.estimates.confidence);
-    let with = match joints.budget {
+    let with = match joints.systematic_errors {
         Some(_) => "readings and systematic errors together",
         None => "the scatter of the readings alone",
     };
@@ -238,7 +238,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .strong("Check the sign of the force")
             .words(" (on the robot), the frames and the model, then identify again.");
     }
-    if found.budget.is_none() {
+    if found.systematic_errors.is_none() {
         let text = match is_brief(joints.given) {
             true => Text::new("Identify again without ").code("--brief"),
             false => Text::new("Identify again"),

@@ -51,7 +51,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             };
             text = text
                 .words(": plan with ")
-                .code(format!("--postures {}", size.point.postures));
+                .code(format!("--count {}", size.point.postures));
             match last {
                 true => text.words(", or with more where the error is still too large."),
                 false => text.words(" unless the error is still too large."),

@@ -172,7 +172,7 @@ fn next(context: &Given<'_>, plan: &Plan) -> Text {
             .words(" instead.");
         }
         return Text::new("That is too unsure to rely on: add postures (")
-            .code("--postures")
+            .code("--count")
             .words(") or measuring points, pull harder or elsewhere, and look at what each limit costs (")
             .code("--prices")
             .words(").");

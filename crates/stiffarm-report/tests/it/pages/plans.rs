@@ -218,7 +218,7 @@ fn a_curve_says_how_many_postures_are_enough() {
         "{came}"
     );
     assert!(
-        next.contains("Beyond 4 postures") && next.contains("--postures 4"),
+        next.contains("Beyond 4 postures") && next.contains("--count 4"),
         "{next}"
     );
     assert_eq!(figures(&shown), ["count"]);

@@ -35,7 +35,7 @@ pub struct ClampedResidual {
     pub motor_rms_rad: f64,
     /// RMS of their residuals \[rad\].
     pub residual_rms_rad: f64,
-    /// The posture's controller angles \[rad\]; empty in results of earlier versions.
+    /// The posture's controller angles \[rad\].
     #[serde(
         rename = "q_deg",
         with = "crate::units::degrees",
@@ -46,7 +46,7 @@ pub struct ClampedResidual {
         feature = "schema",
         schemars(
             with = "Vec<f64>",
-            description = "The posture's controller angles \\[deg\\]; empty in results of earlier versions."
+            description = "The posture's controller angles \\[deg\\]."
         )
     )]
     pub angles: Vec<f64>,
@@ -82,8 +82,7 @@ pub struct ClampedIdentification {
     pub residual_std_rad: Option<f64>,
     /// σ of an angle difference as it was given \[rad\].
     pub expected_std_rad: Option<f64>,
-    /// The cell's prior stiffness, joint by joint \[N·m/rad\]; empty where it has none, and
-    /// in results of earlier versions.
+    /// The cell's prior stiffness, joint by joint \[N·m/rad\]; empty where it has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prior_stiffness: Vec<f64>,
     /// Residuals posture by posture.

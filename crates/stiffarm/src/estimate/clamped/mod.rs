@@ -125,7 +125,7 @@ impl LoopClosure {
 ///
 /// # Errors
 /// No postures, a number that is not finite, a wrong number of angles, or a
-/// further term that appears twice or that the robot cannot have.
+/// extra term that appears twice or that the robot cannot have.
 pub fn clamped_system(
     cell: &Cell,
     clamped: &[ClampedPosture],

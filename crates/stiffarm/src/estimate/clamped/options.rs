@@ -13,7 +13,7 @@ use serde::Serialize;
 pub struct Options {
     /// How the stiffness is estimated.
     pub estimator: Estimator,
-    /// Further terms asked for.
+    /// Extra terms asked for.
     pub extra: Vec<ExtraTerm>,
     /// Where the size of the noise comes from.
     pub noise: NoiseSource,

@@ -48,7 +48,7 @@ pub struct Diagnosis {
     pub second_order: Vec<SecondOrderShare>,
     /// Unknowns that the data can hardly tell apart.
     pub correlated: Vec<CorrelatedPair>,
-    /// Further terms, each tried alone; `None` for a single posture.
+    /// Extra terms, each tried alone; `None` for a single posture.
     pub terms: Option<TermTrials>,
     /// What each joint carries and moves.
     pub signals: Vec<JointSignal>,

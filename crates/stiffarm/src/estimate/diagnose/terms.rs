@@ -1,4 +1,4 @@
-//! Further terms of the model, each tried alone and judged by how well the
+//! Extra terms of the model, each tried alone and judged by how well the
 //! other postures predict each posture (leave-one-out cross-validation: Stone, J. R.
 //! Stat. Soc. B 36, 1974, 111–147, doi:10.1111/j.2517-6161.1974.tb00994.x).
 
@@ -15,7 +15,7 @@ const WORTHWHILE: f64 = 0.1;
 /// 1 − cosine of two columns below which two terms act alike.
 const SAME: f64 = 1e-9;
 
-/// One further term, tried alone.
+/// One extra term, tried alone.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TermTrial {
@@ -26,7 +26,7 @@ pub struct TermTrial {
     /// Leave-one-posture-out RMS with it \[m\]; `None` where the data do not
     /// determine it without some posture.
     pub rms_m: Option<f64>,
-    /// That over the RMS without further terms.
+    /// That over the RMS without extra terms.
     pub ratio: Option<f64>,
     /// Its estimate \[rad/(N·m); rad for lost motion\].
     pub value: Option<f64>,
@@ -35,7 +35,7 @@ pub struct TermTrial {
     /// Probability of an estimate at least as large if the term were absent,
     /// times the number of terms tried.
     pub p_value: Option<f64>,
-    /// Further terms that act alike in these data, so that nothing tells them
+    /// Extra terms that act alike in these data, so that nothing tells them
     /// from this one; they are not tried again.
     pub same_as: Vec<String>,
     /// Joints that have a positive estimate without it and none with it.
@@ -53,7 +53,7 @@ pub struct TermTrials {
     pub rms_m: Option<f64>,
     /// True where that model has the joint axes only.
     pub axis_only: bool,
-    /// Each further term beside it, the lowest RMS first.
+    /// Each extra term beside it, the lowest RMS first.
     pub trials: Vec<TermTrial>,
 }
 
@@ -142,7 +142,7 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     })
 }
 
-/// Value and standard error of the estimate of a further term.
+/// Value and standard error of the estimate of an extra term.
 fn estimate_of(result: &Estimates, name: &str) -> (Option<f64>, Option<f64>) {
     if let Some(spring) = result.extra_springs.iter().find(|s| s.name == name) {
         return (spring.compliance, spring.compliance_standard_error);

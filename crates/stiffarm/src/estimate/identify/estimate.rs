@@ -59,7 +59,6 @@ pub struct JointEstimate {
     /// and the compliance came out at or below zero.
     pub stiffness: Option<f64>,
     /// ± of k at the confidence of the fit (fraction of k): half width of H over H.
-    #[serde(default)]
     pub half_width: Option<f64>,
     /// Standard uncertainty of k by the errors that the interval holds \[N·m/rad\]:
     /// k²·σ_H, first order.
@@ -68,14 +67,11 @@ pub struct JointEstimate {
     /// `None` where the data give only a lower bound, both where there is none.
     pub interval: [Option<f64>; 2],
     /// Which errors `half_width`, `standard_error`, `interval` and `verdict` hold.
-    #[serde(default)]
     pub interval_holds: IntervalHolds,
     /// Standard error by the scatter of the readings alone \[N·m/rad\].
-    #[serde(default)]
     pub readings_standard_error: Option<f64>,
     /// Interval by the scatter of the readings alone \[N·m/rad\]:
     /// \[1/(H + tσ_H), 1/(H − tσ_H)\].
-    #[serde(default)]
     pub readings_interval: [Option<f64>; 2],
     /// H \[rad/(N·m)\].
     pub compliance: Option<f64>,

@@ -22,11 +22,11 @@ use serde::{Deserialize, Serialize};
 pub struct Estimates {
     /// One estimate per joint (spring).
     pub joints: Vec<JointEstimate>,
-    /// Further springs: tilts of joints and of the base.
+    /// Extra springs: tilts of joints and of the base.
     pub extra_springs: Vec<JointEstimate>,
     /// Lost motion.
     pub lost_motion: Vec<AngleEstimate>,
-    /// The further terms, as they were asked for.
+    /// The extra terms, as they were asked for.
     pub extra: Vec<ExtraTerm>,
     /// How the unknowns were estimated.
     pub estimator: Estimator,

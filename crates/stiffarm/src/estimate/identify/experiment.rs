@@ -52,7 +52,7 @@ impl Experiment {
         forces.reduce(f64::max)
     }
 
-    /// Columns of Ψ of further terms, rows as in `system`.
+    /// Columns of Ψ of extra terms, rows as in `system`.
     pub(super) fn columns(&self, system: &MeasuredSystem, terms: &[ExtraTerm]) -> DMatrix<f64> {
         let mut out = DMatrix::zeros(system.delta.len(), terms.len());
         let mut of_posture: Option<(usize, Vec<DVector<f64>>)> = None;
@@ -132,7 +132,7 @@ impl Experiment {
         all.filter_map(|(m, terms)| Some((m, terms.as_ref()?)))
     }
 
-    /// Ψ x = Δ with the further terms `extra`.
+    /// Ψ x = Δ with the extra terms `extra`.
     ///
     /// # Errors
     /// A term that stands twice or that the robot cannot have, a point the tool

@@ -193,7 +193,7 @@ impl Fit {
         Fit::of(experiment, options, left_out, Arc::new(system), prepared)
     }
 
-    /// The same with one further term, whose column of Ψ (rows as in the system)
+    /// The same with one extra term, whose column of Ψ (rows as in the system)
     /// is given.
     pub(crate) fn with_term(&self, term: ExtraTerm, column: &DVector<f64>) -> Result<Self> {
         let inner = &*self.inner;
@@ -287,7 +287,7 @@ impl Fit {
         Ok(self.inner.folds.get_or_init(|| made))
     }
 
-    /// Columns of Ψ of further terms, rows as in the system.
+    /// Columns of Ψ of extra terms, rows as in the system.
     pub(crate) fn columns(&self, terms: &[ExtraTerm]) -> DMatrix<f64> {
         self.experiment().columns(self.system(), terms)
     }

@@ -123,7 +123,7 @@ impl Default for IdentifyOptions {
     }
 }
 
-/// A further term that is an angle: lost motion.
+/// An extra term that is an angle: lost motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AngleEstimate {
@@ -160,8 +160,7 @@ pub struct Identification {
     pub total_std_m: Option<f64>,
     /// σ of a displacement component by the cell's noise \[m\].
     pub expected_std_m: f64,
-    /// The cell's prior stiffness, joint by joint \[N·m/rad\]; empty where it has none, and
-    /// in results of earlier versions.
+    /// The cell's prior stiffness, joint by joint \[N·m/rad\]; empty where it has none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prior_stiffness: Vec<f64>,
     /// Residuals posture by posture.

@@ -23,7 +23,7 @@ pub struct PostureResidual {
     pub displacement_rms_m: f64,
     /// RMS of its residual components \[m\].
     pub residual_rms_m: f64,
-    /// Its controller angles \[rad\]; empty in results of earlier versions.
+    /// Its controller angles \[rad\].
     #[serde(
         rename = "q_deg",
         with = "crate::units::degrees",
@@ -32,18 +32,14 @@ pub struct PostureResidual {
     )]
     #[cfg_attr(
         feature = "schema",
-        schemars(
-            with = "Vec<f64>",
-            description = "Its controller angles \\[deg\\]; empty in results of earlier versions."
-        )
+        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
     )]
     pub angles: Vec<f64>,
     /// Measured force and moment on the robot at the loading point, base axes \[N; N·m\];
     /// `None` where the cell's load gives them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wrench: Option<[f64; 6]>,
-    /// Its displacements, in the order of the measurements; empty in results of earlier
-    /// versions.
+    /// Its displacements, in the order of the measurements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub residuals: Vec<DisplacementResidual>,
 }

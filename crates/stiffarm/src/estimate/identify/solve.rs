@@ -167,7 +167,7 @@ impl Prepared {
         self.shape().interval_degrees_of_freedom(estimator)
     }
 
-    /// Number of springs: the unknowns before the further terms.
+    /// Number of springs: the unknowns before the extra terms.
     pub(super) fn springs(&self) -> usize {
         self.springs
     }

@@ -1,6 +1,6 @@
 //! The linear system Ψ x = Δ of an experiment, with what its rows share.
 //!
-//! Unknowns x: the compliance of each spring, then further terms. Rows: posture
+//! Unknowns x: the compliance of each spring, then extra terms. Rows: posture
 //! by posture (all load states of a posture together), displacement by
 //! displacement, x, y, z.
 
@@ -37,16 +37,16 @@ pub struct Block {
 /// Ψ x = Δ with the covariance structure of its rows.
 #[derive(Debug, Clone)]
 pub struct MeasuredSystem {
-    /// Ψ, rows × unknowns: springs, then further terms.
+    /// Ψ, rows × unknowns: springs, then extra terms.
     pub psi: DMatrix<f64>,
     /// Δ less the displacement that is known: of a series compliance, and of
     /// the controller giving way \[m\]; angles \[rad\] of a clamped end-effector.
     pub delta: DVector<f64>,
     /// Names of the unknowns.
     pub unknowns: Vec<String>,
-    /// Number of springs: the unknowns before the further terms.
+    /// Number of springs: the unknowns before the extra terms.
     pub springs: usize,
-    /// The further terms.
+    /// The extra terms.
     pub extra: Vec<ExtraTerm>,
     /// Its postures.
     pub blocks: Vec<Block>,
@@ -207,7 +207,7 @@ pub(super) fn assemble<'a>(
     Ok(system)
 }
 
-/// Names of the springs and the further terms.
+/// Names of the springs and the extra terms.
 ///
 /// # Errors
 /// A term that appears twice, or names a joint that the robot does not have.
@@ -216,7 +216,7 @@ pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>
     for (i, term) in extra.iter().enumerate() {
         if !term.fits(robot.joint_count()) {
             let message = format!(
-                "A further term names a joint or an entry that {} does not have.",
+                "An extra term names a joint or an entry that {} does not have.",
                 robot.name()
             );
             return Err(Error::new(Code::UnknownName, message));
@@ -231,7 +231,7 @@ pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>
     Ok(unknowns)
 }
 
-/// Ψ of one posture and load with its further terms, 3m × unknowns.
+/// Ψ of one posture and load with its extra terms, 3m × unknowns.
 pub(crate) fn columns(cell: &Cell, terms: &PostureTerms, extra: &[ExtraTerm]) -> DMatrix<f64> {
     let block = terms.block(&cell.setup.robot);
     let n = block.ncols();

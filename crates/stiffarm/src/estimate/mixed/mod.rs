@@ -79,7 +79,7 @@ impl MixedFit {
     /// from the residuals.
     ///
     /// # Errors
-    /// Another estimator than that of two variances, noise that is given, further terms;
+    /// Another estimator than that of two variances, noise that is given, extra terms;
     /// a joint that the data do not determine; no degree of freedom.
     pub fn new(fit: &Fit) -> Result<Self> {
         let options = fit.options();
@@ -95,7 +95,7 @@ impl MixedFit {
                 Code::Conflict,
                 "The mixed model holds every tilt already, and lost motion cannot be one of its terms.",
             )
-            .hint("leave the further terms out"));
+            .hint("leave the extra terms out"));
         }
         let solution = fit.solution();
         if let Some(j) = solution.undetermined.first() {
@@ -288,7 +288,7 @@ fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
     ElasticClass::ALL.map(of).to_vec()
 }
 
-/// The system with the columns of further terms.
+/// The system with the columns of extra terms.
 fn extended(
     system: &MeasuredSystem,
     terms: &[ExtraTerm],

@@ -9,9 +9,9 @@ use nalgebra::DVector;
 /// The result of a fit, or of the mixed model that goes on from it.
 pub(super) struct Believed<'a> {
     pub fit: &'a Fit,
-    /// Compliance of each spring, then further terms.
+    /// Compliance of each spring, then extra terms.
     pub values: &'a DVector<f64>,
-    /// The further terms.
+    /// The extra terms.
     pub extra: &'a [ExtraTerm],
     /// How the values answer to a change of the displacements.
     pub response: Response<'a>,

@@ -96,9 +96,9 @@ impl SystematicSource {
 }
 
 /// What matters.
-pub(super) fn findings(budget: &SystematicErrors, base: BaseSeen) -> Vec<Finding> {
+pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Finding> {
     let mut out = Vec::new();
-    if let Some(force) = budget.sources.first() {
+    if let Some(force) = systematic.sources.first() {
         let assumed = if force.declared { "" } else { " (assumed)" };
         let message = format!(
             "A force that is read {} too large{assumed} makes every k {0} too large and shows in no residual.",
@@ -108,13 +108,13 @@ pub(super) fn findings(budget: &SystematicErrors, base: BaseSeen) -> Vec<Finding
         out.push(Finding::new(code, Severity::Note, "uncertainty", message));
     }
     out.extend(
-        budget
+        systematic
             .sources
             .iter()
             .filter_map(|source| seen(source, base)),
     );
-    for source in &budget.sources {
-        let own = largest_for(budget, source);
+    for source in &systematic.sources {
+        let own = largest_for(systematic, source);
         if !own.is_empty() {
             let message = format!(
                 "Of the systematic errors that the readings leave, {} is the largest for {}: {}.",
@@ -126,9 +126,9 @@ pub(super) fn findings(budget: &SystematicErrors, base: BaseSeen) -> Vec<Finding
             out.push(Finding::new(code, Severity::Note, &source.name, message));
         }
     }
-    for (j, name) in budget.joints.iter().enumerate() {
+    for (j, name) in systematic.joints.iter().enumerate() {
         let all = |source: &&SystematicSource| source.bounded[j].is_some_and(|b| b >= 1.0);
-        if let Some(source) = budget.sources.iter().find(all) {
+        if let Some(source) = systematic.sources.iter().find(all) {
             let message = format!(
                 "The {} can explain all of the give of {name}: {}.",
                 source.words(),
@@ -138,8 +138,8 @@ pub(super) fn findings(budget: &SystematicErrors, base: BaseSeen) -> Vec<Finding
             out.push(Finding::new(code, Severity::Caution, name, message));
         }
     }
-    out.extend(dominating(budget, base));
-    let assumed = budget.sources.iter().filter(|s| !s.declared);
+    out.extend(dominating(systematic, base));
+    let assumed = systematic.sources.iter().filter(|s| !s.declared);
     let assumed: Vec<String> = assumed.map(SystematicSource::words).collect();
     if !assumed.is_empty() {
         let message = format!(
@@ -186,8 +186,12 @@ fn seen(source: &SystematicSource, base: BaseSeen) -> Option<Finding> {
 }
 
 /// Joints for which a source is the largest, with what it leaves.
-fn largest_for(budget: &SystematicErrors, source: &SystematicSource) -> Vec<String> {
-    let names = budget.joints.iter().zip(&budget.uncertainty).enumerate();
+fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<String> {
+    let names = systematic
+        .joints
+        .iter()
+        .zip(&systematic.uncertainty)
+        .enumerate();
     names
         .filter(|(_, (_, own))| own.largest_source.as_ref() == Some(&source.name))
         .filter_map(|(j, (name, _))| Some(format!("{name} ({})", percent(source.bounded[j]?))))
@@ -195,25 +199,26 @@ fn largest_for(budget: &SystematicErrors, source: &SystematicSource) -> Vec<Stri
 }
 
 /// Joints whose systematic errors are larger than the scatter of the readings.
-fn dominating(budget: &SystematicErrors, base: BaseSeen) -> Option<Finding> {
+fn dominating(systematic: &SystematicErrors, base: BaseSeen) -> Option<Finding> {
     let (mut names, mut sources) = (Vec::new(), Vec::new());
-    for (j, name) in budget.joints.iter().enumerate() {
-        let (Some(common), Some(statistical)) = (budget.combined[j], budget.statistical[j]) else {
+    for (j, name) in systematic.joints.iter().enumerate() {
+        let (Some(common), Some(statistical)) = (systematic.combined[j], systematic.statistical[j])
+        else {
             continue;
         };
         if common > statistical {
             names.push(name.as_str());
-            sources.extend(budget.uncertainty[j].largest_source.as_deref());
+            sources.extend(systematic.uncertainty[j].largest_source.as_deref());
         }
     }
-    let mut largest: Vec<&SystematicSource> = budget.sources.iter().collect();
+    let mut largest: Vec<&SystematicSource> = systematic.sources.iter().collect();
     let count = |s: &SystematicSource| sources.iter().filter(|name| **name == s.name).count();
     largest.sort_by_key(|source| std::cmp::Reverse(count(source)));
     let first = largest.first()?;
     if names.is_empty() {
         return None;
     }
-    let all = names.len() == budget.joints.len();
+    let all = names.len() == systematic.joints.len();
     let message = format!(
         "Systematic errors are larger than the scatter of the readings for {}. Largest for most: {}; {}.",
         if all {

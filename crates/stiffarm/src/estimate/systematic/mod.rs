@@ -62,11 +62,9 @@ pub struct SystematicSource {
     pub worst: Option<Vec<Option<f64>>>,
     /// How much of its size the readings leave (fraction; RMS of its parts): 1 where
     /// they say nothing of it, above 1 where they show more than was stated.
-    #[serde(default)]
     pub remaining: Option<f64>,
     /// Relative standard uncertainty that it leaves in each joint's stiffness given
     /// the readings (fraction, first order).
-    #[serde(default)]
     pub bounded: Vec<Option<f64>>,
     /// The parts of a source that has several.
     pub parts: Vec<SystematicPart>,
@@ -87,18 +85,13 @@ pub struct SystematicErrors {
     pub statistical: Vec<Option<f64>>,
     /// Relative standard uncertainty by readings and sources together, joint by
     /// joint (fraction of k, first order).
-    #[serde(default)]
     pub total: Vec<Option<f64>>,
     /// Confidence of `uncertainty`.
-    #[serde(default)]
-    pub confidence: Option<f64>,
+    pub confidence: f64,
     /// How sure each joint's stiffness is with everything together.
-    #[serde(default)]
     pub uncertainty: Vec<JointUncertainty>,
-    /// What the readings leave of the sizes; `null` in results of earlier versions,
-    /// where every part counts with its whole size.
-    #[serde(default)]
-    pub posterior: Option<SystematicPosterior>,
+    /// What the readings leave of the sizes.
+    pub posterior: SystematicPosterior,
     /// What matters, in sentences.
     pub findings: Vec<Finding>,
 }
@@ -195,19 +188,19 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
         .map(|j| bounded(believed, &parts, 0..count, j))
         .collect();
     let both = statistical.iter().zip(&combined);
-    let mut budget = SystematicErrors {
+    let mut systematic = SystematicErrors {
         joints: fit.system().unknowns[..springs].to_vec(),
         total: both.map(|(a, b)| Some((*a)?.hypot((*b)?))).collect(),
-        confidence: Some(fit.options().confidence),
+        confidence: fit.options().confidence,
         uncertainty: total::uncertainty(believed, &described, &parts)?,
-        posterior: Some(posterior_of(&sources, &parts)),
+        posterior: posterior_of(&sources, &parts),
         sources: described,
         combined,
         statistical,
         findings: Vec::new(),
     };
-    budget.findings = findings::findings(&budget, findings::BaseSeen::of(fit.measured()));
-    Ok(budget)
+    systematic.findings = findings::findings(&systematic, findings::BaseSeen::of(fit.measured()));
+    Ok(systematic)
 }
 
 /// One source, whose parts begin at `from` among all.

@@ -6,13 +6,11 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::Fit;
 
 impl IdentifiedCompliance {
-    /// The same with the errors that its budget holds, as far as the readings left
+    /// The same with the errors that `systematic` holds, as far as the readings left
     /// them.
     #[must_use]
-    pub fn with_systematic_errors(mut self, budget: &SystematicErrors) -> Self {
-        if let Some(posterior) = &budget.posterior {
-            self.common = posterior.common_errors();
-        }
+    pub fn with_systematic_errors(mut self, systematic: &SystematicErrors) -> Self {
+        self.common = systematic.posterior.common_errors();
         self
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 /// Validates without postures kept out: the postures are left out fold by fold,
 /// and each is predicted by the fit from the others. Posture i of the file
 /// belongs to fold i modulo `count`; as many folds as postures leave out one at
-/// a time. The model is linear, with the further terms of the options.
+/// a time. The model is linear, with the extra terms of the options.
 ///
 /// Postures of which the others do not determine an unknown are named in
 /// [`Validation::unpredicted`].

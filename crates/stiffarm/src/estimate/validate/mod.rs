@@ -81,9 +81,7 @@ pub struct Validation {
     pub model: Model,
     /// Eq. (22), row by row.
     pub points: Vec<PointDeviation>,
-    /// The postures with their load states, in the order of the measurements; empty in results
-    /// of earlier versions.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// The postures with their load states, in the order of the measurements.
     pub postures: Vec<ValidatedPosture>,
     /// RMS of δb \[m\].
     pub deviation_rms_m: f64,
@@ -210,7 +208,7 @@ pub fn validate(
 ///
 /// # Errors
 /// No measurements, a point the tool does not have, a number that is not
-/// finite, or further terms with [`Model::Equilibrium`].
+/// finite, or extra terms with [`Model::Equilibrium`].
 pub fn validate_with(
     cell: &Cell,
     predictor: &IdentifiedCompliance,

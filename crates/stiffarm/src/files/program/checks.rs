@@ -30,7 +30,7 @@ impl ProgramOptions {
     }
 
     fn check_axes(&self, dialect: &Dialect, joints: usize) -> Result<()> {
-        let Some(axes) = &self.axes else {
+        let Some(axes) = &self.controller_axes else {
             if joints <= 6 {
                 return Ok(());
             }
@@ -40,8 +40,8 @@ impl ProgramOptions {
                 dialect.title,
                 (dialect.axis_name)(joints - 1)
             );
-            return Err(Error::new(Code::MissingKey, message).key("axes").hint(
-                "give --axes, for example 1,2,7,3,4,5,6 where the third joint is the controller's axis 7",
+            return Err(Error::new(Code::MissingKey, message).key("controller_axes").hint(
+                "give --controller-axes, for example 1,2,7,3,4,5,6 where the third joint is the controller's axis 7",
             ));
         };
         let mut sorted = axes.clone();
@@ -50,7 +50,7 @@ impl ProgramOptions {
             return Ok(());
         }
         let message = format!("The axes must be the numbers 1 to {joints}, each once.");
-        Err(Error::new(Code::InvalidValue, message).key("axes"))
+        Err(Error::new(Code::InvalidValue, message).key("controller_axes"))
     }
 
     fn check_pulses(&self, dialect: &Dialect, joints: usize) -> Result<()> {

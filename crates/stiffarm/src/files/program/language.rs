@@ -67,6 +67,23 @@ impl Language {
         self.dialect().title
     }
 
+    /// What its programs are in few words: `KUKA KRL: .src and .dat`.
+    pub fn files(self) -> String {
+        let (dialect, title) = (self.dialect(), self.title());
+        let maker = match self.controller().map(Controller::title) {
+            Some(maker) if !title.starts_with(maker) => format!("{maker} "),
+            _ => String::new(),
+        };
+        match &dialect.syntax {
+            Some(syntax) => {
+                let ends = syntax.files.iter().map(|(end, _)| format!(".{end}"));
+                let ends: Vec<String> = ends.collect();
+                format!("{maker}{title}: {}", ends.join(" and "))
+            }
+            None => "A table for everything else".to_string(),
+        }
+    }
+
     /// The maker whose controllers speak it; `None` for a table.
     pub fn controller(self) -> Option<Controller> {
         self.dialect().controller

@@ -3,6 +3,7 @@
 //! Each limit is a margin in metres, positive inside, with its derivative, so
 //! that every optimiser can respect it during the search.
 
+use super::point_limit::{LimitedPoints, PointBound, PointLimit};
 use crate::model::limit::{LimitKind, LimitMargin};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
@@ -39,26 +40,57 @@ impl Limits {
         *self == Limits::default()
     }
 
+    /// The limits on points, in the order in which every point is held against them.
+    pub fn on_points(&self) -> impl Iterator<Item = PointLimit> {
+        use LimitedPoints::{All, Tool, Wrist};
+        use PointBound::{FromAxis1, Highest, Lowest};
+        let sides = self.tool_box.into_iter().flat_map(|[low, high]| {
+            let pair = move |axis| [Lowest(axis, low[axis]), Highest(axis, high[axis])];
+            let sides = (0..3).flat_map(pair);
+            sides.map(|side| PointLimit::new(LimitKind::ToolBox, Tool, side))
+        });
+        let floor = self.floor.map(|z| (LimitKind::Floor, Tool, Lowest(2, z)));
+        let keep_out = self.keep_out_radius.map(FromAxis1);
+        let keep_out = keep_out.map(|bound| (LimitKind::KeepOut, All, bound));
+        let wrist = self.wrist_height.map(|z| Lowest(2, z));
+        let wrist = wrist.map(|bound| (LimitKind::WristHeight, Wrist, bound));
+        let others = [floor, keep_out, wrist].into_iter().flatten();
+        sides.chain(others.map(|(kind, of, bound)| PointLimit::new(kind, of, bound)))
+    }
+
+    /// Whether a limit of this kind is there and holds under `load`.
+    pub(crate) fn has(&self, kind: LimitKind, load: &Load) -> bool {
+        match kind {
+            LimitKind::RopeLength => self.rope_length.is_some() && load.has_rope(),
+            _ => self.on_points().any(|limit| limit.kind == kind),
+        }
+    }
+
+    /// The same without one kind of limit.
+    #[must_use]
+    pub(crate) fn without(&self, kind: LimitKind) -> Self {
+        let mut limits = self.clone();
+        match kind {
+            LimitKind::ToolBox => limits.tool_box = None,
+            LimitKind::Floor => limits.floor = None,
+            LimitKind::KeepOut => limits.keep_out_radius = None,
+            LimitKind::WristHeight => limits.wrist_height = None,
+            LimitKind::RopeLength => limits.rope_length = None,
+            _ => {}
+        }
+        limits
+    }
+
     /// Number of margins per posture.
     pub(crate) fn count(&self, setup: &Setup) -> usize {
         let tool_points = setup.tool.point_count() + 2;
-        let mut count = 0;
-        if self.tool_box.is_some() {
-            count += 6 * tool_points;
-        }
-        if self.floor.is_some() {
-            count += tool_points;
-        }
-        if self.keep_out_radius.is_some() {
-            count += tool_points + 1;
-        }
-        if self.wrist_height.is_some() {
-            count += 1;
-        }
-        if self.rope_length.is_some() && matches!(setup.load, Load::Rope { .. }) {
-            count += 2;
-        }
-        count
+        let of_points = self.on_points().map(|limit| match limit.of {
+            LimitedPoints::Tool => tool_points,
+            LimitedPoints::Wrist => 1,
+            LimitedPoints::All => tool_points + 1,
+        });
+        let rope = self.has(LimitKind::RopeLength, &setup.load);
+        of_points.sum::<usize>() + if rope { 2 } else { 0 }
     }
 
     /// All margins of one posture with their names, in a fixed order.
@@ -132,56 +164,30 @@ impl Limits {
         };
 
         for (s, subject) in subjects.iter().enumerate() {
-            let is_tool_point = s < tool_points;
-            if let (Some([low, high]), true) = (&self.tool_box, is_tool_point) {
-                for axis in 0..3 {
-                    let unit = Vector3::ith(axis, 1.0);
-                    each(
-                        LimitKind::ToolBox,
-                        s,
-                        subject.point[axis] - low[axis],
-                        &direction(subject, unit),
-                    );
-                    each(
-                        LimitKind::ToolBox,
-                        s,
-                        high[axis] - subject.point[axis],
-                        &direction(subject, -unit),
-                    );
+            for limit in self.on_points() {
+                if !limit.holds_for(s < tool_points) {
+                    continue;
                 }
-            }
-            if let (Some(floor), true) = (self.floor, is_tool_point) {
-                each(
-                    LimitKind::Floor,
-                    s,
-                    subject.point.z - floor,
-                    &direction(subject, Vector3::z()),
-                );
-            }
-            if let Some(radius) = self.keep_out_radius {
-                let axis = frames.axes()[0];
-                let offset = subject.point - frames.origins()[0];
-                let across = offset - axis * axis.dot(&offset);
-                let distance = across.norm();
-                let unit = if distance > 0.0 {
-                    across / distance
-                } else {
-                    Vector3::zeros()
+                let (margin, along) = match limit.bound {
+                    PointBound::Lowest(axis, at) => {
+                        (subject.point[axis] - at, Vector3::ith(axis, 1.0))
+                    }
+                    PointBound::Highest(axis, at) => {
+                        (at - subject.point[axis], -Vector3::ith(axis, 1.0))
+                    }
+                    PointBound::FromAxis1(radius) => {
+                        let axis = frames.axes()[0];
+                        let offset = subject.point - frames.origins()[0];
+                        let across = offset - axis * axis.dot(&offset);
+                        let distance = across.norm();
+                        let along = match distance > 0.0 {
+                            true => across / distance,
+                            false => Vector3::zeros(),
+                        };
+                        (distance - radius, along)
+                    }
                 };
-                each(
-                    LimitKind::KeepOut,
-                    s,
-                    distance - radius,
-                    &direction(subject, unit),
-                );
-            }
-            if let (Some(height), false) = (self.wrist_height, is_tool_point) {
-                each(
-                    LimitKind::WristHeight,
-                    s,
-                    subject.point.z - height,
-                    &direction(subject, Vector3::z()),
-                );
+                each(limit.kind, s, margin, &direction(subject, along));
             }
         }
         if let (Some([shortest, longest]), Load::Rope { anchor, .. }) =

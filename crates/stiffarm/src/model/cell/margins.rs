@@ -2,7 +2,7 @@
 
 use super::{Cell, LimitKind, LimitMargin, Limits, MarginUnit};
 use crate::model::observation::{PostureTerms, Setup};
-use crate::model::scene::{Scene, Sight, Work};
+use crate::model::scene::{Scene, Work};
 use std::borrow::Cow;
 
 /// The limits of a cell, ready to be looked at posture by posture.
@@ -24,43 +24,19 @@ impl Cell {
 
     /// The kinds of limits that the cell has.
     pub fn limit_kinds(&self) -> Vec<LimitKind> {
-        let (limits, scene) = (&self.limits, &self.scene);
-        let is_rope = self.setup.load.has_rope();
-        let rope = scene.rope().filter(|_| is_rope);
-        let faces = |sight: &Sight| sight.facings.iter().any(Option::is_some);
-        let has = |kind: &LimitKind| match kind {
-            LimitKind::ToolBox => limits.tool_box.is_some(),
-            LimitKind::Floor => limits.floor.is_some(),
-            LimitKind::KeepOut => limits.keep_out_radius.is_some(),
-            LimitKind::WristHeight => limits.wrist_height.is_some(),
-            LimitKind::RopeLength => limits.rope_length.is_some() && is_rope,
-            LimitKind::Shapes => scene.pairs().next().is_some(),
-            LimitKind::RopeClearance => rope.is_some_and(|rope| rope.clearance.is_some()),
-            LimitKind::RopeCone => rope.is_some_and(|rope| rope.cone.is_some()),
-            LimitKind::Incidence => scene.sight().is_some_and(faces),
-            LimitKind::Sight => scene.sight().is_some(),
-            LimitKind::Torque => scene.torque().is_some(),
-            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
-                let asked = scene.displacement();
-                asked.is_some_and(|asked| asked.kinds().any(|own| own == *kind))
-            }
-        };
+        let load = &self.setup.load;
+        let has = |kind: &LimitKind| self.limits.has(*kind, load) || self.scene.has(*kind, load);
         LimitKind::ALL.into_iter().filter(has).collect()
     }
 
     /// The same cell without one kind of limit.
     #[must_use]
     pub fn without_limit(&self, kind: LimitKind) -> Self {
-        let mut cell = self.clone();
-        match kind {
-            LimitKind::ToolBox => cell.limits.tool_box = None,
-            LimitKind::Floor => cell.limits.floor = None,
-            LimitKind::KeepOut => cell.limits.keep_out_radius = None,
-            LimitKind::WristHeight => cell.limits.wrist_height = None,
-            LimitKind::RopeLength => cell.limits.rope_length = None,
-            _ => cell.scene = cell.scene.without(kind),
+        Cell {
+            limits: self.limits.without(kind),
+            scene: self.scene.without(kind),
+            ..self.clone()
         }
-        cell
     }
 
     /// True where nothing limits postures but their bounds.

@@ -6,6 +6,7 @@ mod columns;
 mod limits;
 mod margins;
 mod outside;
+mod point_limit;
 mod posture_margins;
 mod task;
 
@@ -13,6 +14,7 @@ pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
 pub use columns::{Columns, DateOrder, NamePart, NamePattern, Separator};
 pub use limits::Limits;
 pub use margins::Margins;
+pub use point_limit::{LimitedPoints, PointBound, PointLimit};
 pub use posture_margins::PostureMargins;
 pub use task::{Task, task_matrix, task_rows};
 

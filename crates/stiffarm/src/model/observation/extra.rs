@@ -109,7 +109,7 @@ impl ExtraTerm {
             let known = ["tilt", "tilt1", "base", "lost", "lost1"];
             Error::new(
                 Code::UnknownName,
-                format!("There is no further term \"{word}\"."),
+                format!("There is no extra term \"{word}\"."),
             )
             .hint(did_you_mean(word, known).unwrap_or_else(|| {
                 "terms: tilt (all joints), tilt1 … of one joint, base, lost (all joints), lost1 …"

@@ -42,32 +42,16 @@ pub fn catalogue() -> &'static [CatalogueEntry] {
     &CATALOGUE
 }
 
-/// The key of a robot that is no longer in the catalogue, and what to do about it.
-const REMOVED: (&str, &str) = (
-    "kuka-kr500-r2830",
-    "its angles were not the pendant's; use kuka-kr500-r2800-2, or dh_standard with rows of your own for the R2830",
-);
-
-/// A second name of a robot, and its key.
-const ALIAS: (&str, &str) = ("fanuc-r2000ic-165f", "fanuc-r2000ic165f");
-
-/// Finds an entry by its key, or by a second name that it had, ignoring case.
+/// Finds an entry by its key, ignoring case.
 ///
 /// # Errors
 /// Unknown name; the hint has the nearest key.
 pub fn find(key: &str) -> Result<&'static CatalogueEntry> {
-    let own = match key.eq_ignore_ascii_case(ALIAS.0) {
-        true => ALIAS.1,
-        false => key,
-    };
-    let found = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(own));
+    let found = catalogue().iter().find(|e| e.key.eq_ignore_ascii_case(key));
     found.ok_or_else(|| {
         let keys = catalogue().iter().map(|e| e.key);
-        let hint = match key.eq_ignore_ascii_case(REMOVED.0) {
-            true => REMOVED.1.to_string(),
-            false => did_you_mean(key, keys)
-                .unwrap_or_else(|| "`stiffarm robots` lists the robots".to_string()),
-        };
+        let hint = did_you_mean(key, keys)
+            .unwrap_or_else(|| "`stiffarm robots` lists the robots".to_string());
         Error::new(
             Code::UnknownName,
             format!("The catalogue has no robot \"{key}\"."),

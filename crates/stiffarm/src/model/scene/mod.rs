@@ -29,6 +29,8 @@ pub use sight::{Facing, SeenFrom, Sight, Station};
 pub use torque::TorqueLimits;
 pub(crate) use work::Work;
 
+use crate::model::limit::LimitKind;
+use crate::model::load::Load;
 use crate::model::observation::Setup;
 use pairs::Pair;
 
@@ -135,17 +137,34 @@ impl Scene {
         work::reach(self, setup)
     }
 
+    /// Whether a limit of this kind is asked for and holds under `load`.
+    pub(crate) fn has(&self, kind: LimitKind, load: &Load) -> bool {
+        let rope = self.rope.as_ref().filter(|_| load.has_rope());
+        let faces = |sight: &Sight| sight.facings.iter().any(Option::is_some);
+        match kind {
+            LimitKind::Shapes => !self.pairs.is_empty(),
+            LimitKind::RopeClearance => rope.is_some_and(|rope| rope.clearance.is_some()),
+            LimitKind::RopeCone => rope.is_some_and(|rope| rope.cone.is_some()),
+            LimitKind::Incidence => self.sight.as_ref().is_some_and(faces),
+            LimitKind::Sight => self.sight.is_some(),
+            LimitKind::Torque => self.torque.is_some(),
+            _ => {
+                let asked = self.displacement.as_ref();
+                asked.is_some_and(|asked| asked.kinds().any(|own| own == kind))
+            }
+        }
+    }
+
     /// The same scene without what `kind` asks: what that costs a plan is the difference.
     #[must_use]
-    pub fn without(&self, kind: crate::model::limit::LimitKind) -> Self {
-        use crate::model::limit::LimitKind as Kind;
+    pub fn without(&self, kind: LimitKind) -> Self {
         let mut scene = self.clone();
         match kind {
-            Kind::Shapes => scene.pairs.clear(),
-            Kind::RopeClearance | Kind::RopeCone => {
+            LimitKind::Shapes => scene.pairs.clear(),
+            LimitKind::RopeClearance | LimitKind::RopeCone => {
                 if let Some(rope) = &mut scene.rope {
                     match kind {
-                        Kind::RopeCone => rope.cone = None,
+                        LimitKind::RopeCone => rope.cone = None,
                         _ => rope.clearance = None,
                     }
                     if rope.cone.is_none() && rope.clearance.is_none() {
@@ -153,14 +172,14 @@ impl Scene {
                     }
                 }
             }
-            Kind::Sight => scene.sight = None,
-            Kind::Incidence => {
+            LimitKind::Sight => scene.sight = None,
+            LimitKind::Incidence => {
                 if let Some(sight) = &mut scene.sight {
                     sight.facings.fill(None);
                 }
             }
-            Kind::Torque => scene.torque = None,
-            Kind::SmallestDisplacement | Kind::LargestDisplacement => {
+            LimitKind::Torque => scene.torque = None,
+            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
                 let asked = scene.displacement.take();
                 scene.displacement = asked.and_then(|asked| asked.without(kind));
             }
@@ -170,7 +189,7 @@ impl Scene {
     }
 
     /// The same without several kinds of limit.
-    pub(crate) fn without_all(&self, kinds: &[crate::model::limit::LimitKind]) -> Self {
+    pub(crate) fn without_all(&self, kinds: &[LimitKind]) -> Self {
         let without = |scene: Scene, kind: &_| scene.without(*kind);
         kinds.iter().fold(self.clone(), without)
     }

@@ -44,7 +44,6 @@ pub struct Indices {
     /// RMS over the cell's tasks, or over random postures inside its limits under its
     /// load, of the error of the predicted deflection under the mixed elastic model with
     /// the sizes that the cell declares, else typical ones \[m\].
-    #[serde(default)]
     pub prediction: Option<f64>,
     /// Which sizes `prediction` took: those that the cell declares, or typical ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -16,10 +16,9 @@ pub struct EvaluatedGroup {
     #[serde(flatten)]
     pub evaluation: GroupEvaluation,
     /// Names of the postures.
-    #[serde(default)]
     pub posture_names: Vec<String>,
     /// The postures, controller angles \[rad\].
-    #[serde(default, rename = "postures_deg", with = "crate::units::degrees")]
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
     #[cfg_attr(
         feature = "schema",
         schemars(

@@ -42,13 +42,11 @@ pub struct Selection {
     pub group: Vec<Vec<f64>>,
     /// Number of postures that were given and stay as they are; `value` and
     /// `indices` are those of given and selected postures together.
-    #[serde(default)]
     pub given: usize,
     /// Why the search ended.
     pub termination: Termination,
     /// Rounds of a global search that were completed: asking for as many gives
     /// the same result again. `None` for a local one.
-    #[serde(default)]
     pub rounds: Option<u64>,
     /// The rounds of a global search that brought something better, in their order; empty for a local one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

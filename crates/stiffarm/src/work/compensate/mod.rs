@@ -60,13 +60,10 @@ pub struct PointCompensation {
     )]
     pub nominal: Vec<f64>,
     /// Position of the nominal tip, base frame \[m\].
-    #[serde(default)]
     pub tip_m: [f64; 3],
     /// Force on the robot at the tip, base axes \[N\].
-    #[serde(default)]
     pub force_n: [f64; 3],
     /// Moment about the tip, base axes \[N·m\].
-    #[serde(default)]
     pub moment_nm: [f64; 3],
     /// Controller angles to command \[rad\].
     #[serde(rename = "command_deg", with = "crate::units::degrees")]
@@ -85,7 +82,6 @@ pub struct PointCompensation {
     /// Size of the shift \[m\].
     pub correction_size_m: f64,
     /// Shift of the tip at the nominal posture without compensation, base axes \[m\].
-    #[serde(default)]
     pub uncompensated_shift_m: [f64; 3],
     /// Its size \[m\].
     pub uncompensated_m: f64,
@@ -122,13 +118,10 @@ pub struct Compensation {
     pub beyond_uncertainty: Option<usize>,
     /// Joint stiffness that the commands were found with \[N·m/rad\], one per spring; `null` for one
     /// without a positive stiffness.
-    #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
-    #[serde(default)]
     pub tip_point: Option<String>,
     /// Where the tip bends least and most without compensation, and how it gives way there.
-    #[serde(default)]
     pub extremes: Option<PathExtremes>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,

@@ -125,7 +125,6 @@ pub struct Placed {
     pub start: Option<Vec<f64>>,
     /// The path there at the points that the search looks at, and where it bends most; empty where the arm
     /// cannot go along.
-    #[serde(default)]
     pub along: Vec<PlacedPoint>,
 }
 

@@ -41,10 +41,8 @@ pub struct Placement {
     pub gain: Option<f64>,
     /// Joint stiffness that the search was made with \[N·m/rad\], one per spring; `null` for one
     /// without a positive stiffness.
-    #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
-    #[serde(default)]
     pub tip_point: Option<String>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,

@@ -50,7 +50,6 @@ pub struct MapExtremes {
     /// Where it bends most.
     pub worst: usize,
     /// Principal axes of a force without moment at the one and at the other, softest first.
-    #[serde(default)]
     pub principal: Option<[[PrincipalAxis; 3]; 2]>,
 }
 
@@ -93,10 +92,8 @@ pub struct StiffnessMap {
     pub extremes: Option<MapExtremes>,
     /// Joint stiffness that the map was made with \[N·m/rad\], one per spring; `null` for one
     /// without a positive stiffness.
-    #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
-    #[serde(default)]
     pub tip_point: Option<String>,
     /// What to know about the map, in sentences.
     pub findings: Vec<Finding>,

@@ -23,7 +23,7 @@ use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Ve
 /// The deflection is the static equilibrium of the springs, in which the wrench
 /// keeps its direction in the base frame and acts at the moving tip; the cell's
 /// own load follows its loading point ([`loaded_by`](Self::loaded_by)). A series
-/// compliance between flange and tip, and further terms that were identified
+/// compliance between flange and tip, and extra terms that were identified
 /// (tilts, lost motion), are added as small motions under the loads of the
 /// equilibrium.
 #[derive(Debug, Clone)]
@@ -33,7 +33,7 @@ pub struct LoadedArm {
     tip: Isometry3<f64>,
     /// K_θ⁻¹ in serial coordinates, n × n.
     compliance: DMatrix<f64>,
-    /// The further terms with their values.
+    /// The extra terms with their values.
     extra: Vec<(ExtraTerm, f64)>,
     /// Unknowns that nothing bounds.
     undetermined: Vec<usize>,
@@ -277,7 +277,7 @@ impl LoadedArm {
         sum
     }
 
-    /// What the series compliance and the further terms do to the tip under the
+    /// What the series compliance and the extra terms do to the tip under the
     /// load of `terms`: \[shift (m); turn (rad)\], base axes.
     fn added(&self, terms: &PostureTerms) -> Vector6<f64> {
         let mut twist = Vector6::zeros();

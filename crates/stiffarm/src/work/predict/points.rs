@@ -124,13 +124,10 @@ pub struct Prediction {
     pub error_rms_m: Option<f64>,
     /// Joint stiffness that the prediction was made with \[N·m/rad\], one per spring; `null` for one
     /// without a positive stiffness.
-    #[serde(default)]
     pub stiffness_nm_per_rad: Vec<Option<f64>>,
     /// Name of the measuring point that stands for the tip; `null` where the cell gives the tip.
-    #[serde(default)]
     pub tip_point: Option<String>,
     /// Where the tip bends least and most, and how it gives way there.
-    #[serde(default)]
     pub extremes: Option<PathExtremes>,
     /// What to know about it, in sentences.
     pub findings: Vec<Finding>,

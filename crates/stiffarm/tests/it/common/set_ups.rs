@@ -145,8 +145,8 @@ pub fn panda() -> Robot {
 
 /// One source of systematic errors.
 #[track_caller]
-pub fn source<'a>(budget: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
-    let found = budget.sources.iter().find(|s| s.name == name);
+pub fn source<'a>(systematic: &'a SystematicErrors, name: &str) -> &'a SystematicSource {
+    let found = systematic.sources.iter().find(|s| s.name == name);
     found.unwrap_or_else(|| panic!("no source {name}"))
 }
 

@@ -42,7 +42,7 @@ fn false_alarms(
 /// Measured with 200 seeds (experiments of 200 with the finding; none had any of
 /// the others):
 ///
-/// | τ/σ | postures | estimator | above noise | below noise | displacement | further term |
+/// | τ/σ | postures | estimator | above noise | below noise | displacement | extra term |
 /// |--:|--:|:--|--:|--:|--:|--:|
 /// | 0 | 12 | ordinary | 0 | 1 | 1 | 0 |
 /// | 0 | 12 | two-variance | 0 | 1 | 1 | 0 |

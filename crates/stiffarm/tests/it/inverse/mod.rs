@@ -20,7 +20,7 @@ fn robot(key: &str) -> Robot {
 fn arms() -> Vec<&'static CatalogueEntry> {
     let keys = [
         "comau-nj165-3.0",
-        "fanuc-r2000ic-165f",
+        "fanuc-r2000ic165f",
         "kuka-kr240-2",
         "kuka-kr500-r2800-2",
     ];

@@ -82,7 +82,7 @@ fn turns_of_coupled_gears() {
 fn a_line_is_followed() {
     for robot in [
         robot("comau-nj165-3.0"),
-        robot("fanuc-r2000ic-165f"),
+        robot("fanuc-r2000ic165f"),
         panda(),
         ur10(0.0),
     ] {

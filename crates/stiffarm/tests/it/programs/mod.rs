@@ -42,7 +42,7 @@ const PULSES: [f64; 7] = [1341.38, 1341.38, -1341.38, 1000.0, 1000.0, 622.222, 1
 fn options(language: Language, joints: usize) -> ProgramOptions {
     let seven = (joints == 7).then(|| vec![1, 2, 7, 3, 4, 5, 6]);
     ProgramOptions {
-        axes: seven,
+        controller_axes: seven,
         pulses_per_degree: (language == Language::Inform).then(|| PULSES[..joints].to_vec()),
         tool: None,
     }
@@ -280,7 +280,7 @@ fn programs_of_6_and_50_postures_are_sound_and_read_back() {
 
 #[test]
 fn robots_of_the_catalogue_are_sound_and_read_back() {
-    for name in ["kuka-kr240-2", "fanuc-r2000ic-165f"] {
+    for name in ["kuka-kr240-2", "fanuc-r2000ic165f"] {
         let robot = Robot::from_catalogue(name).unwrap();
         for language in CONTROLLERS {
             let postures = within(&robot, 6, true, 7);

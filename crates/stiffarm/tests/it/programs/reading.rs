@@ -110,12 +110,12 @@ fn what_a_language_cannot_hold_is_refused() {
         Language::Pdl2,
     ] {
         assert_eq!(
-            refused(language, 7, &|_, o| o.axes = None),
+            refused(language, 7, &|_, o| o.controller_axes = None),
             Code::MissingKey
         );
     }
     refused(Language::Krl, 7, &|_, o| {
-        o.axes = Some(vec![1, 2, 3, 4, 5, 6, 6])
+        o.controller_axes = Some(vec![1, 2, 3, 4, 5, 6, 6])
     });
     refused(Language::Inform, 6, &|_, o| o.pulses_per_degree = None);
     refused(Language::Inform, 6, &|_, o| {

@@ -5,11 +5,11 @@ use super::*;
 #[test]
 fn no_fault_no_finding() {
     let table = group1_table(1);
-    let sanity = screen(&cell(), &table, None).unwrap();
-    assert!(sanity.findings.is_empty(), "{}", sentences(&sanity));
-    assert_eq!(sanity.states_checked, 12);
+    let screening = screen(&cell(), &table, None).unwrap();
+    assert!(screening.findings.is_empty(), "{}", sentences(&screening));
+    assert_eq!(screening.states_checked, 12);
     // 0.0166 mm is the RMS distance by noise alone: sqrt(3 · 9.23e-5 mm²).
-    let rms = sanity.unloaded_rms_m.unwrap();
+    let rms = screening.unloaded_rms_m.unwrap();
     assert!(
         rms > 0.6 * mm_to_m(0.0166) && rms < 1.5 * mm_to_m(0.0166),
         "{rms}"
@@ -22,8 +22,8 @@ fn false_alarms(cell: &Cell, runs: u64, arm: Arm, count: usize) -> Vec<String> {
         .into_par_iter()
         .flat_map(|seed| {
             let table = random_table(cell, arm, count, seed);
-            let sanity = screen(cell, &table, None).unwrap();
-            let text = sentences(&sanity);
+            let screening = screen(cell, &table, None).unwrap();
+            let text = sentences(&screening);
             (!text.is_empty()).then(|| format!("seed {seed}: {text}"))
         })
         .collect()

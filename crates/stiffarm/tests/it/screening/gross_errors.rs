@@ -29,16 +29,16 @@ fn strays(cell: &Cell, runs: u64, arm: Arm, across: bool, off: f64) -> Tally {
                 direction = edge(1).cross(&edge(2)).normalize();
             }
             readings[a].position += direction * off;
-            let sanity = screen(cell, &table, None).unwrap();
+            let screening = screen(cell, &table, None).unwrap();
             let here = |f: &&Suspicion| {
                 f.cause == Cause::StrayReading
                     && f.postures == [(p + 1).to_string()]
                     && f.states == [["unloaded", "loaded"][s]]
             };
-            let found = sanity.suspicions.iter().find(here);
+            let found = screening.suspicions.iter().find(here);
             let right = found.map(|f| f.points.contains(&(a + 1).to_string()));
             let mut tally = Tally {
-                extra: usize::from(sanity.suspicions.len() > 1),
+                extra: usize::from(screening.suspicions.len() > 1),
                 ..Tally::default()
             };
             match (found, right) {
@@ -52,7 +52,7 @@ fn strays(cell: &Cell, runs: u64, arm: Arm, across: bool, off: f64) -> Tally {
                     "seed {seed}, posture {}, point {}: {}",
                     p + 1,
                     a + 1,
-                    sentences(&sanity)
+                    sentences(&screening)
                 );
             }
             tally
@@ -119,10 +119,10 @@ fn repeats_that_stray_and_reflectors_that_move() {
     assert_eq!(reading.target, ReadingTarget::Point(1));
     reading.position.y += 1e-3;
     reading.line = 38;
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, Some(3)));
     assert_eq!((&found.points, &found.lines), (&names(&["2"]), &vec![38]));
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     // Of two repeats nobody can say which.
     options.states.iter_mut().for_each(|s| s.repeats = 2);
     let mut table = experiment(
@@ -135,9 +135,9 @@ fn repeats_that_stray_and_reflectors_that_move() {
     )
     .unwrap();
     table.postures[1].states[0].readings[5].position.y += 1e-3;
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!((found.cause, found.repeat), (Cause::StrayRepeat, None));
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     // A reflector knocked after the fourth posture.
     let mut table = group1_table(14);
     for posture in &mut table.postures[4..] {
@@ -146,11 +146,11 @@ fn repeats_that_stray_and_reflectors_that_move() {
             state.readings[2].position += along.normalize() * 8e-4;
         }
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::MovedReflector);
     assert_eq!(found.postures, ["5", "6"]);
     assert_eq!(found.points, ["3"]);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("repeats", said.join("\n"));
 }
 
@@ -160,21 +160,21 @@ fn a_reading_off_by_a_millimetre_in_words() {
     // Along the plane of the points; across it on an arm that nobody knows well.
     let mut table = group1_table(15);
     table.postures[2].states[1].readings[1].position.x += 1e-3;
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.points, ["2"]);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     let mut table = random_table(&cell(), Arm::Rough, 6, 2);
     let readings = &mut table.postures[2].states[1].readings;
     let edge = |i: usize| readings[i].position - readings[0].position;
     let direction = edge(1).cross(&edge(2)).normalize();
     readings[1].position += direction * 1e-3;
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert!(
         !found.certain && found.points.len() > 1,
         "{}",
-        sentences(&sanity)
+        sentences(&screening)
     );
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("stray_reading", said.join("\n"));
 }
 

@@ -70,8 +70,8 @@ fn group1_table(seed: u64) -> ReadingTable {
 }
 
 /// Sentences, with a code before each.
-fn sentences(sanity: &Screening) -> String {
-    let all = sanity.findings.iter();
+fn sentences(screening: &Screening) -> String {
+    let all = screening.findings.iter();
     let all = all.map(|f| {
         format!(
             "[{}] {:?}, {}: {}",
@@ -82,17 +82,17 @@ fn sentences(sanity: &Screening) -> String {
 }
 
 /// The one suspicion there is.
-fn only(sanity: &Screening) -> &Suspicion {
-    assert_eq!(sanity.suspicions.len(), 1, "{}", sentences(sanity));
-    assert_eq!(sanity.findings.len(), 1);
-    &sanity.suspicions[0]
+fn only(screening: &Screening) -> &Suspicion {
+    assert_eq!(screening.suspicions.len(), 1, "{}", sentences(screening));
+    assert_eq!(screening.findings.len(), 1);
+    &screening.suspicions[0]
 }
 
 /// What screening says of a table with one fault, and that fault.
 fn alone(cell: &Cell, table: &ReadingTable) -> (Screening, Suspicion) {
-    let sanity = screen(cell, table, None).unwrap();
-    let found = only(&sanity).clone();
-    (sanity, found)
+    let screening = screen(cell, table, None).unwrap();
+    let found = only(&screening).clone();
+    (screening, found)
 }
 
 fn relabel(table: &mut ReadingTable, at: Option<(usize, usize)>, a: usize, b: usize) {
@@ -190,7 +190,7 @@ fn big_kuka() -> Cell {
 }
 
 fn fanuc() -> Cell {
-    cell_of("fanuc-r2000ic-165f", [-50.0, 50.0], [-40.0, 40.0])
+    cell_of("fanuc-r2000ic165f", [-50.0, 50.0], [-40.0, 40.0])
 }
 
 /// UR10 (maker's DH table: a in mm −612, −572.3; d 127.3, 163.941, 115.7, 92.2).

@@ -9,7 +9,7 @@ fn a_tool_that_differs_from_its_drawing() {
     for off in [8e-4, 3e-2] {
         let mut wrong = cell();
         wrong.setup.tool.measuring_points[2].position.x += off;
-        let (sanity, found) = alone(&wrong, &table);
+        let (screening, found) = alone(&wrong, &table);
         assert_eq!(found.cause, Cause::Drawing);
         assert_eq!(found.points, ["3"]);
         assert!((found.off_m.unwrap() - off).abs() < 5e-5);
@@ -18,8 +18,8 @@ fn a_tool_that_differs_from_its_drawing() {
         } else {
             Severity::Caution
         };
-        assert_eq!(sanity.findings[0].severity, expected);
-        said.push(sentences(&sanity));
+        assert_eq!(screening.findings[0].severity, expected);
+        said.push(sentences(&screening));
     }
     insta::assert_snapshot!("drawing", said.join("\n"));
 }
@@ -35,9 +35,9 @@ fn a_transform_that_is_given() {
             .is_empty()
     );
     let moved = Isometry3::translation(0.02, 0.0, 0.0) * right;
-    let sanity = screen(&cell(), &table, Some(&moved)).unwrap();
-    assert_eq!(only(&sanity).cause, Cause::GivenTransform);
-    insta::assert_snapshot!("given_transform", sentences(&sanity));
+    let screening = screen(&cell(), &table, Some(&moved)).unwrap();
+    assert_eq!(only(&screening).cause, Cause::GivenTransform);
+    insta::assert_snapshot!("given_transform", sentences(&screening));
 }
 
 #[test]
@@ -45,15 +45,15 @@ fn too_few_readings_are_said_to_be_too_few() {
     let mut few = cell();
     few.setup.tool.measuring_points.truncate(1);
     let table = simulated(&few, &numbered(group1()[..2].to_vec()), 18);
-    let (sanity, found) = alone(&few, &table);
+    let (screening, found) = alone(&few, &table);
     assert_eq!(
-        (found.cause, sanity.unloaded_rms_m),
+        (found.cause, screening.unloaded_rms_m),
         (Cause::NotChecked, None)
     );
-    assert_eq!(sanity.findings[0].severity, Severity::Note);
+    assert_eq!(screening.findings[0].severity, Severity::Note);
     // With a given transform the model can still be held against them.
-    let sanity = screen(&few, &table, Some(&tracker_pose(18))).unwrap();
-    assert!(sanity.findings.is_empty(), "{}", sentences(&sanity));
+    let screening = screen(&few, &table, Some(&tracker_pose(18))).unwrap();
+    assert!(screening.findings.is_empty(), "{}", sentences(&screening));
     let none = ReadingTable {
         postures: Vec::new(),
         ..table.clone()
@@ -116,12 +116,12 @@ fn mangled_tables_are_survived() {
                     posture.posture.q[dice.below(6)] = 1e6;
                 }
             }
-            let sanity = screen(&cell(), &table, None).unwrap();
-            for finding in &sanity.findings {
+            let screening = screen(&cell(), &table, None).unwrap();
+            for finding in &screening.findings {
                 let said = &finding.sentence;
                 assert!(!said.contains("NaN") && !said.contains("inf "), "{said}");
             }
-            sanity.findings.len()
+            screening.findings.len()
         })
         .collect();
     // Nearly all of these say something; some were hardly mangled.

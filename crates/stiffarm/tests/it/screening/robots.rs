@@ -108,7 +108,7 @@ fn planted_faults_on_other_robots() {
                     let mut table = random_table(&cell, Arm::Rough, 6, seed);
                     let mut dice = Dice::new(seed + 5);
                     let expected = plant(kind, &mut cell, &mut table, &mut dice);
-                    let sanity = screen(&cell, &table, None).unwrap();
+                    let screening = screen(&cell, &table, None).unwrap();
                     let right = |f: &&Suspicion| {
                         f.cause == kind
                             && (expected.postures.is_empty() || f.postures == expected.postures)
@@ -116,8 +116,8 @@ fn planted_faults_on_other_robots() {
                             && (expected.joints.is_empty() || f.joints == expected.joints)
                     };
                     let outcome = match (
-                        sanity.suspicions.iter().find(right),
-                        sanity.suspicions.len(),
+                        screening.suspicions.iter().find(right),
+                        screening.suspicions.len(),
                     ) {
                         (Some(f), 1) if f.alternatives.is_empty() => 0,
                         (Some(_), 1) => 1,
@@ -127,7 +127,7 @@ fn planted_faults_on_other_robots() {
                     };
                     (
                         outcome,
-                        format!("seed {seed} {expected:?}: {}", sentences(&sanity)),
+                        format!("seed {seed} {expected:?}: {}", sentences(&screening)),
                     )
                 })
                 .collect();

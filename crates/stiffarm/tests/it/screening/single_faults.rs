@@ -15,12 +15,12 @@ fn two_points_exchanged_in_one_state() {
     ] {
         let mut table = group1_table(2);
         relabel(&mut table, Some(at), a, b);
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         assert_eq!(found.cause, Cause::ExchangedPoints);
         assert_eq!(found.postures, [(at.0 + 1).to_string()]);
         assert_eq!(found.states, [["unloaded", "loaded"][at.1]]);
         assert_eq!(found.points, [(a + 1).to_string(), (b + 1).to_string()]);
-        said.push(sentences(&sanity));
+        said.push(sentences(&screening));
     }
     insta::assert_snapshot!("points_in_one_state", said.join("\n"));
 }
@@ -31,11 +31,11 @@ fn two_points_exchanged_throughout() {
     for (a, b) in [(0, 1), (0, 2), (1, 3)] {
         let mut table = group1_table(3);
         relabel(&mut table, None, a, b);
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         assert_eq!(found.cause, Cause::ExchangedPoints);
         assert!(found.postures.is_empty());
         assert_eq!(found.points, [(a + 1).to_string(), (b + 1).to_string()]);
-        said.push(sentences(&sanity));
+        said.push(sentences(&screening));
     }
     insta::assert_snapshot!("points_throughout", said.join("\n"));
 }
@@ -45,11 +45,11 @@ fn two_points_exchanged_in_all_states_of_a_posture() {
     let mut table = group1_table(3);
     relabel(&mut table, Some((2, 0)), 0, 2);
     relabel(&mut table, Some((2, 1)), 0, 2);
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::ExchangedPoints);
     assert!(found.postures == ["3"] && found.states.is_empty());
     assert_eq!(found.points, ["1", "3"]);
-    insta::assert_snapshot!("points_in_a_posture", sentences(&sanity));
+    insta::assert_snapshot!("points_in_a_posture", sentences(&screening));
 }
 
 #[test]
@@ -59,12 +59,12 @@ fn one_angle_with_the_wrong_sign() {
         let mut table = group1_table(4);
         let q = &mut table.postures[p].posture.q;
         q[j] = -q[j];
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         assert_eq!(found.cause, Cause::AngleSign);
         assert_eq!(found.postures, [(p + 1).to_string()]);
         assert_eq!(found.joints, [format!("joint {}", j + 1)]);
-        assert!(found.alternatives.is_empty(), "{}", sentences(&sanity));
-        said.push(sentences(&sanity));
+        assert!(found.alternatives.is_empty(), "{}", sentences(&screening));
+        said.push(sentences(&screening));
     }
     insta::assert_snapshot!("angle_sign", said.join("\n"));
 }
@@ -84,7 +84,7 @@ fn one_angle_mistyped() {
         let q = &mut table.postures[p].posture.q;
         let right = rad_to_deg(q[j]);
         q[j] = wrong.to_radians();
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         assert_eq!(found.cause, Cause::MistypedAngle);
         assert_eq!(found.postures, [(p + 1).to_string()]);
         assert_eq!(found.joints, [format!("joint {}", j + 1)]);
@@ -92,10 +92,10 @@ fn one_angle_mistyped() {
         assert!(
             (found.angles_deg[1] - right).abs() < 0.02,
             "{}",
-            sentences(&sanity)
+            sentences(&screening)
         );
-        assert!(found.alternatives.is_empty(), "{}", sentences(&sanity));
-        said.push(sentences(&sanity));
+        assert!(found.alternatives.is_empty(), "{}", sentences(&screening));
+        said.push(sentences(&screening));
     }
     insta::assert_snapshot!("mistyped_angle", said.join("\n"));
 }
@@ -106,10 +106,10 @@ fn another_unit() {
     for factor in [1e-3, 1e3, 25.4, 1.0 / 25.4] {
         let mut table = group1_table(6);
         each_position(&mut table, |p| *p *= factor);
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         assert_eq!((found.cause, found.factor), (Cause::Units, Some(factor)));
         assert!(found.postures.is_empty());
-        said.push(sentences(&sanity));
+        said.push(sentences(&screening));
     }
     // In one posture only.
     let mut table = group1_table(6);
@@ -120,19 +120,19 @@ fn another_unit() {
     {
         reading.position *= 1e-3;
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::Units);
     assert!(found.postures == ["3"] && found.states.is_empty());
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     // The tool in the cell, not the readings.
     let table = group1_table(6);
     let mut wrong = cell();
     for point in &mut wrong.setup.tool.measuring_points {
         point.position *= 1e-3;
     }
-    let (sanity, found) = alone(&wrong, &table);
+    let (screening, found) = alone(&wrong, &table);
     assert_eq!(found.cause, Cause::ToolUnits);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("units", said.join("\n"));
 }
 
@@ -142,9 +142,9 @@ fn mirrored_tracker_axes() {
     for axis in 0..3 {
         let mut table = group1_table(7);
         each_position(&mut table, |p| p[axis] = -p[axis]);
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         assert_eq!(found.cause, Cause::MirroredFrame);
-        said.push(sentences(&sanity));
+        said.push(sentences(&screening));
     }
     // A tool that is not flat shows the mirror image in its own shape.
     let mut deep = cell();
@@ -167,10 +167,10 @@ fn exchanged_columns_are_told_by_where_the_tracker_stands() {
     let table = group1_table(7);
     for (i, j, names) in [(0, 1, "x and y"), (1, 2, "y and z"), (0, 2, "x and z")] {
         let given = tracker_pose(7);
-        let sanity = screen(&cell(), &exchanged(&table, i, j), Some(&given)).unwrap();
-        let found = only(&sanity);
+        let screening = screen(&cell(), &exchanged(&table, i, j), Some(&given)).unwrap();
+        let found = only(&screening);
         assert_eq!(found.axis_slips, [format!("whether {names} are exchanged")]);
-        let said = sentences(&sanity);
+        let said = sentences(&screening);
         assert!(
             said.contains(&format!("First check whether {names}")),
             "{said}"
@@ -182,16 +182,19 @@ fn exchanged_columns_are_told_by_where_the_tracker_stands() {
         ..options(7)
     };
     let table = experiment(&cell(), &numbered(group1()), &truth(&cell()), &level, 7, 0).unwrap();
-    let sanity = screen(&cell(), &exchanged(&table, 0, 1), None).unwrap();
-    assert_eq!(only(&sanity).axis_slips, ["whether x and y are exchanged"]);
+    let screening = screen(&cell(), &exchanged(&table, 0, 1), None).unwrap();
+    assert_eq!(
+        only(&screening).axis_slips,
+        ["whether x and y are exchanged"]
+    );
     let mut flipped = table.clone();
     each_position(&mut flipped, |p| p.y = -p.y);
-    let sanity = screen(&cell(), &flipped, None).unwrap();
-    assert_eq!(only(&sanity).axis_slips, ["the sign of y"]);
+    let screening = screen(&cell(), &flipped, None).unwrap();
+    assert_eq!(only(&screening).axis_slips, ["the sign of y"]);
     // Else nothing tells.
-    let sanity = screen(&cell(), &exchanged(&group1_table(7), 0, 1), None).unwrap();
-    assert!(only(&sanity).axis_slips.is_empty());
-    assert!(sentences(&sanity).contains("readings cannot tell"));
+    let screening = screen(&cell(), &exchanged(&group1_table(7), 0, 1), None).unwrap();
+    assert!(only(&screening).axis_slips.is_empty());
+    assert!(sentences(&screening).contains("readings cannot tell"));
 }
 
 #[test]
@@ -204,9 +207,9 @@ fn force_sign_reversed() {
         if !prior {
             wrong.prior = None;
         }
-        let (sanity, found) = alone(&wrong, &table);
+        let (screening, found) = alone(&wrong, &table);
         assert_eq!(found.cause, Cause::ReversedForce);
-        said.push(sentences(&sanity));
+        said.push(sentences(&screening));
     }
     // Without a sensor the cell's own load is at fault.
     wrong.sensor = None;
@@ -220,9 +223,9 @@ fn force_sign_reversed() {
     for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
         state.wrench = None;
     }
-    let (sanity, found) = alone(&wrong, &table);
+    let (screening, found) = alone(&wrong, &table);
     assert_eq!(found.cause, Cause::ReversedForce);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("force_sign", said.join("\n"));
 }
 
@@ -238,7 +241,7 @@ fn loaded_and_unloaded_rows_exchanged() {
                 posture.states[0].readings = second;
             }
         }
-        let (sanity, found) = alone(&cell(), &table);
+        let (screening, found) = alone(&cell(), &table);
         match all {
             true => assert_eq!(found.cause, Cause::ReversedForce),
             false => {
@@ -246,7 +249,7 @@ fn loaded_and_unloaded_rows_exchanged() {
                 assert_eq!(found.postures, ["4"]);
             }
         }
-        said.push(sentences(&sanity));
+        said.push(sentences(&screening));
     }
     insta::assert_snapshot!("states_exchanged", said.join("\n"));
 }
@@ -263,9 +266,9 @@ fn a_load_of_another_size() {
         state.wrench = None;
         state.load = (state.state == "loaded").then_some(500e3);
     }
-    let (sanity, found) = alone(&cell_by_load, &table);
+    let (screening, found) = alone(&cell_by_load, &table);
     assert_eq!((found.cause, found.factor), (Cause::LoadUnits, Some(1e-3)));
-    let sentence = sentences(&sanity);
+    let sentence = sentences(&screening);
     assert!(
         sentence.contains("500000 N, more than such a robot can carry"),
         "{sentence}"
@@ -283,9 +286,9 @@ fn a_load_of_another_size() {
             wrench.moment *= 1e-3;
         }
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!((found.cause, found.factor), (Cause::LoadUnits, Some(1e3)));
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     // One posture measured without load; one whose loaded rows are copies.
     let mut table = group1_table(10);
     let unloaded = Experiment {
@@ -311,18 +314,18 @@ fn a_load_of_another_size() {
     {
         now.readings.clone_from(&then.readings);
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::NoDisplacement);
     assert_eq!(found.postures, ["5"]);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     let mut table = group1_table(10);
     for posture in &mut table.postures {
         posture.states[1].readings = posture.states[0].readings.clone();
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::NoDisplacement);
-    assert!(only(&sanity).postures.is_empty());
-    said.push(sentences(&sanity));
+    assert!(only(&screening).postures.is_empty());
+    said.push(sentences(&screening));
     insta::assert_snapshot!("load_size", said.join("\n"));
 }
 
@@ -338,27 +341,27 @@ fn axis_three_uncoupled_or_a_joint_turned_round() {
         wrong
     };
     let wrong = with(&|c| c[(2, 1)] = 0.0);
-    let (sanity, found) = alone(&wrong, &table);
+    let (screening, found) = alone(&wrong, &table);
     assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
     assert!(found.joints.is_empty() && found.alternatives.is_empty());
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     for j in 0..6 {
         let wrong = with(&|c| c.column_mut(j).neg_mut());
-        let (sanity, found) = alone(&wrong, &table);
-        assert_eq!(found.cause, Cause::JointSign, "{}", sentences(&sanity));
+        let (screening, found) = alone(&wrong, &table);
+        assert_eq!(found.cause, Cause::JointSign, "{}", sentences(&screening));
         assert_eq!(found.joints, [format!("joint {}", j + 1)]);
-        assert!(found.alternatives.is_empty(), "{}", sentences(&sanity));
-        said.push(sentences(&sanity));
+        assert!(found.alternatives.is_empty(), "{}", sentences(&screening));
+        said.push(sentences(&screening));
     }
     // A newcomer's chain: no signs, no coupling.
     let wrong = with(&|c| *c = DMatrix::identity(6, 6));
-    let (sanity, found) = alone(&wrong, &table);
+    let (screening, found) = alone(&wrong, &table);
     assert_eq!((found.cause, found.factor), (Cause::Coupling, Some(-1.0)));
     assert_eq!(
         found.joints,
         names(&["joint 1", "joint 3", "joint 4", "joint 6"])
     );
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("robot", said.join("\n"));
 }
 
@@ -369,15 +372,15 @@ fn a_joint_with_an_offset_and_angles_in_radians() {
     for posture in &mut table.postures {
         posture.posture.q[2] += 90.0_f64.to_radians();
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::JointOffset);
     assert_eq!(found.joints, ["joint 3"]);
     assert!(
         (found.angles_deg[0] + 90.0).abs() < 0.01,
         "{}",
-        sentences(&sanity)
+        sentences(&screening)
     );
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     let mut table = group1_table(12);
     for posture in &mut table.postures {
         posture
@@ -386,9 +389,9 @@ fn a_joint_with_an_offset_and_angles_in_radians() {
             .iter_mut()
             .for_each(|q| *q = q.to_radians());
     }
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::Radians);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("offset_radians", said.join("\n"));
 }
 
@@ -398,25 +401,25 @@ fn rows_of_two_postures_exchanged() {
     let mut table = group1_table(13);
     let first = table.postures[1].states.clone();
     table.postures[1].states = std::mem::replace(&mut table.postures[4].states, first);
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::ExchangedPostures);
     assert_eq!(found.postures, ["2", "5"]);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     // Only the loaded ones.
     let mut table = group1_table(13);
     let first = table.postures[1].states[1].clone();
     table.postures[1].states[1] = std::mem::replace(&mut table.postures[4].states[1], first);
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::ExchangedPostures);
     assert_eq!(found.postures, ["2", "5"]);
     assert_eq!(found.states, ["loaded"]);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     // A posture measured twice in place of another.
     let mut table = group1_table(13);
     table.postures[3].states = table.postures[0].states.clone();
-    let (sanity, found) = alone(&cell(), &table);
+    let (screening, found) = alone(&cell(), &table);
     assert_eq!(found.cause, Cause::OtherPosture);
     assert_eq!(found.postures, ["4", "1"]);
-    said.push(sentences(&sanity));
+    said.push(sentences(&screening));
     insta::assert_snapshot!("postures_exchanged", said.join("\n"));
 }

@@ -213,7 +213,7 @@ impl LoadStates {
             let meaning = match offset.value > 0.0 {
                 true => {
                     "lost motion. Take differences against a light preload, or add the lost motion of the joints as \
-                     further terms"
+                     extra terms"
                 }
                 false => {
                     "friction that holds small loads, or forces that are read too large by a constant"

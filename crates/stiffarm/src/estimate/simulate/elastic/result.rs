@@ -97,10 +97,9 @@ pub struct ElasticGroup {
     /// Name of the group.
     pub name: String,
     /// Names of its postures.
-    #[serde(default)]
     pub posture_names: Vec<String>,
     /// Its postures, controller angles \[rad\].
-    #[serde(default, rename = "postures_deg", with = "crate::units::degrees")]
+    #[serde(rename = "postures_deg", with = "crate::units::degrees")]
     #[cfg_attr(
         feature = "schema",
         schemars(

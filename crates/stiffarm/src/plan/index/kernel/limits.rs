@@ -6,6 +6,7 @@
 use super::batch::Batch;
 use super::lanes::{Lanes, Vec3, WIDTH, ZERO, ZERO3, add, cross, dot, rotate, scale, sub};
 use super::model::{KernelLoad, Model};
+use crate::model::cell::PointBound;
 
 /// One lane's share of Σ [(max(0, λ − μ·margin))² − λ²]/(2μ) and where it pushes.
 struct Penalty<'a> {
@@ -36,7 +37,6 @@ impl Penalty<'_> {
 /// All margins, their penalty, and the force and moment of its derivative.
 #[inline(always)]
 pub(super) fn forward(model: &Model, batch: &mut Batch) {
-    let limits = &model.limits;
     let n = model.joints;
     let flange = add(batch.position, rotate(&batch.rotation, &model.flange));
     let wrist = batch.origins[n.saturating_sub(2)];
@@ -66,25 +66,24 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
             _ => (wrist, false),
         };
         let mut push = ZERO3;
-        if let (Some([low, high]), true) = (&limits.tool_box, is_tool_point) {
-            for axis in 0..3 {
-                push[axis] += penalty.slope(point[axis] - Lanes::splat(low[axis]));
-                push[axis] -= penalty.slope(Lanes::splat(high[axis]) - point[axis]);
+        let own = model.point_limits.iter();
+        for limit in own.filter(|limit| limit.holds_for(is_tool_point)) {
+            match limit.bound {
+                PointBound::Lowest(axis, at) => {
+                    push[axis] += penalty.slope(point[axis] - Lanes::splat(at));
+                }
+                PointBound::Highest(axis, at) => {
+                    push[axis] -= penalty.slope(Lanes::splat(at) - point[axis]);
+                }
+                PointBound::FromAxis1(radius) => {
+                    let offset = sub(point, first_origin);
+                    let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
+                    let distance = dot(&across, &across).sqrt();
+                    let slope = penalty.slope(distance - Lanes::splat(radius));
+                    let inverse = slope / distance.max(Lanes::splat(f64::MIN_POSITIVE));
+                    push = add(push, scale(across, inverse));
+                }
             }
-        }
-        if let (Some(floor), true) = (limits.floor, is_tool_point) {
-            push[2] += penalty.slope(point[2] - Lanes::splat(floor));
-        }
-        if let Some(radius) = limits.keep_out_radius {
-            let offset = sub(point, first_origin);
-            let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
-            let distance = dot(&across, &across).sqrt();
-            let slope = penalty.slope(distance - Lanes::splat(radius));
-            let inverse = slope / distance.max(Lanes::splat(f64::MIN_POSITIVE));
-            push = add(push, scale(across, inverse));
-        }
-        if let (Some(height), false) = (limits.wrist_height, is_tool_point) {
-            push[2] += penalty.slope(point[2] - Lanes::splat(height));
         }
         if is_tool_point {
             force = add(force, push);
@@ -96,8 +95,7 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
             loading_force = push;
         }
     }
-    if let (Some([shortest, longest]), KernelLoad::Rope { .. }) = (limits.rope_length, &model.load)
-    {
+    if let (Some([shortest, longest]), KernelLoad::Rope { .. }) = (model.rope_length, &model.load) {
         let slope = penalty.slope(batch.rope_length - Lanes::splat(shortest))
             - penalty.slope(Lanes::splat(longest) - batch.rope_length);
         // The rope shortens towards its anchor.

@@ -1,7 +1,7 @@
 //! What the kernel needs of a cell, computed once.
 
 use crate::error::Result;
-use crate::model::cell::{Cell, Limits};
+use crate::model::cell::{Cell, Limits, PointLimit};
 use crate::model::dexterity;
 use crate::model::load::{Axes, Load};
 use crate::model::observation::PostureTerms;
@@ -72,7 +72,8 @@ pub(super) struct Model {
     /// 1/L of Eq. (20).
     pub inverse_length: Option<f64>,
     pub has_information: bool,
-    pub limits: Limits,
+    pub point_limits: Vec<PointLimit>,
+    pub rope_length: Option<[f64; 2]>,
     pub limit_count: usize,
 }
 
@@ -148,6 +149,10 @@ impl Model {
                     .collect()
             })
             .collect();
+        let limits = match wanted.limits {
+            true => cell.limits.clone(),
+            false => Limits::default(),
+        };
         Ok(Model {
             joints: n,
             offset: robot.serial_angles(&vec![0.0; n]).iter().copied().collect(),
@@ -169,16 +174,9 @@ impl Model {
             load,
             inverse_length: wanted.dexterity.map(|length| 1.0 / length),
             has_information: wanted.information.is_some(),
-            limits: if wanted.limits {
-                cell.limits.clone()
-            } else {
-                Limits::default()
-            },
-            limit_count: if wanted.limits {
-                cell.limits.count(setup)
-            } else {
-                0
-            },
+            limit_count: limits.count(setup),
+            point_limits: limits.on_points().collect(),
+            rope_length: limits.rope_length,
         })
     }
 }
