@@ -31,7 +31,7 @@ def _selection(values: Values, options: Mapping[str, Any], shared: Mapping[str, 
     own = dict(options)
     return commands.select(
         cell_of(values, shared, scattered=True),
-        postures=values.get("postures", 6),
+        count=values.get("postures", 6),
         index=values.get("index", "expected_error"),
         seed=values.get("seed", 1),
         no_certificate=not own.pop("certificate", False),

@@ -56,31 +56,6 @@ fn units_in_brackets_become_ours() -> Check {
     Ok(())
 }
 
-#[test]
-fn the_unit_of_a_heading_is_that_of_its_suggested_key() {
-    let hint = |heading: &str| {
-        let text = format!("{heading}\n1,2,3,4\n");
-        let error = planned(&text, &rope_cell()).unwrap_err();
-        error.hint_text().unwrap_or_default().to_string()
-    };
-    for (name, wanted) in [
-        ("center x", Some("x_mm")),
-        ("actual y (m)", Some("y_m")),
-        ("z [um]", Some("z_um")),
-        ("x inch", Some("x_in")),
-        ("center x (cm)", None),
-        ("dev x", None),
-        ("x nominal", None),
-        ("measured at", None),
-    ] {
-        let hint = hint(&format!("posture,state,point,{name}"));
-        match wanted {
-            Some(key) => assert!(hint.contains(&format!("{key} = \"{name}\"")), "{hint}"),
-            None => assert!(!hint.contains(&format!("= \"{name}\"")), "{hint}"),
-        }
-    }
-}
-
 /// The times of readings with these in their column, since the first of them.
 fn times(texts: &[&str]) -> stiffarm::Result<Vec<f64>> {
     let mut text = "posture,state,point,x_mm,y_mm,z_mm,time_s\n".to_string();
