@@ -55,7 +55,7 @@ def test_select_is_what_the_library_selects(tmp_path: Path) -> None:
         else:
             cell = sa.Cell(row["cell"])
         plan = sa.select(
-            cell, postures=row["postures"], index=row["index"], seed=row["seed"], rounds=1,
+            cell, count=row["postures"], index=row["index"], seed=row["seed"], rounds=1,
             no_certificate=True,
         ).to_dict()  # fmt: skip
         assert row["postures_deg"] == plan["postures_deg"]

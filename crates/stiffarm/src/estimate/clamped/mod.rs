@@ -124,7 +124,7 @@ impl LoopClosure {
 /// posture but the reference reading of its states.
 ///
 /// # Errors
-/// No postures, a number that is not finite, a wrong number of angles, or a
+/// No postures, a number that is not finite, a wrong number of angles, or an
 /// extra term that appears twice or that the robot cannot have.
 pub fn clamped_system(
     cell: &Cell,

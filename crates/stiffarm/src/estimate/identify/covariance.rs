@@ -6,7 +6,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::numerics::information::tall_svd;
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::order_by_number;
 use nalgebra::{DMatrix, DVector, Matrix3};
 use std::collections::BTreeMap;
 
@@ -385,8 +385,7 @@ pub(super) fn shared(
         .map(|m| 3 * measured[*m].displacements.len())
         .sum();
     // States by falling torque, so that the largest of a direction leads it.
-    let mut order: Vec<usize> = (0..states.len()).collect();
-    sort_by_number(&mut order, |a| -torques[*a].norm());
+    let order = order_by_number(states.len(), |i| -torques[i].norm());
     let mut leaders: Vec<usize> = Vec::new();
     let mut place = vec![(0, 1.0); states.len()];
     for &s in &order {

@@ -1,4 +1,4 @@
-//! TOML syntax, unknown keys and values of the wrong kind, with their places.
+//! TOML syntax and the version of the format, with their places.
 
 use super::raw::{Node, RawCell, Reading, Value};
 use super::source::Source;
@@ -16,22 +16,16 @@ pub(super) fn read(source: &mut Source<'_>) -> Result<RawCell> {
     // First the format: a newer one may have keys that this version cannot know.
     check_format(source, root.get_ref())?;
     let table = Spanned::new(root.span(), DeValue::Table(root.into_inner()));
-    let path = String::new();
+    let (value, path) = (&table, String::new());
     let mut reading = Reading::of(source);
-    let read = RawCell::read(
-        &Node {
-            value: &table,
-            path,
-        },
-        &mut reading,
-    );
+    let read = RawCell::read(&Node { value, path }, &mut reading);
     let (found, paths) = (reading.found, reading.paths);
     // Tables are sorted by key; report what comes first in the file.
     let start = |error: &Error| error.place().span.as_ref().map(|span| span.start);
     if let Some(first) = found.into_iter().min_by_key(start) {
         return Err(first);
     }
-    source.set_paths(paths.into_iter());
+    source.set_paths(paths);
     Ok(read.expect("what could not be read has been noted"))
 }
 

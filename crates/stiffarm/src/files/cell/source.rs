@@ -71,7 +71,7 @@ impl<'a> Source<'a> {
     }
 
     /// Takes the key paths of all values.
-    pub(super) fn set_paths(&mut self, paths: impl Iterator<Item = (Range<usize>, String)>) {
+    pub(super) fn set_paths(&mut self, paths: Vec<(Range<usize>, String)>) {
         for (span, path) in paths {
             self.paths.entry(span).or_default().push(path);
         }

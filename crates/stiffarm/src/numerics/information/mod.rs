@@ -11,6 +11,7 @@ pub(crate) use stack::Stack;
 pub(crate) use svd::{Svd, svd, tall_svd};
 
 use crate::error::{Code, Error, Result};
+use crate::numerics::order::ascending;
 use nalgebra::linalg::SymmetricEigen;
 use nalgebra::{DMatrix, DVector};
 
@@ -275,8 +276,7 @@ pub(crate) fn symmetric_eigen(matrix: DMatrix<f64>) -> Option<(DVector<f64>, DMa
         return None;
     }
     let eigen = SymmetricEigen::try_new(matrix, f64::EPSILON, MAX_ITERATIONS)?;
-    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
-    order.sort_by(|a, b| eigen.eigenvalues[*a].total_cmp(&eigen.eigenvalues[*b]));
+    let order = ascending(eigen.eigenvalues.as_slice());
     let values = DVector::from_iterator(order.len(), order.iter().map(|i| eigen.eigenvalues[*i]));
     Some((values, eigen.eigenvectors.select_columns(&order)))
 }

@@ -7,6 +7,7 @@
 //! give small singular values to high relative accuracy, and our matrices have
 //! few columns.
 
+use crate::numerics::order::order_by_number;
 use nalgebra::{DMatrix, DVector};
 
 /// Sweeps after which the decomposition counts as failed; six to ten do.
@@ -91,8 +92,7 @@ pub fn svd(mut a: DMatrix<f64>) -> Option<Svd> {
         }
     };
     let norms: Vec<f64> = a.column_iter().map(|c| length(c.norm_squared())).collect();
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|a, b| norms[*b].total_cmp(&norms[*a]));
+    let order = order_by_number(n, |i| -norms[i]);
     for (mut column, norm) in a.column_iter_mut().zip(&norms) {
         match *norm > 0.0 {
             true => column.unscale_mut(*norm),

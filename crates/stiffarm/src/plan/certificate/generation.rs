@@ -8,7 +8,7 @@ use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::numerics::control::Termination;
 use crate::numerics::information::{GRAM_ROUNDING, symmetric_eigen};
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::{order_by_number, sort_by_number};
 use nalgebra::DMatrix;
 
 /// Points whose information differs by less than this share of the tolerance
@@ -258,8 +258,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         let found = self
             .space
             .maximise(&tangent.adjoint, &support, Effort::Improve);
-        let mut order: Vec<usize> = (0..active.len()).collect();
-        sort_by_number(&mut order, |a| -weights[*a]);
+        let order = order_by_number(active.len(), |i| -weights[i]);
         let mut design = ContinuousDesign {
             points: order.iter().map(|&i| support[i].clone()).collect(),
             weights: order.iter().map(|&i| weights[i]).collect(),
@@ -353,8 +352,7 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         weights: &[f64],
         improving: &[usize],
     ) -> Result<Option<(ContinuousDesign, Vec<usize>)>> {
-        let mut order: Vec<usize> = (0..active.len()).collect();
-        sort_by_number(&mut order, |a| -weights[*a]);
+        let order = order_by_number(active.len(), |i| -weights[i]);
         for small in SMALL_WEIGHTS {
             let heavy = order
                 .iter()

@@ -9,7 +9,7 @@ use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::numerics::information::posture_information;
 use crate::numerics::jobs::in_order;
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::{order_by_number, sort_by_number};
 use crate::plan::active_limits::ActiveLimits;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use nalgebra::DMatrix;
@@ -218,8 +218,7 @@ impl<'a> PostureSpace<'a> {
             .iter()
             .map(|s| trace_of_product(adjoint, &s.information))
             .collect();
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        sort_by_number(&mut order, |a| -values[*a]);
+        let order = order_by_number(values.len(), |i| -values[i]);
         let diagonal = (self.cell.bounds.len() as f64).sqrt();
         let apart = |a: &[f64], b: &[f64]| {
             let square: f64 = a

@@ -15,6 +15,7 @@ use crate::model::load::Wrench;
 use crate::model::path::PathPoint;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::as_far_as;
+use crate::numerics::order::sort_by_number;
 use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
@@ -234,10 +235,7 @@ fn ranked(candidates: &[PlacementCandidate]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..candidates.len())
         .filter(|i| size(i).is_some())
         .collect();
-    order.sort_by(|a, b| {
-        let of = |i| size(i).unwrap_or(f64::INFINITY);
-        of(a).total_cmp(&of(b))
-    });
+    sort_by_number(&mut order, |i| size(i).unwrap_or(f64::INFINITY));
     order
 }
 

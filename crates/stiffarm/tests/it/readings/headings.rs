@@ -56,6 +56,32 @@ fn units_in_brackets_become_ours() -> Check {
     Ok(())
 }
 
+#[test]
+fn the_unit_of_a_heading_is_that_of_its_suggested_key() {
+    for (name, wanted) in [
+        ("center x", Some("x_mm")),
+        ("actual y (m)", Some("y_m")),
+        ("center z [um]", Some("z_um")),
+        ("x inch", Some("x_in")),
+        ("center x (cm)", None),
+        ("dev x", None),
+        ("x nominal", None),
+        ("point id", Some("point")),
+        ("point name", Some("name")),
+        ("measured at", None),
+    ] {
+        let text = format!("center y,{name}\n1,2\n");
+        let error = planned(&text, &rope_cell()).unwrap_err();
+        let hint = error.hint_text().unwrap_or_default();
+        let said = match wanted {
+            Some(key) => format!(", {key} = \"{name}\""),
+            None => format!(", ignore = [\"{name}\"]"),
+        };
+        assert!(hint.contains("y_mm = \"center y\""), "{hint}");
+        assert!(hint.contains(&said), "{said}: {hint}");
+    }
+}
+
 /// The times of readings with these in their column, since the first of them.
 fn times(texts: &[&str]) -> stiffarm::Result<Vec<f64>> {
     let mut text = "posture,state,point,x_mm,y_mm,z_mm,time_s\n".to_string();

@@ -1,6 +1,6 @@
 //! `[columns]`: keys that are headings, and the list `ignore`.
 
-use super::read::{Node, Reading, Value};
+use super::read::{Node, Reading, TABLE, Value, join};
 use super::{At, Text};
 use toml::Spanned;
 use toml::de::DeString;
@@ -23,15 +23,15 @@ pub(in crate::files::cell) enum RawColumn {
 }
 
 impl Value for RawColumns {
-    const KIND: &'static str = "a table";
+    const KIND: &'static str = TABLE;
 
     fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
         let Some(table) = node.value.get_ref().as_table() else {
             return reading.wrong(node, Self::KIND, None);
         };
-        let entry = |(key, _): (&Spanned<DeString<'_>>, _)| {
+        let entry = |(key, entry): (&Spanned<DeString<'_>>, _)| {
             let (span, value) = (key.span(), key.get_ref().to_string());
-            let read = reading.key(node, table, &value)?;
+            let read = reading.inner(entry, join(&node.path, &value))?;
             Some((At { span, value }, read))
         };
         Some(RawColumns(table.iter().filter_map(entry).collect()))

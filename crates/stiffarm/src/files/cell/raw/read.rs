@@ -124,7 +124,11 @@ impl<'s> Reading<'s> {
     }
 
     /// What stands inside another value.
-    fn inner<T: Value>(&mut self, value: &Spanned<DeValue<'_>>, path: String) -> Option<T> {
+    pub(super) fn inner<T: Value>(
+        &mut self,
+        value: &Spanned<DeValue<'_>>,
+        path: String,
+    ) -> Option<T> {
         self.paths.push((value.span(), path.clone()));
         T::read(&Node { value, path }, self)
     }

@@ -21,7 +21,7 @@ mod messages;
 
 use super::fit::{RigidFit, Sample, rigid};
 use crate::findings::Severity;
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::order_by_number;
 pub(super) use evidence::{chi_squared_tail, f_tail};
 use evidence::{ln_evidence, ln_volume, tail};
 pub(crate) use messages::axis_slips;
@@ -193,9 +193,8 @@ impl Suspicion {
 
 /// Each pair left out, and each two exchanged.
 fn wrong_pairs(samples: &[Sample], fit: &RigidFit) -> Vec<(Cause, Explanation)> {
-    let mut order: Vec<usize> = (0..samples.len()).collect();
     let size = |i: usize| samples[i].weight * fit.residual(&samples[i]).norm_squared();
-    sort_by_number(&mut order, |a| -size(*a));
+    let mut order = order_by_number(samples.len(), |i| -size(i));
     order.truncate(CANDIDATES);
     order.sort_unstable();
     let mut wrong = Vec::new();

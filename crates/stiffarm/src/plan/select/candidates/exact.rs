@@ -3,7 +3,7 @@
 use super::judge::Bounded;
 use super::tangent::Tangent;
 use crate::numerics::control::Control;
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::order_by_number;
 
 /// Groups must be better by this in ln(index) to count as better.
 const SAME: f64 = 1e-9;
@@ -48,10 +48,10 @@ pub(super) fn branch_and_bound<J: Bounded>(
     if tangent.is_none() && groups(of, count) > u128::from(affordable) {
         return;
     }
-    let mut order: Vec<usize> = (0..of).collect();
-    if let Some(tangent) = tangent {
-        sort_by_number(&mut order, |a| -tangent.scores[*a]);
-    }
+    let order = match tangent {
+        Some(tangent) => order_by_number(of, |i| -tangent.scores[i]),
+        None => (0..of).collect(),
+    };
     let mut tree = Tree {
         judge,
         tangent,

@@ -30,7 +30,7 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
-use crate::numerics::order::sort_by_number;
+use crate::numerics::order::ascending;
 use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
@@ -412,11 +412,4 @@ impl<'a> Global<'a> {
     fn evaluations(&self) -> u64 {
         self.chains.iter().map(|i| i.local.evaluations).sum()
     }
-}
-
-/// Positions of `values`, the smallest first, equal ones in their order.
-fn ascending(values: &[f64]) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    sort_by_number(&mut order, |a| values[*a]);
-    order
 }
