@@ -10,11 +10,11 @@
 //! −2 ln L_R = ν ln(s²) + ln|V| + ln|A| up to a constant, where ν s² = eᵀV⁻¹e − cᵀA⁻¹c
 //! are the squares that are left on ν = rows − rank Ψ degrees of freedom.
 
-use super::sums::Rows;
+use super::sums::{Alike, Rows};
 use crate::model::elastic::ElasticClass;
 use crate::numerics::control::Control;
+use crate::numerics::information::cholesky::Cholesky;
 use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
-use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector};
 
 /// Shares of the noise's variance, as exponents of e, that an effect's class may give to
@@ -52,7 +52,7 @@ pub(super) struct Solved {
     /// ν.
     pub(super) free: usize,
     /// Factor of A.
-    factor: Cholesky<f64, nalgebra::Dyn>,
+    factor: Cholesky,
     /// Λ^(1/2) of each column, 1 for fixed effects.
     scale: DVector<f64>,
 }
@@ -99,6 +99,7 @@ pub(super) struct Likelihood<'a> {
     rows: &'a Rows,
     left_out: &'a [usize],
     plain: DMatrix<f64>,
+    alike: Option<Alike>,
 }
 
 impl<'a> Likelihood<'a> {
@@ -108,6 +109,7 @@ impl<'a> Likelihood<'a> {
             rows,
             left_out,
             plain: rows.plain(left_out),
+            alike: rows.alike(left_out),
         }
     }
 
@@ -121,7 +123,9 @@ impl<'a> Likelihood<'a> {
     pub(super) fn solve(&self, sizes: &Sizes) -> Option<Solved> {
         let (fixed, random) = (self.rows.fixed, self.rows.random());
         let unknowns = fixed + random;
-        let sums = self.rows.at(sizes.gamma, self.left_out, &self.plain);
+        let sums = self
+            .rows
+            .at(sizes.gamma, self.left_out, &self.plain, self.alike.as_ref());
         let free = sums.rows.checked_sub(fixed).filter(|free| *free > 0)?;
         let mut scale = DVector::from_element(unknowns, 1.0);
         for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {
@@ -137,14 +141,13 @@ impl<'a> Likelihood<'a> {
             matrix[(i, i)] += 1.0;
         }
         let right = DVector::from_fn(unknowns, |i, _| gram[(i, unknowns)] * scale[i]);
-        let factor = Cholesky::new(matrix)?;
+        let factor = Cholesky::new(&matrix)?;
         let solution = factor.solve(&right);
         let left = gram[(unknowns, unknowns)] - right.dot(&solution);
         if !(left > 0.0 && left.is_finite()) {
             return None;
         }
-        let diagonal = factor.l_dirty().diagonal();
-        let determinant = 2.0 * diagonal.iter().map(|v| v.ln()).sum::<f64>();
+        let determinant = factor.ln_determinant();
         let variance = left / free as f64;
         Some(Solved {
             value: free as f64 * variance.ln() + sums.logarithms + determinant,
@@ -167,9 +170,13 @@ impl<'a> Likelihood<'a> {
             let unknowns = solved.change.len();
             let solution = solved.change.clone().resize_vertically(unknowns + 1, -1.0);
             let covariance = solved.scaled(inverse.clone());
-            let [logarithms, squares, determinant] =
-                self.rows
-                    .by_ratio(sizes.gamma, self.left_out, &solution, &covariance);
+            let [logarithms, squares, determinant] = self.rows.by_ratio(
+                sizes.gamma,
+                self.left_out,
+                &solution,
+                &covariance,
+                self.alike.as_ref(),
+            );
             gradient.push(logarithms + squares / solved.variance + determinant);
         }
         for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {

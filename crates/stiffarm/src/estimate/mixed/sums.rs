@@ -21,11 +21,24 @@ pub(super) struct Rows {
     seen: DMatrix<f64>,
     /// The posture of each direction, and the squared size of a unit shift along it.
     directions: Vec<(usize, f64)>,
+    /// Σ x xᵀ over all directions where they are of one size, as under equal loads: no posture counts then.
+    alike: Option<DMatrix<f64>>,
     /// XᵀX of all postures without shifts.
     whole: DMatrix<f64>,
     /// Least squares on Ψ alone.
     pub(super) start: DVector<f64>,
 }
+
+/// The directions of some postures, all of one size.
+pub(super) struct Alike {
+    size: f64,
+    count: usize,
+    /// Σ x xᵀ.
+    gram: DMatrix<f64>,
+}
+
+/// Sizes nearer than this are one size.
+const ONE_SIZE: f64 = 1e-9;
 
 /// Sums of some postures at one ratio of the two variances.
 pub(super) struct Sums {
@@ -83,16 +96,21 @@ impl Rows {
                 along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
-        let whole = all.tr_mul(&all);
+        let whole = all.transpose() * &all;
+        let seen = match seen.is_empty() {
+            true => DMatrix::zeros(count, 0),
+            false => DMatrix::from_columns(&seen),
+        };
+        let first = along.first().map_or(0.0, |(_, size): &(usize, f64)| *size);
+        let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;
+        let alike = !along.is_empty() && along.iter().all(is_alike);
         Rows {
             all,
             fixed,
             classes,
             postures,
-            seen: match seen.is_empty() {
-                true => DMatrix::zeros(count, 0),
-                false => DMatrix::from_columns(&seen),
-            },
+            alike: alike.then(|| &seen * seen.transpose()),
+            seen,
             directions: along,
             whole,
             start: whitened.factor().solve(white),
@@ -154,15 +172,42 @@ impl Rows {
         gram
     }
 
+    /// The directions of all postures but `left_out`, where all are of one size.
+    pub(super) fn alike(&self, left_out: &[usize]) -> Option<Alike> {
+        let mut gram = self.alike.clone()?;
+        let mut count = self.directions.len();
+        for (k, (posture, _)) in self.directions.iter().enumerate() {
+            if left_out.binary_search(posture).is_ok() {
+                let own = self.seen.column(k);
+                gram.ger(-1.0, &own, &own, 1.0);
+                count -= 1;
+            }
+        }
+        let size = self.directions[0].1;
+        Some(Alike { size, count, gram })
+    }
+
     /// The sums of all postures but `left_out`, of which `plain` are those without
-    /// shifts, at the ratio `gamma` of the two variances.
-    pub(super) fn at(&self, gamma: f64, left_out: &[usize], plain: &DMatrix<f64>) -> Sums {
+    /// shifts and `alike` their directions, at the ratio `gamma` of the two variances.
+    pub(super) fn at(
+        &self,
+        gamma: f64,
+        left_out: &[usize],
+        plain: &DMatrix<f64>,
+        alike: Option<&Alike>,
+    ) -> Sums {
         let mut out = Sums {
             gram: plain.clone(),
             logarithms: 0.0,
             rows: self.others(left_out).map(|b| self.postures[b].len()).sum(),
         };
         if gamma <= 0.0 {
+            return out;
+        }
+        if let Some(alike) = alike {
+            let part = gamma * alike.size;
+            out.gram -= &alike.gram * (part / (1.0 + part));
+            out.logarithms = alike.count as f64 * part.ln_1p();
             return out;
         }
         let mut scaled = self.seen.transpose();
@@ -218,8 +263,18 @@ impl Rows {
         left_out: &[usize],
         solution: &DVector<f64>,
         inverse: &DMatrix<f64>,
+        alike: Option<&Alike>,
     ) -> [f64; 3] {
         let mut out = [0.0; 3];
+        if let Some(alike) = alike {
+            let part = gamma * alike.size;
+            let change = part / (1.0 + part).powi(2);
+            let squares = solution.dot(&(&alike.gram * solution));
+            let count = inverse.ncols();
+            let own = alike.gram.view((0, 0), (count, count));
+            let traced = alike.count as f64 * part / (1.0 + part);
+            return [traced, -change * squares, -change * inverse.dot(&own)];
+        }
         let left = self.seen.tr_mul(solution);
         let x = self.seen.rows(0, inverse.ncols());
         let moved = inverse * x;

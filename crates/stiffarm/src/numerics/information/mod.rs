@@ -3,6 +3,7 @@
 //! Loops work with ΨᵀΨ; every number that is shown comes from a column-scaled
 //! QR and an SVD of Ψ, which do not square the condition number.
 
+pub mod cholesky;
 pub mod small;
 mod stack;
 pub mod svd;
