@@ -85,7 +85,7 @@ pub const IDENTIFY: &str = "Examples:
   $ stiffarm identify builtin:comau tracked.csv --estimator huber --brief
 
   What gives way beyond the joint axes, as far as the data show:
-  $ stiffarm identify builtin:comau simulated.csv --elastic auto";
+  $ stiffarm identify builtin:comau simulated.csv";
 pub const VALIDATE: &str = "Examples:
   $ stiffarm validate builtin:comau k.json simulated.csv --only 6
   $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1

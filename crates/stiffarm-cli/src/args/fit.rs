@@ -18,8 +18,8 @@ pub struct FitArgs {
     /// Extra terms: tilt (of all joints), tilt1, …, base, lost (motion of all joints), lost1, …
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     pub extra: Vec<String>,
-    /// What gives way: the joint axes, everything as far as the data show, or what the data call
-    /// for [default: axes]
+    /// What gives way: joints and base in all directions as far as the data show, or the joint
+    /// axes alone [default: mixed, axes with another estimator, noise or extra terms]
     #[arg(long, value_name = "MODEL")]
     pub elastic: Option<ElasticArg>,
     /// Relative weight of single displacements [default: readings]
@@ -52,9 +52,9 @@ impl FitArgs {
         .find_map(|(name, given)| given.then_some(name))
     }
 
-    /// What gives way.
-    pub fn elastic(&self) -> ElasticChoice {
-        self.elastic.map_or(ElasticChoice::Axes, Into::into)
+    /// What gives way, where that is said.
+    pub fn elastic(&self) -> Option<ElasticChoice> {
+        self.elastic.map(Into::into)
     }
 
     /// The options for this robot.
@@ -118,8 +118,6 @@ pub enum ElasticArg {
     Axes,
     /// Joints and base in all directions, as far as the data show
     Mixed,
-    /// What leaving postures out and the likelihood call for
-    Auto,
 }
 
 impl From<ElasticArg> for ElasticChoice {
@@ -127,7 +125,6 @@ impl From<ElasticArg> for ElasticChoice {
         match choice {
             ElasticArg::Axes => ElasticChoice::Axes,
             ElasticArg::Mixed => ElasticChoice::Mixed,
-            ElasticArg::Auto => ElasticChoice::Auto,
         }
     }
 }

@@ -23,7 +23,7 @@ pub static SCHEMAS: [Row; 30] = rows! {
     "result-select-space-filling": "Output of `select --space-filling --json`",
     "result-select-candidates": "Output of `select --candidates --json`",
     "result-simulate": "Output of `simulate --json`",
-    "result-simulate-elastic": "Output of `simulate --elastic mixed --json` and `--elastic auto`",
+    "result-simulate-elastic": "Output of `simulate --elastic mixed --json`",
     "result-coverage": "Output of `coverage --json`",
     "result-register": "Output of `register --json`",
     "result-identify": "Output of `identify --json`",

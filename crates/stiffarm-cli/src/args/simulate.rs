@@ -32,7 +32,7 @@ pub struct SimulateArgs {
     pub levels: Vec<f64>,
     /// What gives way: the joint axes alone, or joints and base in all directions, with the
     /// cell's [elastic] or typical sizes; then each run is identified with the axes alone and
-    /// with the mixed model, and auto counts how often the data call for that [default: axes]
+    /// with the mixed model [default: axes]
     #[arg(long, value_name = "MODEL")]
     pub elastic: Option<ElasticArg>,
     /// Seed of the random numbers

@@ -300,7 +300,7 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     let found = &near["result"]["deflection"];
     assert_eq!(found["reached"], true);
     // The same half width as that of the prediction with the saved stiffness.
-    folder.ok("identify builtin:comau all.csv --output k.json");
+    folder.ok("identify builtin:comau all.csv --elastic axes --output k.json");
     let predicted = folder.json("predict builtin:comau k.json");
     let points = predicted["result"]["points"].as_array().unwrap();
     let widths = points

@@ -161,7 +161,7 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "simulate builtin:comau builtin:comau-group1 --levels 1,-2",
         "simulate builtin:comau builtin:comau-group1 --elastic mixed --levels -2",
         "simulate builtin:comau builtin:comau-group1 --elastic mixed --anchor-mm 5",
-        "simulate builtin:comau builtin:comau-group1 --elastic auto --readings r.csv",
+        "simulate builtin:comau builtin:comau-group1 --elastic mixed --readings r.csv",
         "simulate builtin:comau builtin:comau-group1 --elastic some",
         "study builtin:comau --measured simulated.csv --elastic mixed",
         "identify builtin:comau raw.csv",

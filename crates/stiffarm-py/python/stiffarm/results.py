@@ -183,7 +183,7 @@ class Identified(Result, _keys.IdentifiedKeys):
     @property
     def findings(self) -> list[Record]:
         """What readings, residuals and systematic errors say: each with ``code``, ``severity``, ``subject``, ``sentence``."""
-        systematic = (self._data.get("elastic") or {}).get("systematic_errors") or self._data.get("systematic_errors") or {}
+        systematic = self._data.get("systematic_errors") or {}
         readings = self._data.get("readings") or {}
         of_readings = [readings.get("reduction") or {}, readings.get("screening") or {}, self._data.get("screening") or {}]
         parts = [*of_readings, self._data.get("diagnosis") or {}, systematic, self._data]

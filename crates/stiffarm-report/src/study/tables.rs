@@ -3,7 +3,6 @@
 use super::figures::illustration;
 use super::published::published_for;
 use super::table::{Cell, Table, significant};
-use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::{ElasticGroup, ElasticSimulation};
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::Selection;
@@ -40,8 +39,7 @@ pub fn tables(study: &Study) -> Vec<Table> {
 
 /// Groups on arms that give way beyond their joint axes.
 fn elastic(found: &ElasticSimulation) -> Table {
-    let is_auto = found.asked == ElasticChoice::Auto;
-    let mut headings = vec![
+    let headings = [
         "group",
         "axes [mm]",
         "mixed [mm]",
@@ -51,9 +49,6 @@ fn elastic(found: &ElasticSimulation) -> Table {
         "k holds, axes [%]",
         "k holds, mixed [%]",
     ];
-    if is_auto {
-        headings.extend(["auto [mm]", "auto takes mixed [%]"]);
-    }
     let mut table = Table::new(
         "elastic",
         format!(
@@ -72,7 +67,7 @@ fn elastic(found: &ElasticSimulation) -> Table {
     for (group, level) in found.groups.iter().filter_map(|g| Some((g, levels(g)?))) {
         let mm = |value: Option<f64>| Cell::from(value.map(|v| 1e3 * v));
         let (axes, mixed) = (&level.axes, level.mixed.as_ref());
-        let mut cells = vec![
+        let cells = vec![
             mm(Some(axes.prediction_rms_m)),
             mm(mixed.map(|m| m.prediction_rms_m)),
             mm(level.expected_prediction_m),
@@ -81,10 +76,6 @@ fn elastic(found: &ElasticSimulation) -> Table {
             Cell::percent(axes.mean_interval_share()),
             Cell::percent(mixed.and_then(|m| m.mean_interval_share())),
         ];
-        if is_auto {
-            cells.push(mm(level.auto.as_ref().map(|a| a.prediction_rms_m)));
-            cells.push(Cell::percent(level.auto_took_mixed));
-        }
         table.rows.push(row(group.name.as_str(), cells));
     }
     table

@@ -70,11 +70,13 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
                 _ => text.code("stiffarm select"),
             };
             match own.model {
-                ElasticChoice::Mixed => text
+                ElasticChoice::Mixed => {
+                    text.words(", and identify as ever: more than the joint axes gives way here.")
+                }
+                _ => text
                     .words(", and identify with ")
-                    .code("--elastic auto")
-                    .words(": more than the joint axes gives way here."),
-                _ => text.words(", and identify with the joint axes alone."),
+                    .code("--elastic axes")
+                    .words("."),
             }
         }
         None => {

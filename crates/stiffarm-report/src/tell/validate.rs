@@ -208,10 +208,9 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
         };
     }
     if outside || found.passed == Some(false) {
-        return Text::new("More is wrong there than estimate and noise explain: look at the postures at the top of the table, \
-                          then identify again with ")
-            .code("--elastic auto")
-            .words(", which tells whether more than the joint axes gives way.");
+        return Text::new(
+            "More is wrong there than estimate and noise explain: look at the postures at the top of the table.",
+        );
     }
     if findings.iter().any(|f| f.code == "seen-postures") {
         return Text::new("Validate on postures that took no part: ")
@@ -222,17 +221,9 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
     }
     if found.noise_expectation_m > 0.0 && found.deviation_rms_m > MODEL * found.noise_expectation_m
     {
-        let text = Text::new("At postures like these count on errors of ")
+        return Text::new("At postures like these count on errors of ")
             .number(context.number("/deviation_max_m").mm().decimals(2))
             .words(": what is left is the model's, not the tracker's.");
-        let elastic = &context.saved.json["options"]["fit"]["elastic"];
-        return match elastic == "mixed" {
-            true => text,
-            false => text
-                .words(" ")
-                .code("stiffarm identify --elastic auto")
-                .words(" tells whether more than the joint axes gives way."),
-        };
     }
     Text::new("The stiffness can be worked with: ")
         .code("stiffarm predict")

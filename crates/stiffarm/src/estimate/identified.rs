@@ -12,7 +12,7 @@ use crate::estimate::identify::{
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, once};
-use crate::estimate::systematic::{SystematicErrors, systematic_errors};
+use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::findings::{Finding, Severity};
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
@@ -31,8 +31,8 @@ const ADVICE_ROUNDS: u64 = 2;
 pub struct Wanted {
     /// Resamples of the bootstrap; none without.
     pub bootstrap: Option<u64>,
-    /// Which elastic model is looked for; the joint axes alone by default.
-    pub elastic: ElasticChoice,
+    /// Which elastic model predicts; by default the mixed one, unless the options of the fit exclude it.
+    pub elastic: Option<ElasticChoice>,
     /// Seed of the bootstrap and of the search for the next posture.
     pub seed: u64,
     /// Only estimates and residuals.
@@ -43,7 +43,7 @@ impl Default for Wanted {
     fn default() -> Self {
         Wanted {
             bootstrap: None,
-            elastic: ElasticChoice::Axes,
+            elastic: None,
             seed: 1,
             brief: false,
         }
@@ -64,9 +64,8 @@ pub struct Options {
     pub confidence: f64,
     /// Extra terms asked for.
     pub extra: Vec<ExtraTerm>,
-    /// What gives way, where that is not the joint axes alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub elastic: Option<ElasticChoice>,
+    /// What gives way.
+    pub elastic: ElasticChoice,
     /// Relative standard deviation of the prior stiffness (fraction).
     pub prior_std: f64,
     /// Postures left out.
@@ -78,21 +77,15 @@ pub struct Options {
 }
 
 impl Options {
-    /// The options as the result holds them; `elastic` where it was asked for, though it be the
-    /// joint axes alone.
-    pub fn new(
-        fit: &IdentifyOptions,
-        wanted: &Wanted,
-        elastic: Option<ElasticChoice>,
-        exclude: &[String],
-    ) -> Self {
+    /// The options as the result holds them.
+    pub fn new(fit: &IdentifyOptions, wanted: &Wanted, exclude: &[String]) -> Self {
         Options {
             estimator: fit.estimator,
             weights: fit.weights,
             noise: fit.noise,
             confidence: fit.confidence,
             extra: fit.extra.clone(),
-            elastic,
+            elastic: ElasticChoice::or_default(wanted.elastic, fit),
             prior_std: fit.prior_std,
             exclude: exclude.to_vec(),
             bootstrap: wanted.bootstrap,
@@ -125,8 +118,8 @@ impl Reduced {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified {
-    /// The estimates; ±, intervals and verdicts of the joints hold all errors where `systematic_errors` are known, else the
-    /// scatter of the readings alone.
+    /// The estimates. `joints` are those of the elastic model that predicts, everything else is of the joint axes alone; ±,
+    /// intervals and verdicts hold all errors where `systematic_errors` are known, else the scatter of the readings alone.
     #[serde(flatten)]
     pub identification: Identification,
     /// From raw readings to displacements; `null` for a table of displacements.
@@ -139,9 +132,9 @@ pub struct Identified {
     pub profile: Option<Profile>,
     /// Interval from resampled postures; `null` unless asked for.
     pub bootstrap: Option<Bootstrap>,
-    /// Errors common to the whole experiment; `null` with --brief.
+    /// Errors common to the whole experiment as they move `joints`; `null` with --brief.
     pub systematic_errors: Option<SystematicErrors>,
-    /// The elastic model that predicts, where --elastic asks for one.
+    /// What gives way beyond the joint axes; missing where these alone were asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elastic: Option<Elastic>,
     /// What the residuals say; `null` with --brief.
@@ -166,6 +159,16 @@ impl Identified {
     pub fn mixed(&self) -> Option<&Elastic> {
         let elastic = self.elastic.as_ref();
         elastic.filter(|e| e.model == ElasticChoice::Mixed && e.mixed.is_some())
+    }
+
+    /// True where every joint has a stiffness: a closed interval if the axes alone gave way; in the mixed model a
+    /// lower bound will do, with which it predicts.
+    pub fn is_complete(&self) -> bool {
+        let joints = &self.identification.estimates.joints;
+        match self.mixed() {
+            Some(_) => joints.iter().all(|j| j.interval[0].is_some()),
+            None => self.identification.estimates.is_complete(),
+        }
     }
 
     /// What was found wrong with the table.
@@ -200,31 +203,50 @@ impl Identified {
             identification,
         };
         let mut left_out = Vec::new();
+        let mut mixed = None;
+        if ElasticChoice::or_default(wanted.elastic, fit.options()) == ElasticChoice::Mixed {
+            let found = elastic(fit, !wanted.brief).map_err(|e| e.key("elastic"));
+            let found = unless_stopped("elastic", &mut left_out, found)?;
+            (out.elastic, mixed) = found.unzip();
+        }
+        let mixed = mixed.flatten();
+        if let (Some(mixed), Some(elastic)) = (&mixed, &mut out.elastic) {
+            let joints = &mut out.identification.estimates.joints;
+            elastic.axes = std::mem::replace(joints, mixed.joints()?);
+        }
         if let Some(resamples) = wanted.bootstrap {
             let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
             let found = bootstrap(fit, resamples, wanted.seed, fit.options().confidence);
             let found = found.map_err(|e| e.key("bootstrap"));
             out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
         }
-        let (asked, mut mixed) = (wanted.elastic, None);
-        if asked != ElasticChoice::Axes {
-            let found = elastic(fit, asked).map_err(|e| e.key("elastic"));
-            let found = unless_stopped("elastic", &mut left_out, found)?;
-            (out.elastic, mixed) = found.unzip();
-        }
-        let mixed = mixed.flatten().filter(|_| out.mixed().is_some());
         if wanted.brief {
             out.not_computed = left_out;
             out.sealed = out.seal(fit, mixed.as_ref());
             return Ok(out);
         }
         out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
-        out.systematic_errors =
-            unless_stopped("systematic_errors", &mut left_out, systematic_errors(fit))?;
+        let found = match &mixed {
+            Some(mixed) => mixed_systematic_errors(mixed),
+            None => systematic_errors(fit),
+        };
+        out.systematic_errors = unless_stopped("systematic_errors", &mut left_out, found)?;
         if let Some(systematic) = &out.systematic_errors {
             systematic.widen(&mut out.identification.estimates.joints);
         }
+        if let (Some(_), Some(elastic)) = (&mixed, &mut out.elastic) {
+            let of_axes =
+                unless_stopped("systematic_errors", &mut left_out, systematic_errors(fit))?;
+            of_axes.iter().for_each(|own| own.widen(&mut elastic.axes));
+        }
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
+        if let (Some(_), Some(diagnosis)) = (&mixed, &mut out.diagnosis) {
+            // What speaks against the axes alone has its answer in the model that predicts.
+            let of_axes = ["residuals-above-noise", "further-term"];
+            diagnosis
+                .findings
+                .retain(|finding| !of_axes.contains(&&*finding.code));
+        }
         out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
         let search = GlobalOptions {
@@ -249,19 +271,15 @@ impl Identified {
     /// What predicts, by the `mixed` model where there is one, with all that was found wrong.
     fn seal(&self, fit: &Fit, mixed: Option<&MixedFit>) -> Option<Sealed> {
         let cell = fit.cell();
-        let (found, systematic) = match (mixed, &self.elastic) {
-            (Some(mixed), Some(elastic)) => {
+        let found = match mixed {
+            Some(mixed) => {
                 let mut found = mixed.compliance().clone();
-                let axes = elastic.mixed.iter().flat_map(|mixed| &mixed.joints);
-                found.doubts = open_springs(axes);
-                (found, elastic.systematic_errors.as_ref())
+                found.doubts = open_springs(self.identification.estimates.joints.iter());
+                found
             }
-            _ => {
-                let found = IdentifiedCompliance::from_identification(cell, &self.identification);
-                (found.ok()?, self.systematic_errors.as_ref())
-            }
+            None => IdentifiedCompliance::from_identification(cell, &self.identification).ok()?,
         };
-        let mut found = match systematic {
+        let mut found = match &self.systematic_errors {
             Some(systematic) => found.with_systematic_errors(systematic),
             None => found,
         };

@@ -2,7 +2,7 @@
 //! identification, or each posture predicted by the others.
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::elastic::{ElasticChoice, elastic};
+use crate::estimate::elastic::{ElasticChoice, carried};
 use crate::estimate::identified::Reduced;
 use crate::estimate::identify::{Estimator, Fit, NoiseSource};
 use crate::estimate::mixed::MixedFit;
@@ -41,9 +41,8 @@ pub struct FitOptions {
     pub estimator: Estimator,
     /// The extra terms.
     pub extra: Vec<ExtraTerm>,
-    /// What gives way, where that is not the joint axes alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub elastic: Option<ElasticChoice>,
+    /// What gives way.
+    pub elastic: ElasticChoice,
     /// Where the size of the noise comes from.
     pub noise: NoiseSource,
     /// Confidence of the bands.
@@ -152,7 +151,7 @@ impl Request {
     }
 
     /// Predicts each posture of `fit` from fits without it, with the elastic model that is
-    /// asked for, by default the joint axes alone; [`Request::keep_only`] comes before the fit.
+    /// asked for, by default the mixed one where it can be fitted; [`Request::keep_only`] comes before the fit.
     ///
     /// # Errors
     /// As [`Request::check`]; another model than the linear one (key `model`); an elastic model
@@ -170,14 +169,13 @@ impl Request {
         }
         let count = folds.count(fit.measured());
         let tolerance = self.tolerance_mm.map(mm_to_m);
-        let choice = asked.unwrap_or(ElasticChoice::Axes);
-        let (validation, model) = crossed(fit, choice, count, tolerance)?;
+        let (validation, model) = crossed(fit, asked, count, tolerance)?;
         let options = fit.options();
         let described = FitOptions {
             folds: count,
             estimator: options.estimator,
             extra: options.extra.clone(),
-            elastic: asked.map(|_| model),
+            elastic: model,
             noise: options.noise,
             confidence: options.confidence,
         };
@@ -219,17 +217,14 @@ impl Folds {
 /// Predicts fold by fold with the elastic model asked for; which one it was.
 fn crossed(
     fit: &Fit,
-    asked: ElasticChoice,
+    asked: Option<ElasticChoice>,
     count: usize,
     tolerance: Option<f64>,
 ) -> Result<(Validation, ElasticChoice)> {
-    let mixed = match asked {
-        ElasticChoice::Axes => None,
-        ElasticChoice::Mixed => Some(MixedFit::new(fit).map_err(|e| e.key("elastic"))?),
-        ElasticChoice::Auto => {
-            let (found, mixed) = elastic(fit, asked).map_err(|e| e.key("elastic"))?;
-            mixed.filter(|_| found.model == ElasticChoice::Mixed)
-        }
+    let mixed = match (asked, ElasticChoice::or_default(asked, fit.options())) {
+        (_, ElasticChoice::Axes) => None,
+        (Some(_), _) => Some(MixedFit::new(fit).map_err(|e| e.key("elastic"))?),
+        (None, _) => carried(fit)?.ok(),
     };
     Ok(match &mixed {
         Some(mixed) => (

@@ -142,6 +142,24 @@ pub(crate) fn terms(effects: &[Effect]) -> Vec<ExtraTerm> {
     effects.iter().map(|effect| effect.term).collect()
 }
 
+/// The random effects that data are held against: those of [`effects`], and ahead of those of a class that has a
+/// diagonal its mean, because real compliances are positive. It scatters as its entries do, which suits matrices
+/// drawn around zero, and semidefinite ones whose mean and scatter are of one size
+/// (`bench/elastic_truths.py` counts both).
+pub(crate) fn fitted(joints: usize) -> Vec<Effect> {
+    let own = effects(joints);
+    let of = |class| {
+        let common = (class != ElasticClass::Coupling).then_some(Effect {
+            term: ExtraTerm::MeanSpring(class),
+            class,
+            scale: 1.0,
+        });
+        let single = own.iter().copied().filter(move |e| e.class == class);
+        common.into_iter().chain(single).collect::<Vec<_>>()
+    };
+    ElasticClass::ALL.into_iter().flat_map(of).collect()
+}
+
 /// All random effects of an arm, class by class.
 pub(crate) fn effects(joints: usize) -> Vec<Effect> {
     let places = || std::iter::once(None).chain((0..joints).map(Some));

@@ -2,7 +2,6 @@
 
 use super::{INITIAL_GROUP, STUDY_INDICES, StudyOptions};
 use crate::error::Result;
-use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, simulate_elastic};
 use crate::model::cell::Cell;
 use crate::model::posture::PostureGroup;
@@ -15,11 +14,6 @@ use crate::plan::select::{StartKind, random_group, select_from};
 const MOST_RUNS: usize = 40;
 /// Stream of the random group, which no other group of a study has.
 const RANDOM_STREAM: u64 = u64::MAX - 1;
-
-/// True for the model that has no arms of this kind.
-pub(super) fn is_axes(choice: &ElasticChoice) -> bool {
-    *choice == ElasticChoice::Axes
-}
 
 /// Group 1, the paper's index and the expected error among the `groups` of the study, with
 /// a group under the index `prediction` from Group 1 and a random one beside them.

@@ -68,7 +68,6 @@ pub struct StudyOptions {
     pub max_iterations: u64,
     /// The model beside the joint axes, on arms that give way beyond them too; with `axes`
     /// there are no such arms in the study.
-    #[serde(default, skip_serializing_if = "elastic::is_axes")]
     pub elastic: ElasticChoice,
 }
 

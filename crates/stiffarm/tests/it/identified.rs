@@ -22,10 +22,11 @@ fn everything_or_estimates_alone() {
     assert!(
         all.systematic_errors.is_some() && all.diagnosis.is_some() && all.next_posture.is_some()
     );
-    assert!(all.bootstrap.is_none() && all.elastic.is_none() && all.not_computed.is_empty());
+    assert!(all.bootstrap.is_none() && all.elastic.is_some() && all.not_computed.is_empty());
     let brief = {
         let mut wanted = Wanted::default();
         wanted.brief = true;
+        wanted.elastic = Some(ElasticChoice::Axes);
         Identified::new(&fit, &wanted, Control::default()).unwrap()
     };
     assert_eq!(brief.identification, *fit.identification().unwrap());
@@ -92,7 +93,9 @@ fn a_bootstrap_without_resamples_is_refused_with_its_key() {
 #[test]
 fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     let fit = fit();
-    let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+    let mut wanted = Wanted::default();
+    wanted.elastic = Some(ElasticChoice::Axes);
+    let all = Identified::new(&fit, &wanted, Control::default()).unwrap();
     let alone = &fit.identification().unwrap().estimates.joints;
     let systematic = all.systematic_errors.as_ref().unwrap();
     for (j, joint) in all.identification.estimates.joints.iter().enumerate() {
@@ -127,7 +130,6 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     // Read again nothing moves.
     let again: Identified = serde_json::from_value(saved).unwrap();
     assert_eq!(again.identification, all.identification);
-    let mut wanted = Wanted::default();
     wanted.brief = true;
     let brief = Identified::new(&fit, &wanted, Control::default()).unwrap();
     assert_eq!(brief.identification.estimates.joints, *alone);

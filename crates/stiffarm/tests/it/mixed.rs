@@ -5,12 +5,13 @@ use crate::common::prelude::*;
 use crate::estimators::{dense_covariance, random_system};
 
 use crate::common::random_group;
+use nalgebra::Matrix3;
 use proptest::prelude::*;
 use stiffarm::Wrench;
 use stiffarm::estimate::elastic::elastic;
 use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::validate::cross_validate_mixed;
-use stiffarm::internals::{Block, Covariance, MeasuredSystem, MixedModel, RowLabel};
+use stiffarm::internals::{Block, Covariance, MeasuredSystem, MixedModel, RowLabel, link_axes};
 use stiffarm::model::elastic::ElasticClass;
 
 /// V of all rows in units of σ²: readings, shifts and random effects.
@@ -173,8 +174,29 @@ fn springs_are_symmetric_compliances() {
     for q in random_group() {
         let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
         let p = terms.measuring_points()[1];
-        let spring =
+        let beside =
             |joint, row, column| ExtraTerm::Spring { joint, row, column }.twist(&terms, &p);
+        // With what counts as the compliance of the axis that follows.
+        let spring = |joint: Option<usize>, row: usize, column: usize| {
+            let own = beside(joint, row, column);
+            let next = joint.map_or(0, |j| j + 1);
+            if row < 3 || next == 6 || (joint.is_some() && row == 5) {
+                return own;
+            }
+            let axes = joint.map_or(Matrix3::identity(), |j| link_axes(terms.frames(), j));
+            let along = |i: usize| axes.column(i - 3).dot(&terms.frames().axes()[next]);
+            let twice = if row == column { 1.0 } else { 2.0 };
+            own + beside(Some(next), 5, 5) * (twice * along(row) * along(column))
+        };
+        let mean = (0..7).flat_map(|place| [3, 4, 5].map(|i| (place, i)));
+        let mean = mean.filter(|(place, i)| *place == 0 || *i != 5);
+        let mean = mean.fold(Vector6::zeros(), |sum, (place, i)| {
+            sum + beside(usize::checked_sub(place, 1), i, i)
+        });
+        let ours = ExtraTerm::MeanSpring(ElasticClass::Turn).twist(&terms, &p);
+        assert!((ours - mean).norm() < 1e-9 * mean.norm());
+        // About axis 1 the base's turn is that axis's own.
+        assert!(beside(None, 5, 5).norm() < 1e-9 * spring(None, 5, 5).norm());
         for j in 0..6 {
             let tilt = ExtraTerm::JointTilt(j).twist(&terms, &p);
             let same = spring(Some(j), 3, 3) + spring(Some(j), 4, 4);
@@ -247,21 +269,27 @@ pub fn bend(cell: &Cell, measured: &mut [MeasuredPosture], seed: u64, sizes: [f6
     });
 }
 
-/// Where only noise is beyond the axes, the mixed model keeps to them; where more gives
+/// Where only noise is beyond the axes, the mixed model is theirs; where more gives
 /// way, it says how much and predicts better.
 #[test]
 fn the_data_decide_what_gives_way() {
     let (cell, measured) = simulated(3);
     let options = IdentifyOptions::default();
     let fit = Fit::new(&cell, &measured, &options).unwrap();
-    let (found, _) = elastic(&fit, ElasticChoice::Auto).unwrap();
-    assert_eq!(found.model, ElasticChoice::Axes, "{found:?}");
-    assert!(found.mixed.is_none() && found.reasons.len() == 2);
+    let (found, mixed) = elastic(&fit, true).unwrap();
+    assert!(found.likelihood_ratio.unwrap() < 6.0 && !found.is_better());
+    assert!(found.reasons[0].contains("do not need more than the axes"));
+    let mixed = mixed.unwrap();
+    let by_axes = &fit.identification().unwrap().estimates.joints;
+    for (axis, joint) in by_axes.iter().zip(mixed.joints().unwrap()) {
+        let ratio = joint.stiffness.unwrap() / axis.stiffness.unwrap();
+        assert!((ratio - 1.0).abs() < 1e-3, "{}: {ratio}", axis.name);
+    }
 
     let (cell, mut measured) = simulated(4);
     bend(&cell, &mut measured, 9, [1e-7, 1.5e-7, 1e-7]);
     let fit = Fit::new(&cell, &measured, &options).unwrap();
-    let (found, mixed) = elastic(&fit, ElasticChoice::Auto).unwrap();
+    let (found, mixed) = elastic(&fit, true).unwrap();
     assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
     assert!(found.mixed_rms_m.unwrap() < found.axes_rms_m.unwrap());
     let mixed = mixed.unwrap();
@@ -274,10 +302,10 @@ fn few_postures_and_other_estimators_are_refused_with_reasons() {
     let (cell, measured) = simulated(5);
     let few = measured[..3].to_vec();
     let fit = Fit::new(&cell, &few, &IdentifyOptions::default()).unwrap();
-    let (found, mixed) = elastic(&fit, ElasticChoice::Mixed).unwrap();
+    let (found, mixed) = elastic(&fit, false).unwrap();
     assert_eq!(found.model, ElasticChoice::Axes);
     assert!(
-        mixed.is_none() && found.reasons[0].contains("3 postures"),
+        mixed.is_none() && found.reasons[0].contains("Fewer than 4 postures"),
         "{found:?}"
     );
     let mut options = IdentifyOptions::default();
@@ -306,10 +334,10 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
             continue;
         }
         open += 1;
-        let (found, _) = elastic(&fit, ElasticChoice::Mixed).unwrap();
+        let (found, _) = elastic(&fit, false).unwrap();
         assert_eq!(found.model, ElasticChoice::Mixed, "{:?}", found.reasons);
         assert!(predictor.spring_stiffness(&cell).contains(&None));
-        let joints = found.mixed.unwrap().joints;
+        let joints = mixed.joints().unwrap();
         assert!(
             joints
                 .iter()
@@ -340,7 +368,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
 fn the_measured_robot_needs_the_mixed_model() {
     let (cell, measured) = crate::diagnose::fanuc::measured_robot();
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
-    let (found, mixed) = elastic(&fit, ElasticChoice::Auto).unwrap();
+    let (found, mixed) = elastic(&fit, true).unwrap();
     assert_eq!(found.model, ElasticChoice::Mixed);
     let mm = |m: f64| (1e7 * m).round() / 1e4;
     assert_eq!(mm(found.axes_rms_m.unwrap()), 0.2339);

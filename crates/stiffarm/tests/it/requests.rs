@@ -73,13 +73,16 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
 fn postures_are_predicted_by_the_others() {
     let fit = Fit::new(&default_cell(), measured(), &Default::default()).unwrap();
     let request = validated::Request::default();
-    let (found, options) = request.by_folds(&fit, None, Folds::All).unwrap();
+    let axes = Some(ElasticChoice::Axes);
+    let (found, options) = request.by_folds(&fit, axes, Folds::All).unwrap();
     let count = group1().len();
     assert_eq!(found.validation, cross_validate(&fit, count, None).unwrap());
-    assert_eq!((options.folds, options.elastic), (count, None));
-    let asked = Some(ElasticChoice::Axes);
-    let (_, options) = request.by_folds(&fit, asked, Folds::Count(2)).unwrap();
-    assert_eq!((options.folds, options.elastic), (2, asked));
+    assert_eq!(
+        (options.folds, options.elastic),
+        (count, ElasticChoice::Axes)
+    );
+    let (_, options) = request.by_folds(&fit, None, Folds::Count(2)).unwrap();
+    assert_eq!((options.folds, options.elastic), (2, ElasticChoice::Mixed));
     let exact = validated::Request {
         model: Model::Equilibrium,
         ..request

@@ -25,7 +25,7 @@ fn fit(cell: &Cell, options: &IdentifyOptions) -> Fit {
 
 fn identified(fit: &Fit, elastic: ElasticChoice) -> Identified {
     let mut wanted = Wanted::default();
-    wanted.elastic = elastic;
+    wanted.elastic = Some(elastic);
     Identified::new(fit, &wanted, Control::default()).unwrap()
 }
 
@@ -91,7 +91,7 @@ fn what_predicts_is_read_back_to_the_last_bit() {
     let found = identified(&fit, ElasticChoice::Mixed);
     let saved = read_text(&text(&found)).unwrap();
     let mixed = stiffarm::estimate::mixed::MixedFit::new(&fit).unwrap();
-    let systematic = found.elastic.unwrap().systematic_errors.unwrap();
+    let systematic = found.systematic_errors.unwrap();
     let direct = mixed
         .compliance()
         .clone()

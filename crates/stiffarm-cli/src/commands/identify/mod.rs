@@ -48,13 +48,10 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
     let exit = match result.not_computed.is_empty() {
-        true => {
-            Exit::finding(!result.identification.estimates.is_complete() || implausible || serious)
-        }
+        true => Exit::finding(!result.is_complete() || implausible || serious),
         false => Exit::Interrupted,
     };
-    let elastic = args.fit.elastic.map(Into::into);
-    let described = Options::new(&options, &wanted, elastic, &args.exclude);
+    let described = Options::new(&options, &wanted, &args.exclude);
     let envelope = session.envelope("identify", Some(args.seed), described, &result);
     session.deliver_told(target, &envelope, &named, args.details)?;
     Ok(exit)

@@ -18,50 +18,19 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
     let elastic = found.elastic.as_ref()?;
     let reasons = elastic.reasons.iter().map(|r| Text::from(r.as_str()));
     let mut blocks = vec![Block::List(reasons.collect())];
-    let models = [
-        ("joint axes alone", "axes_rms_m"),
-        ("mixed: joints and base in all directions", "mixed_rms_m"),
-    ];
-    let rms = |row: usize| {
-        let number = given.number(&format!("/elastic/{}", models[row].1));
-        number.value.map(|_| number)
-    };
-    let table = DataTable::of(
-        "Each posture predicted from the others, RMS of a displacement component",
-        "elastic model",
-        models.map(|(name, _)| name),
-    )
-    .numbers("missed by", Quantity::LENGTH, rms);
-    if table.headings.len() > 1 {
-        blocks.push(Block::Table(table));
-    }
-    if let Some(mixed) = found.mixed().and_then(|elastic| elastic.mixed.as_ref()) {
+    if let Some(mixed) = &elastic.mixed {
         let caption = format!(
-            "Joint stiffness as the mixed model has it, interval at {} % with all errors [{}]",
+            "Joint stiffness if the axes alone gave way, with its {} % interval [{}]",
             level(found.identification.estimates.confidence),
             Quantity::STIFFNESS.unit
         );
-        let systematic = elastic.systematic_errors.as_ref();
-        let has_systematic = systematic.is_some_and(|b| b.uncertainty.len() == mixed.joints.len());
-        let number = |below: String| Some(given.number(&below));
-        let end = |j: usize, i: usize| {
-            number(match has_systematic {
-                true => {
-                    format!("/elastic/systematic_errors/uncertainty/{j}/interval_nm_per_rad/{i}")
-                }
-                false => format!("/elastic/mixed/joints/{j}/interval/{i}"),
-            })
-        };
+        let number = |j: usize, key: &str| Some(given.number(&format!("/elastic/axes/{j}/{key}")));
         let bare = Quantity::STIFFNESS.bare();
-        let names = mixed.joints.iter().map(|j| visible(&j.name).into_owned());
-        blocks.push(Block::Table(
-            DataTable::of(caption, "joint", names)
-                .numbers("k", bare, |j| {
-                    number(format!("/elastic/mixed/joints/{j}/stiffness"))
-                })
-                .numbers("from", bare, |j| end(j, 0))
-                .numbers("to", bare, |j| end(j, 1)),
-        ));
+        let names = elastic.axes.iter().map(|j| visible(&j.name).into_owned());
+        let table = DataTable::of(caption, "joint", names)
+            .numbers("k", bare, |j| number(j, "stiffness"))
+            .numbers("from", bare, |j| number(j, "interval/0"))
+            .numbers("to", bare, |j| number(j, "interval/1"));
         let sizes = mixed.sizes.iter().map(|size| {
             let what = match size.class {
                 ElasticClass::Shift => "shifts by forces",
@@ -72,13 +41,24 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
             format!("{what} {} {}", std.text(), size.class.unit())
         });
         let sizes: Vec<String> = sizes.collect();
-        blocks.push(Block::Text(Text::new(format!(
-            "Beyond the axes each joint and the base give way by: {}.",
+        let said = Text::new(format!(
+            "Beyond the axes joints and base give way by: {}. k of a joint holds all that turns about its axis between the \
+             joint before and its own link.",
             sizes.join(", ")
-        ))));
+        ));
+        let both = vec![Block::Table(table), Block::Text(said)];
+        blocks.push(Block::Details(
+            "The axes alone, and what else gives way".into(),
+            both,
+        ));
     }
     let title = "What gives way beyond the joint axes";
-    Some(Section::new("elastic", title, blocks).in_summary())
+    let section = Section::new("elastic", title, blocks);
+    // Where both models say the same, one of them is enough to read.
+    match elastic.mixed.is_none() || elastic.is_better() {
+        true => Some(section.in_summary()),
+        false => Some(section),
+    }
 }
 
 /// Residuals against noise.

@@ -8,10 +8,13 @@ use super::{counted, level};
 use crate::identified::in_order;
 use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
+use stiffarm::estimate::elastic::Elastic;
 use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
 use stiffarm::findings::{Finding, Severity, visible};
 
+/// Joints without a ± whose bounds are said, and not left to the table.
+const MOST_NAMED: usize = 2;
 /// Residuals this many times the expected noise hold more than noise, where no test says it.
 const MORE_THAN_NOISE: f64 = 1.5;
 
@@ -65,22 +68,15 @@ pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
             .strong("Systematic errors were not examined."),
     };
     let text = residual(known, given, found);
-    if found.mixed().is_none() {
-        return text;
-    }
-    let mm = |key: &str| {
-        let number = given.number(&format!("/elastic/{key}"));
-        number.mm().decimals(3)
-    };
-    let text = text.words(" More than the joint axes gives way: ");
-    match (mm("axes_rms_m").value, mm("mixed_rms_m").value) {
-        (Some(_), Some(_)) => text
-            .words("the mixed model misses a posture that took no part by ")
+    let mm = |key: &str| given.number(&format!("/elastic/{key}")).mm().decimals(3);
+    match found.elastic.as_ref().is_some_and(Elastic::is_better) {
+        true => text
+            .words(" A posture that took no part is missed by ")
             .number(mm("mixed_rms_m"))
-            .words(", the axes alone by ")
+            .words("; by ")
             .number(mm("axes_rms_m"))
-            .words("."),
-        _ => text.words("the mixed model predicts."),
+            .words(" if the joint axes alone gave way."),
+        false => text,
     }
 }
 
@@ -132,7 +128,14 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
             joints.names(&weak)
         ));
     }
-    for j in joints.of(is_wide) {
+    let wide = joints.of(is_wide);
+    if wide.len() > MOST_NAMED {
+        return text.words(format!(
+            " No ± for {}: the table has their bounds.",
+            joints.names(&wide)
+        ));
+    }
+    for j in wide {
         let (low, high) = (joints.end(j, 0), joints.end(j, 1));
         text = text.words(format!(" k of {}: ", joints.name(j)));
         text = match high.value {
@@ -147,13 +150,21 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
 /// Whether the residual is noise.
 fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
     let own = &found.identification;
+    let mixed = found.elastic.as_ref().and_then(|e| e.mixed.as_ref());
+    // The test is of what the axes alone leave.
     let test = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
-    let (std, expected) = match test {
-        Some(_) => (
+    let test = test.filter(|_| mixed.is_none());
+    let (std, expected) = match (test, mixed) {
+        (Some(_), _) => (
             "/diagnosis/noise/residual_std_m",
             "/diagnosis/noise/expected_std_m",
         ),
-        None => ("/total_std_m", "/expected_std_m"),
+        (None, Some(_)) => ("/elastic/mixed/total_std_m", "/expected_std_m"),
+        (None, None) => ("/total_std_m", "/expected_std_m"),
+    };
+    let total_std_m = match mixed {
+        Some(mixed) => Some(mixed.total_std_m),
+        None => own.total_std_m,
     };
     let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
     if own.estimates.degrees_of_freedom == 0 {
@@ -167,7 +178,7 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
             .number(mm(std))
             .words("; the cell states no noise to compare it with.");
     }
-    let agreement = match (test, own.total_std_m) {
+    let agreement = match (test, total_std_m) {
         (Some(test), _) => test.agreement,
         (None, Some(std)) if std > MORE_THAN_NOISE * own.expected_std_m => Agreement::Larger,
         _ => Agreement::Agrees,
@@ -187,7 +198,7 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
             numbers(text.words(" What the fit leaves is less than the stated noise: ")).words(".")
         }
         Agreement::Larger => {
-            let ratio = Number::new("", own.total_std_m.map(|s| s / own.expected_std_m));
+            let ratio = Number::new("", total_std_m.map(|s| s / own.expected_std_m));
             let ratio = match test {
                 Some(_) => given.number("/diagnosis/noise/ratio"),
                 None => ratio,
@@ -248,12 +259,6 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
         );
     }
     let missing = joints.of(|verdict| !is_within(verdict));
-    if found.mixed().is_some() {
-        return Text::new("Predict and compensate with this file, which holds the mixed model; quote the stiffness of the \
-                          axes with its ±. ")
-            .code("stiffarm validate --folds all --elastic mixed")
-            .words(" shows posture by posture how well it predicts.");
-    }
     // What is left without the outliers is the model's.
     let left = found.diagnosis.as_ref().and_then(|d| {
         let without = d.outliers.noise_without.as_ref();
@@ -265,8 +270,8 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
         joints.of(|verdict| matches!(verdict, Verdict::Undetermined | Verdict::NotByItself));
     if larger && found.elastic.is_none() && blind.is_empty() {
         return Text::new("Identify again with ")
-            .code("--elastic auto")
-            .words(": it tells whether more than the joint axes gives way. Then ")
+            .code("--elastic mixed")
+            .words(": more than the joint axes may give way. Then ")
             .code("stiffarm validate")
             .words(" on postures that were held out.");
     }

@@ -4,7 +4,6 @@ use super::{DEVIATION, cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
-use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::{
     ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation,
 };
@@ -58,15 +57,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     });
     let mut sections = Vec::new();
     sections.extend(cell_section(context, groups.collect())?);
-    let mut blocks = vec![
+    let blocks = vec![
         Block::Figure(prediction_figure(&result)),
         Block::Table(shares(context, &result)),
     ];
-    if result.asked == ElasticChoice::Auto {
-        blocks.push(Block::Text(
-            "Taken: runs in which the data call for the mixed model.".into(),
-        ));
-    }
     let title = "How well deflections are predicted";
     sections.push(Section::new("prediction", title, blocks).in_summary());
     let mut blocks = vec![Block::Figure(joint_figure(&result))];
@@ -150,9 +144,9 @@ fn next(level: Option<&ElasticLevel>) -> Text {
         Some(mixed.prediction_rms_m < level.axes.prediction_rms_m)
     });
     match helps {
-        Some(true) => Text::new("Identify with ")
-            .code("stiffarm identify --elastic auto")
-            .words(" and choose postures with ")
+        Some(true) => Text::new("Identify with the mixed model, as ")
+            .code("stiffarm identify")
+            .words(" does by default, and choose postures with ")
             .code("stiffarm select --index prediction")
             .words(": the axes alone would promise too much."),
         Some(false) => {
@@ -209,10 +203,6 @@ fn errors(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
         Some(_) => mm(row, "expected_prediction_m").into(),
         None => Text::default(),
     })
-    .words("auto [mm]", |row| match rows[row].2.auto {
-        Some(_) => both(row, "auto"),
-        None => Text::default(),
-    })
 }
 
 /// How often bands and intervals hold the truth, a row for each level.
@@ -220,10 +210,9 @@ fn shares(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
     let rows: Vec<(String, String, &ElasticLevel)> = rows(result).collect();
     let number = |row: usize, key: &str| context.number(&format!("{}/{key}", rows[row].0));
     type Model = for<'l> fn(&'l ElasticLevel) -> Option<&'l ElasticModelOutcome>;
-    let models: [(&str, Model); 3] = [
+    let models: [(&str, Model); 2] = [
         ("axes", |level| Some(&level.axes)),
         ("mixed", |level| level.mixed.as_ref()),
-        ("auto", |level| level.auto.as_ref()),
     ];
     let mut table = DataTable::of(
         "Share that holds the truth: bands of predicted deflections, intervals of k",
@@ -241,15 +230,10 @@ fn shares(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
             of(rows[row].2)?.mean_interval_share().map(Number::computed)
         });
     }
-    table
-        .numbers("taken", SHARE, |row| {
-            rows[row].2.auto_took_mixed?;
-            Some(number(row, "auto_took_mixed"))
-        })
-        .numbers("runs without mixed model", COUNT, |row| {
-            let is_any = rows[row].2.without_mixed > 0;
-            is_any.then(|| number(row, "without_mixed"))
-        })
+    table.numbers("runs without mixed model", COUNT, |row| {
+        let is_any = rows[row].2.without_mixed > 0;
+        is_any.then(|| number(row, "without_mixed"))
+    })
 }
 
 /// Deviation of each joint's stiffness at a level, and how often its interval holds.

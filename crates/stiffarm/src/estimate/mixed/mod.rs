@@ -30,8 +30,10 @@ pub use result::{ElasticSize, GeneralSpring, MixedResult};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
-use crate::estimate::identify::{Estimator, Fit, MeasuredSystem, NoiseSource, Response};
-use crate::model::elastic::{Effect, ElasticClass, effects, terms};
+use crate::estimate::identify::{
+    Estimator, Fit, IdentifyOptions, MeasuredSystem, NoiseSource, Response,
+};
+use crate::model::elastic::{Effect, ElasticClass, fitted, terms};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order_watched;
 use likelihood::{Likelihood, Sizes};
@@ -75,6 +77,25 @@ pub(crate) struct Alone {
 }
 
 impl MixedFit {
+    /// Why a fit with these options has no mixed model.
+    pub(crate) fn excluded_by(options: &IdentifyOptions) -> Option<Error> {
+        let conflict =
+            |message: &str, hint: &str| Some(Error::new(Code::Conflict, message).hint(hint));
+        if options.estimator != Estimator::TwoVariance || options.noise != NoiseSource::Estimated {
+            return conflict(
+                "The mixed model estimates the size of the noise and of what a posture's points share itself.",
+                "use it with the estimator two-variance and noise from the residuals",
+            );
+        }
+        if !options.extra.is_empty() {
+            return conflict(
+                "The mixed model holds every tilt already, and lost motion cannot be one of its terms.",
+                "leave the extra terms out",
+            );
+        }
+        None
+    }
+
     /// Fits the mixed model to the displacements of `fit`, which must take the noise
     /// from the residuals.
     ///
@@ -82,20 +103,8 @@ impl MixedFit {
     /// Another estimator than that of two variances, noise that is given, extra terms;
     /// a joint that the data do not determine; no degree of freedom.
     pub fn new(fit: &Fit) -> Result<Self> {
-        let options = fit.options();
-        if options.estimator != Estimator::TwoVariance || options.noise != NoiseSource::Estimated {
-            return Err(Error::new(
-                Code::Conflict,
-                "The mixed model estimates the size of the noise and of what a posture's points share itself.",
-            )
-            .hint("use it with the estimator two-variance and noise from the residuals"));
-        }
-        if !options.extra.is_empty() {
-            return Err(Error::new(
-                Code::Conflict,
-                "The mixed model holds every tilt already, and lost motion cannot be one of its terms.",
-            )
-            .hint("leave the extra terms out"));
+        if let Some(conflict) = MixedFit::excluded_by(fit.options()) {
+            return Err(conflict);
         }
         let solution = fit.solution();
         if let Some(j) = solution.undetermined.first() {
@@ -108,7 +117,7 @@ impl MixedFit {
             ));
         }
         let joints = fit.cell().setup.robot.joint_count();
-        let effects = effects(joints);
+        let effects = fitted(joints);
         let terms = terms(&effects);
         let mut random = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &random);

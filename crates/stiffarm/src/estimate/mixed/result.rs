@@ -31,18 +31,18 @@ pub struct GeneralSpring {
     pub compliance: [[f64; 6]; 6],
 }
 
-/// Values of the mixed model; what predicts with their covariance is sealed in the result.
+/// What gives way beyond the axes in the mixed model; what predicts with it is sealed in the result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MixedResult {
-    /// One estimate per joint axis, given all that gives way besides.
-    pub joints: Vec<JointEstimate>,
     /// Sizes of what gives way besides.
     pub sizes: Vec<ElasticSize>,
     /// σ of a displacement component \[m\].
     pub residual_std_m: f64,
     /// τ of a shift common to a posture's points, at its largest load \[m\].
     pub posture_common_std_m: f64,
+    /// Standard deviation of a displacement component by both together \[m\].
+    pub total_std_m: f64,
     /// Degrees of freedom behind quantiles; `None` for normal ones.
     pub interval_degrees_of_freedom: Option<usize>,
     /// Base first, then joint by joint.
@@ -50,14 +50,13 @@ pub struct MixedResult {
 }
 
 impl MixedFit {
-    /// The result in numbers.
+    /// One estimate per joint axis, given all that gives way besides, with the scatter of the readings.
     ///
     /// # Errors
     /// No degree of freedom.
-    pub fn result(&self) -> Result<MixedResult> {
+    pub fn joints(&self) -> Result<Vec<JointEstimate>> {
         let found = self.compliance();
         let names = &self.fit().system().unknowns;
-        let fixed = names.len();
         let quantiles = found.spread.as_ref().map(Spread::quantiles).transpose()?;
         let error = |j: usize| {
             let variance = found.spread.as_ref()?.covariance[(j, j)];
@@ -68,16 +67,32 @@ impl MixedFit {
             Some(quantiles.as_ref()?.of_unknown(covariance, j))
         };
         let joint = |j: usize| estimate(&names[j], Some(found.values[j]), error(j), quantile(j));
+        Ok((0..names.len()).map(joint).collect())
+    }
+
+    /// What gives way beyond the axes, in numbers.
+    pub fn result(&self) -> MixedResult {
+        let found = self.compliance();
+        let fixed = self.fit().system().unknowns.len();
         let joints = self.fit().cell().setup.robot.joint_count();
         let places = std::iter::once(None).chain((0..joints).map(Some));
         let spring = |place: Option<usize>| {
             let mut compliance = [[0.0; 6]; 6];
             for (term, value) in found.extra.iter().zip(found.values.iter().skip(fixed)) {
-                if let ExtraTerm::Spring { joint, row, column } = *term
-                    && joint == place
-                {
-                    compliance[row][column] = *value;
-                    compliance[column][row] = *value;
+                match *term {
+                    ExtraTerm::Spring { joint, row, column } if joint == place => {
+                        compliance[row][column] += *value;
+                        if row != column {
+                            compliance[column][row] += *value;
+                        }
+                    }
+                    ExtraTerm::MeanSpring(class) => {
+                        let has = |i: &usize| {
+                            ElasticClass::of(*i, *i) == class && (place.is_none() || *i != 5)
+                        };
+                        (0..6).filter(has).for_each(|i| compliance[i][i] += *value);
+                    }
+                    _ => {}
                 }
             }
             GeneralSpring {
@@ -86,8 +101,7 @@ impl MixedFit {
             }
         };
         let spread = found.spread.as_ref();
-        Ok(MixedResult {
-            joints: (0..fixed).map(joint).collect(),
+        MixedResult {
             sizes: ElasticClass::ALL
                 .map(|class| ElasticSize {
                     class,
@@ -96,8 +110,9 @@ impl MixedFit {
                 .to_vec(),
             residual_std_m: spread.map_or(0.0, |s| s.sigma),
             posture_common_std_m: spread.map_or(0.0, |s| s.shift),
+            total_std_m: spread.map_or(0.0, |s| s.sigma.hypot(s.shift)),
             interval_degrees_of_freedom: spread.and_then(|s| s.degrees_of_freedom),
             springs: places.map(spring).collect(),
-        })
+        }
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::estimate::identify::{Fit, Response, interval_quantile, quantile};
 use crate::estimate::mixed::MixedFit;
+use crate::model::elastic::ElasticClass;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
 
@@ -24,6 +25,8 @@ pub(super) struct Believed<'a> {
     /// Half width of each joint's compliance by the scatter of the readings
     /// \[rad/(N·m)\].
     pub half_widths: Vec<Option<f64>>,
+    /// True where springs of the base are among the values, and not of size zero.
+    pub base_turns: bool,
     /// What is left of the displacements \[m\], where they are not those of the fit: of those that are not there
     /// yet nothing.
     pub expected: Option<&'a DVector<f64>>,
@@ -48,6 +51,7 @@ impl<'a> Believed<'a> {
             degrees_of_freedom: solution.t_degrees_of_freedom,
             half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
             errors,
+            base_turns: false,
             expected: None,
         })
     }
@@ -103,6 +107,7 @@ impl<'a> Believed<'a> {
             degrees_of_freedom: found.spread.as_ref().and_then(|s| s.degrees_of_freedom),
             errors,
             half_widths,
+            base_turns: mixed.size(ElasticClass::Turn) > 0.0,
             expected: None,
         })
     }
@@ -115,8 +120,6 @@ impl<'a> Believed<'a> {
     /// True where the values account for `term` already. The springs of the mixed model
     /// hold every tilt of the base.
     pub(super) fn holds(&self, term: &ExtraTerm) -> bool {
-        let is_base = |t: &ExtraTerm| matches!(t, ExtraTerm::Spring { joint: None, .. });
-        self.extra.contains(term)
-            || (*term == ExtraTerm::BaseTilt && self.extra.iter().any(is_base))
+        self.extra.contains(term) || (*term == ExtraTerm::BaseTilt && self.base_turns)
     }
 }

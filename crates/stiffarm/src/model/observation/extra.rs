@@ -13,9 +13,16 @@
 //! Mechanism and Machine Theory 44, 2009, 966–982,
 //! doi:10.1016/j.mechmachtheory.2008.05.017). Its axes move with the link behind
 //! the joint: z is the joint's axis, x points towards what is next on that link.
+//!
+//! No posture tells the turn of a spring about the axis of the joint that follows from that
+//! joint's own compliance (Klimchik, Caro, Furet and Pashkevich, Complete Stiffness Model for a
+//! Serial Robot, ICINCO 2014, reduce their model by such parameters). So h of an axis is
+//! h + aᵀ C a with a its direction and C the turns of the spring before it: what turns about
+//! the axis under a unit moment about it. The column of a spring is what it does beside that.
 
 use super::PostureTerms;
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::model::elastic::ElasticClass;
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
 use nalgebra::{DVector, Matrix3, Vector3, Vector6};
@@ -52,6 +59,9 @@ pub enum ExtraTerm {
         /// Column.
         column: usize,
     },
+    /// What the entries on the diagonal of all general springs have in common, shifts or turns; unknown: their mean
+    /// \[m/N; rad/(N·m)\].
+    MeanSpring(ElasticClass),
 }
 
 impl ExtraTerm {
@@ -69,6 +79,7 @@ impl ExtraTerm {
                 let [row, column] = [row, column].map(|i| axes.get(i).unwrap_or(&"?"));
                 format!("spring ({row}, {column}) of {place}")
             }
+            ExtraTerm::MeanSpring(class) => format!("mean spring [{}]", class.unit()),
             ExtraTerm::JointTilt(j) => format!("tilt of {}", joint(j)),
             ExtraTerm::BaseTilt => "tilt of the base".to_string(),
             ExtraTerm::LostMotion(j) => format!("lost motion of {}", joint(j)),
@@ -85,7 +96,7 @@ impl ExtraTerm {
         match self {
             ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => Some(j),
             ExtraTerm::Spring { joint, .. } => joint,
-            ExtraTerm::BaseTilt => None,
+            ExtraTerm::BaseTilt | ExtraTerm::MeanSpring(_) => None,
         }
     }
 
@@ -176,10 +187,7 @@ impl ExtraTerm {
         };
         match self {
             ExtraTerm::Spring { joint, row, column } => {
-                let (axes, origin) = match joint {
-                    Some(j) => (link_axes(frames, j), frames.origins()[j]),
-                    None => (Matrix3::identity(), on_first_axis(frames)),
-                };
+                let (axes, origin) = spring_frame(frames, joint);
                 let wrench = terms.wrench().moved(terms.loading_point(), &origin);
                 let load = |i: usize| match i < 3 {
                     true => axes.column(i).dot(&wrench.force),
@@ -194,7 +202,32 @@ impl ExtraTerm {
                 if row != column {
                     add(column, load(row));
                 }
+                // The axis that follows counts the turn about it as its own compliance.
+                let next = joint.map_or(0, |j| j + 1);
+                let is_axis = joint.is_some() && row == 5;
+                if row >= 3 && !is_axis && next < frames.axes().len() {
+                    let (axis, at) = (frames.axes()[next], frames.origins()[next]);
+                    let along = |i: usize| axes.column(i - 3).dot(&axis);
+                    let twice = if row == column { 1.0 } else { 2.0 };
+                    let part = twice * along(row) * along(column);
+                    let moment = terms.wrench().moved(terms.loading_point(), &at).moment;
+                    motion.add(&Motion::turn(axis * (axis.dot(&moment) * -part), at));
+                }
                 motion
+            }
+            ExtraTerm::MeanSpring(class) => {
+                let mut sum = Motion::turn(Vector3::zeros(), Vector3::zeros());
+                let joints = frames.axes().len();
+                for joint in std::iter::once(None).chain((0..joints).map(Some)) {
+                    for row in 0..6 {
+                        let is_axis = joint.is_some() && row == 5;
+                        if !is_axis && ElasticClass::of(row, row) == class {
+                            let column = row;
+                            sum.add(&ExtraTerm::Spring { joint, row, column }.motion(terms));
+                        }
+                    }
+                }
+                sum
             }
             ExtraTerm::JointTilt(j) => tilt(frames.axes()[j], frames.origins()[j]),
             ExtraTerm::BaseTilt => tilt(frames.axes()[0], on_first_axis(frames)),
@@ -224,9 +257,23 @@ impl Motion {
         }
     }
 
+    /// Goes on with a further small motion of the same body.
+    fn add(&mut self, other: &Motion) {
+        self.shift += other.at(&self.origin);
+        self.turn += other.turn;
+    }
+
     /// Shift of the body's point at `p`.
     fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.shift + self.turn.cross(&(p - self.origin))
+    }
+}
+
+/// Axes (columns) and origin of the general spring of a joint, or of the base.
+fn spring_frame(frames: &Frames, joint: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
+    match joint {
+        Some(j) => (link_axes(frames, j), frames.origins()[j]),
+        None => (Matrix3::identity(), on_first_axis(frames)),
     }
 }
 
@@ -239,7 +286,7 @@ pub(crate) fn on_first_axis(frames: &Frames) -> Vector3<f64> {
 /// Axes fixed to the link behind joint `j`: z its axis, x across it towards the next
 /// joint's axis, or its origin, or along the flange's x. Which of them depends on the
 /// robot alone, not on its posture.
-pub(crate) fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
+pub fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
     let z = frames.axes()[j];
     let across = |v: Vector3<f64>| v - z * z.dot(&v);
     let next = frames.axes().get(j + 1).map(|axis| {

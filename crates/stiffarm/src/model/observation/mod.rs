@@ -8,6 +8,10 @@ mod extra;
 
 pub use extra::ExtraTerm;
 pub(crate) use extra::{link_axes, on_first_axis};
+/// What tests turn springs with.
+pub(crate) mod internals {
+    pub use super::extra::link_axes;
+}
 
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;

@@ -17,9 +17,8 @@ pub use result::{
 use super::{check_amount, check_determined, draw_noise};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::elastic::{ElasticChoice, elastic};
+use crate::estimate::elastic::{ElasticChoice, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, estimate};
-use crate::estimate::mixed::MixedFit;
 use crate::estimate::validate::simulate_measurements;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
@@ -182,8 +181,6 @@ struct Run {
     deflection: f64,
     axes: Outcome,
     mixed: Option<Outcome>,
-    /// What the data call for, where that was asked.
-    chosen: Option<ElasticChoice>,
 }
 
 /// One model in one run.
@@ -240,24 +237,14 @@ impl Experiment<'_> {
         let confidence = fit.options().confidence;
         let by_axes = IdentifiedCompliance::from_solution(fit.system(), fit.solution(), confidence);
         let outcome = |predictor: &IdentifiedCompliance| self.outcome(predictor, &compliance);
-        let asked = self.options.elastic;
-        let (chosen, mixed) = match asked {
-            ElasticChoice::Axes => (None, None),
-            ElasticChoice::Mixed => (None, mixed_fit(&fit)?),
-            ElasticChoice::Auto => {
-                let (found, mixed) = elastic(&fit, asked)?;
-                let mixed = match mixed {
-                    Some(mixed) => Some(mixed),
-                    None => mixed_fit(&fit)?,
-                };
-                (Some(found.model), mixed)
-            }
+        let mixed = match self.options.elastic {
+            ElasticChoice::Axes => None,
+            ElasticChoice::Mixed => carried(&fit)?.ok(),
         };
         Ok(Run {
             deflection: self.work.square(&compliance),
             axes: outcome(&by_axes)?,
             mixed: mixed.map(|m| outcome(m.compliance())).transpose()?,
-            chosen,
         })
     }
 
@@ -305,32 +292,14 @@ impl Experiment<'_> {
     }
 }
 
-/// The mixed model, where the data carry it.
-fn mixed_fit(fit: &Fit) -> Result<Option<MixedFit>> {
-    match MixedFit::new(fit) {
-        Ok(mixed) => Ok(Some(mixed)),
-        Err(error) if [Code::TooFewData, Code::NotIdentifiable].contains(&error.code()) => Ok(None),
-        Err(error) => Err(error),
-    }
-}
-
 fn summary(runs: &[Run], factor: f64, expected: Option<f64>, asked: ElasticChoice) -> ElasticLevel {
     let axes: Vec<&Outcome> = runs.iter().map(|run| &run.axes).collect();
     let mixed: Vec<&Outcome> = runs
         .iter()
         .map(|run| run.mixed.as_ref().unwrap_or(&run.axes))
         .collect();
-    let takes = |run: &&Run| run.chosen == Some(ElasticChoice::Mixed);
-    let auto: Vec<&Outcome> = runs
-        .iter()
-        .map(|run| match (takes(&run), &run.mixed) {
-            (true, Some(mixed)) => mixed,
-            _ => &run.axes,
-        })
-        .collect();
     let deflections: Vec<f64> = runs.iter().map(|run| run.deflection).collect();
     let has_mixed = asked != ElasticChoice::Axes;
-    let is_auto = asked == ElasticChoice::Auto;
     let without = runs.iter().filter(|run| run.mixed.is_none()).count();
     ElasticLevel {
         variance_factor: factor,
@@ -340,9 +309,6 @@ fn summary(runs: &[Run], factor: f64, expected: Option<f64>, asked: ElasticChoic
         axes: over_runs(&axes),
         mixed: has_mixed.then(|| over_runs(&mixed)),
         without_mixed: if has_mixed { without } else { 0 },
-        auto: is_auto.then(|| over_runs(&auto)),
-        auto_took_mixed: is_auto
-            .then(|| runs.iter().filter(takes).count() as f64 / runs.len() as f64),
     }
 }
 

@@ -16,9 +16,7 @@ pub struct ElasticSimulationOptions {
     pub runs: usize,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// The model of the arm beside the joint axes alone: `mixed`, or `auto` to count also
-    /// how often the data call for it, which leaves every posture out in every run. With
-    /// `axes` there is none beside.
+    /// The model of the arm beside the joint axes alone: `mixed`, or none with `axes`.
     pub elastic: ElasticChoice,
 }
 
@@ -84,10 +82,6 @@ pub struct ElasticLevel {
     pub mixed: Option<ElasticModelOutcome>,
     /// Runs whose data do not carry the mixed model: the axes stand in for it.
     pub without_mixed: usize,
-    /// With the model that the data call for, where that was asked for.
-    pub auto: Option<ElasticModelOutcome>,
-    /// Share of the runs in which that is the mixed model.
-    pub auto_took_mixed: Option<f64>,
 }
 
 /// All levels of one group.

@@ -7,7 +7,7 @@ use crate::estimate::freedom::SpreadQuantiles;
 use crate::estimate::identify::columns;
 use crate::estimate::simulate::normal;
 use crate::model::cell::Cell;
-use crate::model::elastic::{ElasticSizes, effects, terms};
+use crate::model::elastic::{ElasticSizes, fitted, terms};
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::posture::Posture;
@@ -30,8 +30,12 @@ impl Truth {
     /// No prior.
     pub(super) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
         let prior = cell.require_prior()?.to_vec();
-        let effects = effects(cell.setup.robot.joint_count());
-        let deviation = effects.iter().map(|e| e.scale * sizes.of(e.class));
+        let effects = fitted(cell.setup.robot.joint_count());
+        let deviation = effects.iter().map(|e| match e.term {
+            // Entries scatter around zero.
+            ExtraTerm::MeanSpring(_) => 0.0,
+            _ => e.scale * sizes.of(e.class),
+        });
         Ok(Truth {
             axes: DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k)),
             deviations: DVector::from_iterator(effects.len(), deviation),
@@ -49,7 +53,7 @@ impl Truth {
 
 /// The entries of all springs beyond the axes.
 fn springs(cell: &Cell) -> Vec<ExtraTerm> {
-    terms(&effects(cell.setup.robot.joint_count()))
+    terms(&fitted(cell.setup.robot.joint_count()))
 }
 
 /// A group of postures on any such arm.
