@@ -230,7 +230,7 @@ def experiment(folder, command, options, truth, count, seed):
     if errors.get("tails"):
         drawn = rng.standard_t(3, measured.shape) / math.sqrt(3)
     measured = (measured + NOISE * drawn) * 1e3
-    at_work = bent(work, (springs, 0 * gaps, bearings), AT_WORK) - unloaded(work, POINTS)
+    at_work = bent(work, (springs, gaps, bearings), AT_WORK) - unloaded(work, POINTS)
 
     angles = [f"q{j + 1}_deg" for j in range(JOINTS)]
     table = Path(folder, "readings.csv")
