@@ -2,50 +2,10 @@
 //! symmetric 6 × 6 compliances, in three classes whose entries scatter alike.
 
 use crate::error::Result;
+pub use crate::model::observation::ElasticClass;
 use crate::model::observation::{ExtraTerm, Setup};
 use crate::model::stiffness::joint_compliance;
 use serde::{Deserialize, Serialize};
-
-/// Entries of the springs' compliances that share one size.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum ElasticClass {
-    /// Shifts by forces \[m/N\].
-    Shift,
-    /// Turns by moments, but for the joint's own axis \[rad/(N·m)\].
-    Turn,
-    /// Shifts by moments and turns by forces \[rad/N\].
-    Coupling,
-}
-
-impl ElasticClass {
-    /// All classes, in the order of results.
-    pub const ALL: [ElasticClass; 3] = [
-        ElasticClass::Shift,
-        ElasticClass::Turn,
-        ElasticClass::Coupling,
-    ];
-
-    /// The class of an entry: rows and columns 0 to 2 are shifts and forces, 3 to 5 turns
-    /// and moments.
-    pub fn of(row: usize, column: usize) -> Self {
-        match (row < 3, column < 3) {
-            (true, true) => ElasticClass::Shift,
-            (false, false) => ElasticClass::Turn,
-            _ => ElasticClass::Coupling,
-        }
-    }
-
-    /// Unit of the entries.
-    pub fn unit(self) -> &'static str {
-        match self {
-            ElasticClass::Shift => "m/N",
-            ElasticClass::Turn => "rad/(N·m)",
-            ElasticClass::Coupling => "rad/N",
-        }
-    }
-}
 
 /// Standard deviations of the entries of each class: of those on the diagonal; entries
 /// beside it have them over √2.

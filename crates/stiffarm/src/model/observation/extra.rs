@@ -22,7 +22,6 @@
 
 use super::PostureTerms;
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::model::elastic::ElasticClass;
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
 use nalgebra::{DVector, Matrix3, Vector3, Vector6};
@@ -30,6 +29,47 @@ use serde::{Deserialize, Serialize};
 
 /// A direction across an axis is clear from this length on (of a unit vector; m).
 const CLEARLY: f64 = 1e-2;
+
+/// Entries of the springs' compliances that share one size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ElasticClass {
+    /// Shifts by forces \[m/N\].
+    Shift,
+    /// Turns by moments, but for the joint's own axis \[rad/(N·m)\].
+    Turn,
+    /// Shifts by moments and turns by forces \[rad/N\].
+    Coupling,
+}
+
+impl ElasticClass {
+    /// All classes, in the order of results.
+    pub const ALL: [ElasticClass; 3] = [
+        ElasticClass::Shift,
+        ElasticClass::Turn,
+        ElasticClass::Coupling,
+    ];
+
+    /// The class of an entry: rows and columns 0 to 2 are shifts and forces, 3 to 5 turns
+    /// and moments.
+    pub fn of(row: usize, column: usize) -> Self {
+        match (row < 3, column < 3) {
+            (true, true) => ElasticClass::Shift,
+            (false, false) => ElasticClass::Turn,
+            _ => ElasticClass::Coupling,
+        }
+    }
+
+    /// Unit of the entries.
+    pub fn unit(self) -> &'static str {
+        match self {
+            ElasticClass::Shift => "m/N",
+            ElasticClass::Turn => "rad/(N·m)",
+            ElasticClass::Coupling => "rad/N",
+        }
+    }
+}
 
 /// One further unknown of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

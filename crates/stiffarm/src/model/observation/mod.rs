@@ -6,7 +6,7 @@
 
 mod extra;
 
-pub use extra::ExtraTerm;
+pub use extra::{ElasticClass, ExtraTerm};
 pub(crate) use extra::{link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {
