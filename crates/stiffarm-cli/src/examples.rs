@@ -84,8 +84,8 @@ pub const IDENTIFY: &str = "Examples:
   $ stiffarm identify builtin:comau tracked.csv --extra tilt3 --bootstrap 300
   $ stiffarm identify builtin:comau tracked.csv --estimator huber --brief
 
-  What gives way beyond the joint axes, as far as the data show:
-  $ stiffarm identify builtin:comau simulated.csv";
+  The paper's model, in which nothing but the joint axes gives way:
+  $ stiffarm identify builtin:comau simulated.csv --elastic axes";
 pub const VALIDATE: &str = "Examples:
   $ stiffarm validate builtin:comau k.json simulated.csv --only 6
   $ stiffarm validate builtin:comau k.json simulated.csv --tolerance-mm 0.1

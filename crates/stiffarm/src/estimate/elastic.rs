@@ -32,14 +32,6 @@ pub enum ElasticChoice {
     Mixed,
 }
 
-impl Elastic {
-    /// True where postures that took no part speak clearly for the mixed model.
-    pub fn is_better(&self) -> bool {
-        let both = self.axes_rms_m.zip(self.mixed_rms_m);
-        both.is_some_and(|(axes, mixed)| mixed < CLEARLY * axes)
-    }
-}
-
 impl ElasticChoice {
     /// Name in options and results.
     pub fn as_str(self) -> &'static str {
@@ -87,6 +79,14 @@ pub struct Elastic {
     pub axes: Vec<JointEstimate>,
     /// What gives way beyond the axes, where it predicts.
     pub mixed: Option<MixedResult>,
+}
+
+impl Elastic {
+    /// True where postures that took no part speak clearly for the mixed model.
+    pub fn is_better(&self) -> bool {
+        let both = self.axes_rms_m.zip(self.mixed_rms_m);
+        both.is_some_and(|(axes, mixed)| mixed < CLEARLY * axes)
+    }
 }
 
 /// The mixed model of the displacements of `fit`. Where the data cannot carry it, the axes

@@ -157,8 +157,7 @@ pub struct Identified {
 impl Identified {
     /// The elastic model, where it is the mixed one that predicts.
     pub fn mixed(&self) -> Option<&Elastic> {
-        let elastic = self.elastic.as_ref();
-        elastic.filter(|e| e.model == ElasticChoice::Mixed && e.mixed.is_some())
+        self.elastic.as_ref().filter(|e| e.mixed.is_some())
     }
 
     /// True where every joint has a stiffness: a closed interval if the axes alone gave way; in the mixed model a
@@ -234,9 +233,10 @@ impl Identified {
         if let Some(systematic) = &out.systematic_errors {
             systematic.widen(&mut out.identification.estimates.joints);
         }
-        if let (Some(_), Some(elastic)) = (&mixed, &mut out.elastic) {
+        // What a stop leaves out is named already, or stands in `interval_holds` of the axes.
+        if let Some(elastic) = out.elastic.as_mut().filter(|e| e.mixed.is_some()) {
             let of_axes =
-                unless_stopped("systematic_errors", &mut left_out, systematic_errors(fit))?;
+                unless_stopped("systematic_errors", &mut Vec::new(), systematic_errors(fit))?;
             of_axes.iter().for_each(|own| own.widen(&mut elastic.axes));
         }
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;

@@ -150,7 +150,7 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
 /// Whether the residual is noise.
 fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
     let own = &found.identification;
-    let mixed = found.elastic.as_ref().and_then(|e| e.mixed.as_ref());
+    let mixed = found.mixed().and_then(|elastic| elastic.mixed.as_ref());
     // The test is of what the axes alone leave.
     let test = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
     let test = test.filter(|_| mixed.is_none());

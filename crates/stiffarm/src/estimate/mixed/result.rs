@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::compliance::Spread;
 use crate::estimate::identify::{JointEstimate, estimate};
 use crate::model::elastic::ElasticClass;
-use crate::model::observation::ExtraTerm;
+use crate::model::observation::{ExtraTerm, diagonal};
 use serde::{Deserialize, Serialize};
 
 /// How much entries of one class scatter.
@@ -87,10 +87,8 @@ impl MixedFit {
                         }
                     }
                     ExtraTerm::MeanSpring(class) => {
-                        let has = |i: &usize| {
-                            ElasticClass::of(*i, *i) == class && (place.is_none() || *i != 5)
-                        };
-                        (0..6).filter(has).for_each(|i| compliance[i][i] += *value);
+                        let own = diagonal(class, joints).filter(|(joint, _)| *joint == place);
+                        own.for_each(|(_, i)| compliance[i][i] += *value);
                     }
                     _ => {}
                 }

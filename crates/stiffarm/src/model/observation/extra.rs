@@ -257,15 +257,9 @@ impl ExtraTerm {
             }
             ExtraTerm::MeanSpring(class) => {
                 let mut sum = Motion::turn(Vector3::zeros(), Vector3::zeros());
-                let joints = frames.axes().len();
-                for joint in std::iter::once(None).chain((0..joints).map(Some)) {
-                    for row in 0..6 {
-                        let is_axis = joint.is_some() && row == 5;
-                        if !is_axis && ElasticClass::of(row, row) == class {
-                            let column = row;
-                            sum.add(&ExtraTerm::Spring { joint, row, column }.motion(terms));
-                        }
-                    }
+                for (joint, row) in diagonal(class, frames.axes().len()) {
+                    let column = row;
+                    sum.add(&ExtraTerm::Spring { joint, row, column }.motion(terms));
                 }
                 sum
             }
@@ -307,6 +301,20 @@ impl Motion {
     fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.shift + self.turn.cross(&(p - self.origin))
     }
+}
+
+/// Place and row of the entries that [`ExtraTerm::MeanSpring`] holds: all of the class on the diagonals of the springs,
+/// base first, but for the axes of the joints themselves.
+pub(crate) fn diagonal(
+    class: ElasticClass,
+    joints: usize,
+) -> impl Iterator<Item = (Option<usize>, usize)> {
+    let places = std::iter::once(None).chain((0..joints).map(Some));
+    let all = places.flat_map(|joint| (0..6).map(move |row| (joint, row)));
+    all.filter(move |(joint, row)| {
+        let is_axis = joint.is_some() && *row == 5;
+        !is_axis && ElasticClass::of(*row, *row) == class
+    })
 }
 
 /// Axes (columns) and origin of the general spring of a joint, or of the base.

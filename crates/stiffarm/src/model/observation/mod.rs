@@ -7,7 +7,7 @@
 mod extra;
 
 pub use extra::{ElasticClass, ExtraTerm};
-pub(crate) use extra::{link_axes, on_first_axis};
+pub(crate) use extra::{diagonal, link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {
     pub use super::extra::link_axes;

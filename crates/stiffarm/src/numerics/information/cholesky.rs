@@ -6,27 +6,22 @@ use nalgebra::{DMatrix, DVector};
 /// Blocks up to so many rows are left to nalgebra.
 const SMALL: usize = 24;
 
-/// L and its inverse of a positive definite matrix A = L Lᵀ.
+/// L⁻¹ of a positive definite matrix A = L Lᵀ: all that is asked of it follows from this.
 pub struct Cholesky {
-    /// Diagonal of L.
-    diagonal: DVector<f64>,
-    /// L⁻¹.
     inverse_root: DMatrix<f64>,
 }
 
 impl Cholesky {
     /// `None` where the matrix is not positive definite.
     pub fn new(matrix: &DMatrix<f64>) -> Option<Self> {
-        let (root, inverse_root) = factor(matrix)?;
-        Some(Cholesky {
-            diagonal: root.diagonal(),
-            inverse_root,
-        })
+        let inverse_root = inverse_root(matrix)?;
+        Some(Cholesky { inverse_root })
     }
 
     /// ln|A|.
     pub fn ln_determinant(&self) -> f64 {
-        2.0 * self.diagonal.iter().map(|v| v.ln()).sum::<f64>()
+        let diagonal = self.inverse_root.diagonal();
+        -2.0 * diagonal.iter().map(|v| v.ln()).sum::<f64>()
     }
 
     /// A⁻¹ b.
@@ -40,28 +35,23 @@ impl Cholesky {
     }
 }
 
-/// L and L⁻¹: with A in four blocks those of its first, then of what it leaves of the last.
-fn factor(matrix: &DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+/// L⁻¹: with A in four blocks that of its first, then of what it leaves of the last.
+fn inverse_root(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
     if n <= SMALL {
         let root = matrix.clone().cholesky()?.unpack();
-        let inverse = root.solve_lower_triangular(&DMatrix::identity(n, n))?;
-        return Some((root, inverse));
+        return root.solve_lower_triangular(&DMatrix::identity(n, n));
     }
     let first = n / 2;
     let rest = n - first;
-    let (root, inverse) = factor(&matrix.view((0, 0), (first, first)).into_owned())?;
+    let inverse = inverse_root(&matrix.view((0, 0), (first, first)).into_owned())?;
     let below = matrix.view((first, 0), (rest, first)) * inverse.transpose();
     let left = matrix.view((first, first), (rest, rest)) - &below * below.transpose();
-    let (last_root, last_inverse) = factor(&left)?;
-    let below_inverse = -(&last_inverse * &below * &inverse);
-    let joined = |one: &DMatrix<f64>, under: &DMatrix<f64>, other: &DMatrix<f64>| {
-        let mut out = DMatrix::zeros(n, n);
-        out.view_mut((0, 0), (first, first)).copy_from(one);
-        out.view_mut((first, 0), (rest, first)).copy_from(under);
-        out.view_mut((first, first), (rest, rest)).copy_from(other);
-        out
-    };
-    let whole = joined(&root, &below, &last_root);
-    Some((whole, joined(&inverse, &below_inverse, &last_inverse)))
+    let last = inverse_root(&left)?;
+    let mut out = DMatrix::zeros(n, n);
+    out.view_mut((0, 0), (first, first)).copy_from(&inverse);
+    out.view_mut((first, 0), (rest, first))
+        .copy_from(&-(&last * below * inverse));
+    out.view_mut((first, first), (rest, rest)).copy_from(&last);
+    Some(out)
 }
