@@ -65,13 +65,16 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
 pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
     let own = &found.identification;
     let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
-    let mut words = Text::new("Residual RMS ")
-        .number(mm("/residual_rms_m"))
-        .words(", beside a displacement RMS of ")
-        .number(mm("/displacement_rms_m"))
-        .then(share(own.residual_rms_m, own.displacement_rms_m))
-        .words(".");
-    if own.total_std_m.is_some() && own.expected_std_m > 0.0 {
+    let mut words = Text::new(match found.mixed() {
+        Some(_) => "Of the joint axes alone: residual RMS ",
+        None => "Residual RMS ",
+    })
+    .number(mm("/residual_rms_m"))
+    .words(", beside a displacement RMS of ")
+    .number(mm("/displacement_rms_m"))
+    .then(share(own.residual_rms_m, own.displacement_rms_m))
+    .words(".");
+    if own.total_std_m.is_some() && own.expected_std_m > 0.0 && found.mixed().is_none() {
         words = words.words(
             " The verdict holds the standard deviation of the residuals against noise, not this RMS: it weighs each \
              displacement by its noise and counts the degrees of freedom that the fit has used up.",
