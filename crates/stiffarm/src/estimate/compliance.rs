@@ -304,9 +304,9 @@ impl IdentifiedCompliance {
             true => Ok(self.values.as_slice()),
             false => Err(Error::new(
                 Code::Unsupported,
-                format!("The {model} model cannot use extra terms."),
+                format!("The {model} model holds the axes' springs alone."),
             )
-            .hint("use the linear model, or a stiffness identified without extra terms")),
+            .hint("use the linear model, or identify with --elastic axes and without --extra")),
         }
     }
 }
