@@ -2,7 +2,7 @@
 
 use crate::arguments::{OutputsOptions, TestOptions};
 use crate::run::{Failure, Workspace, step};
-use crate::{fuzz, generate, outputs, structure, test};
+use crate::{fuzz, generate, outputs, structure, test, tools};
 
 /// Every check that is not a test; stops at the first that fails.
 pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
@@ -15,18 +15,15 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
 
 /// What [`lint`] does, a little fuzzing, all commands on 1, 2 and 4 threads, then the tests. Their closing line is the last line of all.
 pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
-    check_code(workspace)?;
+    lint(workspace)?;
     let build = workspace.build();
     step(&build, || build.run())?;
-    step("cargo xtask generate --check", || {
-        generate::run_built(workspace, true)
-    })?;
-    check_dependencies(workspace)?;
     let seconds = fuzz::SMOKE_SECONDS;
     step(format!("cargo xtask fuzz --seconds {seconds}"), fuzz::smoke)?;
     let threads = OutputsOptions {
         folder: workspace.root().join("target/outputs"),
         threads: vec![1, 2, 4],
+        binary: Some(tools::stiffarm()?),
         is_brief: true,
         ..OutputsOptions::default()
     };

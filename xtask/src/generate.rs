@@ -1,17 +1,15 @@
 //! `cargo xtask generate`: files that are made from the code, so that they cannot contradict it.
 
 use std::collections::BTreeMap;
+use std::env::consts::EXE_SUFFIX;
 use std::path::Path;
 
 use crate::files::{self, first_difference};
 use crate::run::{Failure, Workspace};
 use crate::tools;
 
-/// Files that the `stiffarm` command prints, and with which arguments. Paths begin at the workspace root.
-const PRINTED: [(&str, [&str; 2]); 1] = [("docs/errors.md", ["docs", "errors"])];
-
-/// Folder of the schemas that the command prints, and where that of the cell file is read by people and editors.
-const SCHEMAS: (&str, &str) = ("crates/stiffarm-cli/schemas", "docs/cell.schema.json");
+/// The example of the command that prints every file made from the code.
+const EXAMPLE: &str = "generated";
 
 /// Copies of files. The licences go into the wheel, which takes nothing from outside its folder.
 const COPIES: [(&str, &str); 2] = [
@@ -25,41 +23,25 @@ const FOLDER: (&str, &str) = ("cells", "crates/stiffarm/data/cells");
 /// File contents by path relative to the workspace root, with `/` on every system.
 type Files = BTreeMap<String, Vec<u8>>;
 
-/// Builds everything, then writes what is generated, or with `check` only compares it.
+/// Writes what is generated, or with `check` only compares it.
 pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    workspace.built()?;
-    run_built(workspace, check)
+    let example = ["--example", EXAMPLE, "--features", "stiffarm-cli/schema"];
+    // The schemas' code runs for a moment, and is a fifth of the library: not optimised, a build of a minute.
+    let build = workspace
+        .cargo(&[&["build", "--quiet", "--locked"][..], &example].concat())
+        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
+    build.run()?;
+    let example = tools::built(&format!("examples/{EXAMPLE}{EXE_SUFFIX}"))?;
+    let printed: BTreeMap<String, String> = tools::call(&example, &[])
+        .and_then(|text| serde_json::from_str(&text).map_err(|why| why.to_string()))
+        .map_err(|why| Failure::internal(format!("`{}`: {why}", example.display()), "correct it"))?;
+    compare(workspace.root(), &expected(workspace.root(), printed)?, check)
 }
 
-/// [`run`] with the `stiffarm` that has been built into the folder of this program.
-pub fn run_built(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    let expected = expected(workspace.root(), &tools::stiffarm()?)?;
-    compare(workspace.root(), &expected, check)
-}
-
-/// What every generated file should hold.
-fn expected(root: &Path, stiffarm: &Path) -> Result<Files, Failure> {
-    let mut expected = Files::new();
-    let fault = |words: [&str; 2], why: &dyn std::fmt::Display| {
-        let message = format!("`stiffarm {}` failed: {why}", words.join(" "));
-        Failure::internal(message, "correct it, then run it again")
-    };
-    let printed =
-        |words: [&str; 2]| tools::call(stiffarm, &words).map_err(|why| fault(words, &why));
-    for (target, words) in PRINTED {
-        expected.insert(target.to_string(), printed(words)?.into_bytes());
-    }
-    let words = ["docs", "schemas"];
-    let schemas: BTreeMap<String, String> =
-        serde_json::from_str(&printed(words)?).map_err(|why| fault(words, &why))?;
-    let (folder, cell) = SCHEMAS;
-    for (name, text) in schemas {
-        let text = text.into_bytes();
-        if name == "cell" {
-            expected.insert(cell.to_string(), text.clone());
-        }
-        expected.insert(format!("{folder}/{name}.json"), text);
-    }
+/// What every generated file should hold, with those that the example has `printed`.
+fn expected(root: &Path, printed: BTreeMap<String, String>) -> Result<Files, Failure> {
+    let bytes = |(path, text): (String, String)| (path, text.into_bytes());
+    let mut expected: Files = printed.into_iter().map(bytes).collect();
     for (target, original) in COPIES {
         expected.insert(target.to_string(), files::read(&root.join(original))?);
     }

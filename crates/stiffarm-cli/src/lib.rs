@@ -26,6 +26,8 @@ mod session;
 mod table;
 mod text;
 
+#[cfg(feature = "schema")]
+pub use commands::generated::generated as schemas;
 pub use described::{Argument, Described, Kind, described};
 pub use host::Host;
 pub use saved::{page, told};

@@ -354,9 +354,6 @@ pub enum DocsPage {
     Errors,
     /// What the commands take, as JSON
     Commands,
-    /// The schemas that `schema` prints, made of the types
-    #[cfg(feature = "schema")]
-    Schemas,
 }
 
 impl Command {

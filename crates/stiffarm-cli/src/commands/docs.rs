@@ -11,8 +11,6 @@ use stiffarm::{Code, Result};
 pub fn run(session: &Session, args: &DocsArgs) -> Result<Exit> {
     let page = match args.page {
         DocsPage::Errors => errors(),
-        #[cfg(feature = "schema")]
-        DocsPage::Schemas => to_json(&super::generated::generated()?)?,
         DocsPage::Commands => to_json(&described())?,
     };
     session.print_exact(&page)?;

@@ -1,0 +1,20 @@
+//! The files that are made from the code, as one JSON object, path to text: what `cargo xtask generate` writes.
+
+use std::collections::BTreeMap;
+use stiffarm::files::envelope::to_json;
+
+fn main() -> stiffarm::Result<()> {
+    let mut files = BTreeMap::new();
+    let words = ["stiffarm", "docs", "errors"].map(Into::into);
+    let errors = stiffarm_cli::run_captured(&words, Default::default());
+    files.insert("docs/errors.md".to_string(), errors.out);
+    for (name, text) in stiffarm_cli::schemas()? {
+        if name == "cell" {
+            // Where people and editors read it.
+            files.insert("docs/cell.schema.json".to_string(), text.clone());
+        }
+        files.insert(format!("crates/stiffarm-cli/schemas/{name}.json"), text);
+    }
+    print!("{}", to_json(&files)?);
+    Ok(())
+}
