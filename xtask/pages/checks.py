@@ -6,6 +6,7 @@ import json
 import pathlib
 
 from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Error
 
 import numbers_shown
 import scenes
@@ -28,18 +29,19 @@ class Expected:
     frame_ms: float | None = None
 
 
-class Opened:
-    """A page opened from disk, with everything that it said and asked for."""
+class Window:
+    """Where pages are opened one after the other: a window for each costs more than most checks."""
 
-    def __init__(self, browser, file, results, expected, patience=1.0):
-        self.file = pathlib.Path(file)
-        self.url = self.file.resolve().as_uri()
-        self.results = results
-        # Factor on the times that a check waits for something to happen.
-        self.patience = patience
-        self.expected = expected
-        self.errors, self.requests, self.dialogs, self.notes = [], [], [], []
-        self.context = browser.new_context(viewport={"width": 1440, "height": 900}, color_scheme="light")
+    def __init__(self, browser):
+        self.browser, self.context = browser, None
+        self.errors, self.requests, self.dialogs = [], [], []
+        self.renew()
+
+    def renew(self):
+        """Another window, after a page that this one may not get rid of."""
+        if self.context:
+            self.context.close()
+        self.context = self.browser.new_context()
         self.page = self.context.new_page()
         self.page.set_default_timeout(30_000)
         self.page.on("console", lambda m: self.errors.append(m.text) if m.type == "error" else None)
@@ -47,17 +49,38 @@ class Opened:
         self.page.on("request", lambda r: self.requests.append(r.url))
         self.page.on("websocket", lambda w: self.requests.append(w.url))
         self.page.on("dialog", self._dialog)
-        self.page.goto(self.url, wait_until="load")
 
     def _dialog(self, dialog):
         self.dialogs.append(f"{dialog.type} `{dialog.message}`")
         dialog.dismiss()
 
-    def __enter__(self):
-        return self
+    def show(self, url):
+        """Opens it as if it were the first, with an empty page before it, so that nothing of another goes on."""
+        try:
+            self.page.goto("about:blank")
+        except Error:
+            self.renew()
+        self.page.set_viewport_size({"width": 1440, "height": 900})
+        self.page.emulate_media(color_scheme="light")
+        self.page.mouse.move(0, 0)
+        for told in (self.errors, self.requests, self.dialogs):
+            told.clear()
+        self.page.goto(url, wait_until="load")
 
-    def __exit__(self, *_):
-        self.context.close()
+
+class Opened:
+    """A page opened from disk, with everything that it said and asked for."""
+
+    def __init__(self, window, file, results, expected, patience=1.0):
+        self.file = pathlib.Path(file)
+        self.url = self.file.resolve().as_uri()
+        self.results = results
+        # Factor on the times that a check waits for something to happen.
+        self.patience = patience
+        self.expected = expected
+        self.notes = []
+        window.show(self.url)
+        self.page, self.errors, self.requests, self.dialogs = window.page, window.errors, window.requests, window.dialogs
 
     def note(self, text):
         """A figure for the record, printed beside the check."""
@@ -260,6 +283,7 @@ CHECKS = {
     "names": names_stay_text,
     "charts": charts,
     "scene ready": scenes.ready,
+    "controls": scenes.controls,
     "steps": scenes.steps,
     "groups": scenes.groups,
     "slider": scenes.slider,
