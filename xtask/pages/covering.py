@@ -16,7 +16,7 @@ LOOKS = {
     "axe": "body *",
 }
 
-# The kinds of content among the elements that a selector finds: tag, class, role, type, figure. Of the data of a scene
+# The kinds of content among the elements that a selector finds: tag, class, role, type, what is drawn or worked. Of the data of a scene
 # each key that has a value, and words that are values: obstacles and arrows are no elements.
 SHAPES = """selector => {
     const shapes = new Set();
@@ -28,9 +28,28 @@ SHAPES = """selector => {
     };
     for (const e of document.querySelectorAll(selector)) {
         if (e.matches('script[type="application/json"]')) read(JSON.parse(e.textContent), '');
-        else shapes.add([e.localName, e.getAttribute('class'), e.getAttribute('role'), e.type, e.dataset.figure].join());
+        else {
+            const { figure, control, toggle, step, view } = e.dataset;
+            shapes.add([e.localName, e.getAttribute('class'), e.getAttribute('role'), e.type, figure, control, toggle, step, view].join());
+        }
     }
     return [...shapes];
+}"""
+
+
+# Leaves out the rows of a table that are made of the same elements as this many before them: most of a page are the data
+# behind its charts.
+ROWS = 20
+LEAVE_OUT = """rows => {
+    const shape = e => [e.localName, e.getAttribute('class'), e.getAttribute('style'), e.getAttribute('role')].join();
+    for (const body of document.querySelectorAll('tbody')) {
+        const seen = {};
+        for (const row of [...body.rows]) {
+            const key = [row, ...row.querySelectorAll('*')].map(shape).join(';');
+            seen[key] = (seen[key] ?? 0) + 1;
+            if (seen[key] > rows) row.remove();
+        }
+    }
 }"""
 
 

@@ -54,7 +54,7 @@ class Tally:
 def check_page(window, tally, name, file, results, expected, only=checks.CHECKS, cover=None):
     """All checks, or `only` some, or those that `cover` does not spare, on one page; those after one that failed still run."""
     try:
-        opened = checks.Opened(window, file, results, expected)
+        opened = checks.Opened(window, file, results, expected, whole=cover is None)
         spared = cover.spared(opened.page) if cover else ()
     except Error as error:
         tally(name, "opens", str(error))
