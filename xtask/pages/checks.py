@@ -149,7 +149,7 @@ def numbers(opened):
 
 
 def charts(opened):
-    """Charts have a caption and their data behind them; ids are unique; legend entries toggle."""
+    """Charts have a caption and their data behind them; ids are unique."""
     problems = opened.page.evaluate(
         """() => {
             const problems = [], seen = new Set();
@@ -182,6 +182,11 @@ def charts(opened):
     )
     if problems:
         raise Finding("; ".join(problems[:5]))
+    opened.note(f"{opened.page.locator('svg[data-figure]').count()} charts")
+
+
+def legend(opened):
+    """Entries of legends put their series out, and back, by keyboard."""
     toggles = opened.page.locator("[data-toggle-series]").locator("visible=true")
     for index in range(min(toggles.count(), 6)):
         toggle = toggles.nth(index)
@@ -196,7 +201,6 @@ def charts(opened):
         if toggle.get_attribute("aria-pressed") == pressed or toggle.evaluate(figure) == picture:
             raise Finding(f"legend entry {name} changes nothing")
         opened.page.keyboard.press("Enter")
-    opened.note(f"{opened.page.locator('svg[data-figure]').count()} charts")
 
 
 def names_stay_text(opened):
@@ -287,6 +291,7 @@ CHECKS = {
     "numbers": numbers,
     "names": names_stay_text,
     "charts": charts,
+    "legend": legend,
     "scene ready": scenes.ready,
     "controls": scenes.controls,
     "steps": scenes.steps,

@@ -3,6 +3,8 @@ faults on each: a dear check runs on a page only where that has content that no 
 
 # The dear checks, each with what it looks at. The others run on every page.
 LOOKS = {
+    # What the entries of a legend put out lies in its figure.
+    "legend": "figure:has([data-toggle-series]) *",
     # What is drawn and told of a posture, a load and a group comes from the data of the scene.
     "steps": "div.scene *",
     "groups": "div.scene *",
@@ -11,9 +13,9 @@ LOOKS = {
     "inside": "div.scene *",
     # The keys go through everything that takes the focus, and work the controls of the scene.
     "keyboard": "a, button, input, select, summary, [tabindex]",
-    # Anything may be too wide, without a name or hard to read.
-    "width": "body *",
-    "axe": "body *",
+    # Any element may be too wide, without a name or hard to read; what a scene draws of its data is in its elements.
+    "width": "body :not(script)",
+    "axe": "body :not(script)",
 }
 
 # The kinds of content among the elements that a selector finds: tag, class, role, type, what is drawn or worked. Of the data of a scene
@@ -63,8 +65,9 @@ class Covering:
     def spared(self, page):
         """The checks to which this page shows nothing new."""
         spared = []
+        shapes = {look: set(page.evaluate(SHAPES, look)) for look in set(LOOKS.values())}
         for check, seen in self.seen.items():
-            new = set(page.evaluate(SHAPES, LOOKS[check])) - seen
+            new = shapes[LOOKS[check]] - seen
             seen |= new
             if new:
                 self.runs[check] += 1
