@@ -132,6 +132,20 @@ def postures(scene):
     return scene.control(SELECT).first.locator("option").count()
 
 
+def controls(opened):
+    """Each scene has steps and views; groups can be toggled and the deflection exaggerated where the kind says so."""
+    found = all_of(opened)
+    for scene in found:
+        postures(scene)
+        if (count := scene.control(VIEW).count()) < 2:
+            raise Finding(f"scene {scene.name}: {count} buttons data-view")
+    groups = max((scene.control(TOGGLE).count() for scene in found), default=0)
+    if opened.expected.groups > 1 and groups < opened.expected.groups:
+        raise Finding(f"{groups} group toggles for {opened.expected.groups} groups")
+    if opened.expected.slider and not any(scene.control(SLIDER).count() for scene in found):
+        raise Finding(f"no {SLIDER}")
+
+
 def place(scene):
     """Group and posture that the scene shows."""
     return int(scene.get("group") or 0), int(scene.get("posture") or 0)
@@ -184,13 +198,9 @@ def steps(opened):
 
 def groups(opened):
     """Each group can be hidden and shown."""
-    found = all_of(opened)
-    counts = [scene.control(TOGGLE).count() for scene in found]
-    if opened.expected.groups > 1 and max(counts, default=0) < opened.expected.groups:
-        raise Finding(f"{max(counts, default=0)} group toggles for {opened.expected.groups} groups")
-    for scene, count in zip(found, counts):
+    for scene in all_of(opened):
         scene.element.scroll_into_view_if_needed()
-        for index in range(min(count, 4)):
+        for index in range(min(scene.control(TOGGLE).count(), 4)):
             toggle = scene.control(TOGGLE).nth(index)
             group = toggle.get_attribute("data-group-toggle")
             picture = scene.picture()
@@ -206,11 +216,9 @@ def groups(opened):
 
 def slider(opened):
     """The slider exaggerates the deflection, and the picture follows."""
-    found = all_of(opened)
-    sliders = [scene for scene in found if scene.control(SLIDER).count()]
-    if opened.expected.slider and not sliders:
-        raise Finding(f"no {SLIDER}")
-    for scene in sliders:
+    for scene in all_of(opened):
+        if not scene.control(SLIDER).count():
+            continue
         scene.element.scroll_into_view_if_needed()
         scene.control(SLIDER).first.focus()
         opened.page.keyboard.press("Home")
@@ -301,8 +309,6 @@ def views(opened):
     """Each view is another picture."""
     for scene in all_of(opened):
         buttons = scene.control(VIEW)
-        if buttons.count() < 2:
-            raise Finding(f"scene {scene.name}: {buttons.count()} buttons data-view")
         scene.element.scroll_into_view_if_needed()
         buttons.first.click()
         scene.settled()

@@ -137,6 +137,9 @@ pub struct PagesOptions {
     /// Only these kinds of xtask/pages/kinds.py, or sample, the checks tried on a written page.
     #[arg(long, value_name = "KIND,…")]
     pub only: Option<String>,
+    /// Every check on every kind; without it the dear ones run where a page shows them something new.
+    #[arg(long)]
+    pub all: bool,
 }
 
 #[derive(Debug, Default, PartialEq, Args)]

@@ -88,6 +88,7 @@ pub fn run(workspace: &Workspace, options: &PagesOptions) -> Result<Checked, Fai
     if let Some(only) = &options.only {
         option("--only", only.into());
     }
+    words.extend(options.all.then(|| OsString::from("--all")));
     checked.add(Checked::run(&SCRIPT, Command::new(python).args(words))?);
     Ok(checked)
 }
