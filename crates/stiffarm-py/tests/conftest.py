@@ -59,6 +59,19 @@ def grid() -> dict[str, Any]:
 
 
 @pytest.fixture(scope="session")
+def wild(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a campaign whose items go wrong in every way, run by two workers."""
+    from campaign_helpers import LIMIT_S, WILD
+
+    from stiffarm.campaign import Campaign
+
+    folder = tmp_path_factory.mktemp("wild")
+    outcome = Campaign.from_dict(WILD).run(folder, workers=2, progress=False, time_limit_s=LIMIT_S)
+    assert (outcome.done, outcome.failed) == (14, 12)
+    return folder
+
+
+@pytest.fixture(scope="session")
 def ray_here() -> Any:
     """Ray on this machine with two processors, for all tests that may share it."""
     ray = pytest.importorskip("ray", reason="Ray is not installed")
