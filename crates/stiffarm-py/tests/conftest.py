@@ -36,6 +36,10 @@ def command() -> Command:
     return run
 
 
+# Matrices of a few rows are not worth threads of numpy and scipy, which wait by spinning: an optimiser of scipy takes
+# several times the processor time with them. Read when numpy is loaded, here and in the processes of the tests.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 # What the tests of campaigns share.
 HERE = Path(__file__).parent / "campaign"
 sys.path.insert(0, str(HERE))

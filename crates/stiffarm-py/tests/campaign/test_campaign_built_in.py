@@ -111,7 +111,7 @@ def test_more_noise_gives_larger_deviations(tmp_path: Path) -> None:
 
 
 def test_a_scattered_prior_costs_something_under_the_true_one(tmp_path: Path) -> None:
-    data = with_axes("select", {"rounds": 2}, prior_scatter=[0.0, 1.0], seed={"first": 1, "last": 3})
+    data = with_axes("select", {"rounds": 1}, prior_scatter=[0.0, 1.0], seed={"first": 1, "last": 3})
     found = run(data, tmp_path)
     known, unknown = (
         [row["index_expected_error"] for row in found if row["prior_scatter"] == scatter]
