@@ -124,10 +124,12 @@ OTHERS = {"cases", "index_names", "measured", "rope", "set_threads", "tool", "we
 
 #: Values that are not wrong, and with which a function works for long, or for ever.
 SLOW = {
+    "certificate": [("samples", "None")],
+    "coverage": [("runs", "None")],
     "measure": [("once", "None")],
     "study": [("report", "None")],
-    "select": [("rounds", "None"), ("postures", "None")],
-    "select, curve": [("rounds", "None"), ("postures", "None")],
+    "select": [("rounds", "None"), ("postures", "None"), ("no_certificate", "None")],
+    "select, curve": [("rounds", "None"), ("postures", "None"), ("no_certificate", "None")],
 }
 
 

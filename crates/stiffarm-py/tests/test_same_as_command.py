@@ -36,7 +36,7 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "schema": ([], {"what": "result-select"}),
     "select": (["cell"], {"given": "postures", "add": 2, "rounds": 1, "no_certificate": True, "seed": 7}),
     "simulate": (["cell", "groups"], {"runs": 3, "levels": [1.0, 2.25], "force_percent": 0.5}),
-    "study": (["cell"], {"initial": "postures", "runs": 2, "initial_groups": 1, "indices": ["d"], "output_dir": "study", "force": True}),
+    "study": (["cell"], {"initial": "few", "runs": 2, "initial_groups": 1, "output_dir": "study", "force": True}),
     "validate": (["cell", "nothing", "measurements"], {"folds": 4, "estimator": "ordinary"}),
     "zones": (["cell"], {"steps": 4}),
 }
@@ -68,6 +68,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], di
     memory: dict[str, Any] = {
         "cell": cell,
         "postures": plan.postures.angles,
+        "few": plan.postures[:4].angles,
         "groups": {"plan": plan.postures.angles},
         "nothing": None,
         "measurements": measured.to_frame("polars"),
@@ -83,6 +84,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], di
     Path(memory["meshes"]).write_text(text, encoding="utf-8")
     files = {key: value for key, value in memory.items() if isinstance(value, str)}
     files |= {"postures": str(plan.postures.save(folder / "plan.csv")), "groups": str(folder / "plan.csv")}
+    files["few"] = str(plan.postures[:4].save(folder / "few.csv"))
     for key, value in memory.items():
         if isinstance(value, (stiffarm.Cell, stiffarm.Result)):
             files[key] = str(value.save(folder / f"{key}.{'toml' if key == 'cell' else 'json'}"))

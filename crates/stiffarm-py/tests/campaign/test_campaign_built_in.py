@@ -111,7 +111,7 @@ def test_more_noise_gives_larger_deviations(tmp_path: Path) -> None:
 
 
 def test_a_scattered_prior_costs_something_under_the_true_one(tmp_path: Path) -> None:
-    data = with_axes("select", {"rounds": 1}, prior_scatter=[0.0, 1.0], seed={"first": 1, "last": 3})
+    data = with_axes("select", {"rounds": 1}, postures=[4], prior_scatter=[0.0, 1.0], seed={"first": 1, "last": 3})
     found = run(data, tmp_path)
     known, unknown = (
         [row["index_expected_error"] for row in found if row["prior_scatter"] == scatter]
@@ -158,7 +158,7 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
     long_tool = {**keys["tool"], "loading_point_mm": [400, 0, 250]}
     del long_tool["has_sensor"]
     data = with_axes(
-        "select", {"rounds": 1}, tool=["long"], load=["other"], load_n=[300, 600], seed=[1]
+        "select", {"rounds": 1}, postures=[4], tool=["long"], load=["other"], load_n=[300, 600], seed=[1]
     )
     data["tools"] = {"long": long_tool}
     rope = {"kind": "rope", "anchor_mm": [1600, 600, 0]}
@@ -168,7 +168,7 @@ def test_tools_loads_and_anchors_change_the_cell(tmp_path: Path) -> None:
         keys["tool"] = long_tool
         keys["load"] = {**rope, "magnitude_n": row["load_n"]}
         cell = sa.Cell.from_dict(keys)
-        plan = sa.select(cell, count=6, index="expected_error", seed=1, rounds=1, no_certificate=True)
+        plan = sa.select(cell, count=4, index="expected_error", seed=1, rounds=1, no_certificate=True)
         assert row["postures_deg"] == plan.to_dict()["postures_deg"]
 
 
