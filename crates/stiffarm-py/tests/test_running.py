@@ -31,7 +31,7 @@ def test_progress(cell: stiffarm.Cell) -> None:
         assert threading.get_ident() == main
         told.append((what, done, of))
 
-    stiffarm.select(cell, count=6, rounds=20, no_certificate=True, progress=tell)
+    stiffarm.select(cell, count=6, rounds=60, no_certificate=True, progress=tell)
     assert told and all(isinstance(what, str) and 0 <= done <= max(of, done) for what, done, of in told)
     assert [done for _, done, _ in told] == sorted(done for _, done, _ in told)
 
@@ -56,7 +56,7 @@ def test_an_exception_of_the_callback_ends_the_work(cell: stiffarm.Cell) -> None
 
 
 def test_a_bar_of_tqdm(cell: stiffarm.Cell, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    stiffarm.select(cell, count=6, rounds=20, no_certificate=True, progress=True)
+    stiffarm.select(cell, count=6, rounds=60, no_certificate=True, progress=True)
     assert "%" in capsys.readouterr().err
     # Without tqdm there is no bar, and no error.
     monkeypatch.setitem(sys.modules, "tqdm", types.ModuleType("tqdm"))
@@ -78,7 +78,7 @@ def test_the_interpreter_goes_on(cell: stiffarm.Cell) -> None:
     thread = threading.Thread(target=count)
     thread.start()
     began = time.monotonic()
-    stiffarm.select(cell, count=6, rounds=30, no_certificate=True)
+    stiffarm.select(cell, count=6, rounds=100, no_certificate=True)
     took = time.monotonic() - began
     stop.set()
     thread.join()

@@ -131,7 +131,7 @@ def test_json_and_words(command: Any, inputs: Any, name: str, monkeypatch: pytes
 
 
 def test_long_work_stops_with_the_best_so_far() -> None:
-    plan = stiffarm.select("builtin:comau-reference", count=6, rounds=1_000_000, time_limit=0.2, no_certificate=True)
+    plan = stiffarm.select("builtin:comau-reference", count=6, rounds=1_000_000, time_limit=0.5, no_certificate=True)
     assert plan.termination == "time_limit" and len(plan.postures) == 6 and not plan.interrupted
 
 
