@@ -36,6 +36,10 @@ def command() -> Command:
     return run
 
 
+# Matrices of a few rows are not worth threads of numpy and scipy, which wait by spinning: an optimiser of scipy takes
+# several times the processor time with them. Read when numpy is loaded, here and in the processes of the tests.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 # What the tests of campaigns share.
 HERE = Path(__file__).parent / "campaign"
 sys.path.insert(0, str(HERE))
@@ -56,6 +60,19 @@ def grid() -> dict[str, Any]:
         },
         "options": {"scale": 2.0},
     }
+
+
+@pytest.fixture(scope="session")
+def wild(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder of a campaign whose items go wrong in every way, run by two workers."""
+    from campaign_helpers import LIMIT_S, WILD
+
+    from stiffarm.campaign import Campaign
+
+    folder = tmp_path_factory.mktemp("wild")
+    outcome = Campaign.from_dict(WILD).run(folder, workers=2, progress=False, time_limit_s=LIMIT_S)
+    assert (outcome.done, outcome.failed) == (14, 12)
+    return folder
 
 
 @pytest.fixture(scope="session")

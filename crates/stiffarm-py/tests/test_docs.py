@@ -1,26 +1,10 @@
-"""Docstrings: their examples run, and everything public has one with all its arguments."""
+"""Docstrings: everything public has one with all its arguments. ``--doctest-modules`` runs their examples."""
 
 from __future__ import annotations
 
-import doctest
-import importlib
 import inspect
-import pkgutil
-
-import pytest
 
 import stiffarm
-
-OPTIONAL = {"stiffarm.campaign", "stiffarm.plot"}
-MODULES = [one.name for one in pkgutil.iter_modules(stiffarm.__path__, "stiffarm.") if one.name not in OPTIONAL]
-
-
-@pytest.mark.parametrize("name", MODULES)
-def test_examples(name: str) -> None:
-    module = importlib.import_module(name)
-    found = doctest.testmod(module, optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
-    assert found.failed == 0
-
 
 def test_the_main_functions_have_examples() -> None:
     for name in ("indices", "observation_matrix", "Cell", "Postures"):

@@ -154,6 +154,6 @@ def test_whatever_is_identified_can_be_used() -> None:
     """The mixed model in simulated experiments."""
     cell = stiffarm.Cell.built_in("comau-shapes")
     postures = stiffarm.select(cell, space_filling=True, count=8, seed=5)
-    for seed in range(6):
+    for seed in range(2):
         found = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, postures, seed=seed))
         stiffarm.predict(cell, found, postures, cell_load=True)

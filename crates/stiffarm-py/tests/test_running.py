@@ -146,13 +146,19 @@ def job(given: tuple[stiffarm.Cell, int]) -> tuple[str, float]:
     return simulated, float(stiffarm.indices(cell, [plan.postures.angles] * 50, ["d"])["d"][7])
 
 
+@pytest.fixture(scope="module")
+def jobs() -> tuple[list[tuple[stiffarm.Cell, int]], list[tuple[str, float]]]:
+    """Jobs, and what they give in this process."""
+    given = [(stiffarm.Cell.built_in(name), seed) for name, seed in (("comau-shapes", 1), ("comau", 2))]
+    return given, [job(one) for one in given]
+
+
 @pytest.mark.parametrize("method", ["fork", "spawn"])
-def test_another_process_works_and_gives_the_same(method: str) -> None:
+def test_another_process_works_and_gives_the_same(method: str, jobs: Any) -> None:
     """Also one that was forked after the library had worked: its parent's threads are not there."""
     if method not in multiprocessing.get_all_start_methods():
         pytest.skip(f"{sys.platform} has no {method}")
-    given = [(stiffarm.Cell.built_in("comau-shapes"), seed) for seed in (1, 2, 3)]
-    own = [job(one) for one in given]
+    given, own = jobs
     with multiprocessing.get_context(method).Pool(2) as pool:
         # A process that waits for threads that are not there would wait for ever.
         assert pool.map_async(job, given).get(timeout=120) == own

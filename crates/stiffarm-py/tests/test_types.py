@@ -1,4 +1,4 @@
-"""The package's types, read by mypy, its stubtest and basedpyright.
+"""The package's types, read by mypy; `cargo xtask python` has stubtest and basedpyright read them (`checks.rs`).
 
 ``generate.py`` writes those of commands and results into a wheel; in a checkout they are there once it was run.
 """
@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -102,15 +101,3 @@ def test_mypy_of_a_script_that_uses_every_function(tmp_path: Path) -> None:
     script.write_text(USED, encoding="utf-8")
     assert [name for name in commands.names() if f"stiffarm.{name}(" not in USED] == []
     mypy("mypy", "--config-file", "pyproject.toml", "--strict", str(script))
-
-
-def test_stubs_agree_with_the_module() -> None:
-    mypy("mypy.stubtest", "stiffarm", "--mypy-config-file", "pyproject.toml", "--allowlist", "stubtest.txt")
-
-
-def test_basedpyright() -> None:
-    beside = Path(sys.executable).with_name("basedpyright")
-    program = str(beside) if beside.exists() else shutil.which("basedpyright")
-    if program is None:
-        pytest.skip("basedpyright is not installed")
-    run([program, "--pythonpath", sys.executable])

@@ -86,7 +86,7 @@ fn check(checked: &mut Checked, name: &str, mut call: Command) {
     let start = Instant::now();
     let outcome = outcome(&mut call);
     if outcome.is_ok() {
-        println!("   {:.1} s", start.elapsed().as_secs_f64());
+        println!("   {name}: {:.1} s", start.elapsed().as_secs_f64());
     }
     checked.note(name, &outcome);
 }

@@ -60,16 +60,26 @@ pub fn run(
     let Some(wheel) = wheel::built_and_installed(&place, &mut checked)? else {
         return Ok(vec![(Part::Python, checked)]);
     };
-    if wants(Checks::Package) {
-        checks::package(&place, &wheel, &mut checked);
-    }
-    if wants(Checks::Types) {
-        checks::types(&place, &mut checked);
-    }
-    if !wants(Checks::Pytest) {
+    // Checks of other programs beside pytest, which waits for much of its time.
+    let (said, tested) = std::thread::scope(|scope| {
+        let said = scope.spawn(|| {
+            let mut said = Checked::default();
+            if wants(Checks::Package) {
+                checks::package(&place, &wheel, &mut said);
+            }
+            if wants(Checks::Types) {
+                checks::types(&place, &mut said);
+            }
+            said
+        });
+        let tested = wants(Checks::Pytest).then(|| place.tested(&options.words));
+        (said.join().expect("checks do not panic"), tested)
+    });
+    checked.add(said);
+    let Some(tested) = tested else {
         return Ok(vec![(Part::Python, checked)]);
-    }
-    let (rest, reference) = without_reference(place.tested(&options.words)?);
+    };
+    let (rest, reference) = without_reference(tested?);
     checked.add(rest);
     let mut parts = vec![(Part::Python, checked), (Part::Reference, reference)];
     if options.words.is_empty() {

@@ -1,7 +1,7 @@
-"""Runs a campaign on a Ray cluster of two nodes here, of which one goes: python campaign_cluster_driver.py CAMPAIGN FOLDER ALONE.
+"""Runs a campaign on a Ray cluster here that loses a node: python campaign_cluster_driver.py CAMPAIGN FOLDER...
 
-The second node goes when a few items are done, and none takes its place. With ``alone`` it was the only one with
-processors.
+There are as many nodes with a processor as folders. In each run one goes when a few items are done, and none takes its
+place; in the last it is the only one that is left.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 from stiffarm.campaign import Campaign, CampaignError, engines
 
@@ -21,24 +22,27 @@ if __name__ == "__main__":
     os.environ["RAY_health_check_failure_threshold"] = "3"
     from ray.cluster_utils import Cluster
 
-    folder, alone = Path(sys.argv[2]), sys.argv[3] == "alone"
+    folders = [Path(word) for word in sys.argv[2:]]
     memory = {"object_store_memory": 100_000_000}
-    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0 if alone else 1, **memory})
-    other = cluster.add_node(num_cpus=1, **memory)
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 0, **memory})
+    nodes = [cluster.add_node(num_cpus=1, **memory) for _ in folders]
+    engines.WAIT_S = 1.0
 
-    def go() -> None:
+    def go(folder: Path, node: Any) -> None:
         journal = folder / "journal.jsonl"
         while not journal.exists() or journal.read_bytes().count(b"\n") < 6:
             time.sleep(0.05)
-        cluster.remove_node(other, allow_graceful=False)
+        cluster.remove_node(node, allow_graceful=False)
 
-    threading.Thread(target=go, daemon=True).start()
-    if alone:
-        engines.WAIT_S = 3.0
     try:
-        outcome = Campaign.read(sys.argv[1]).run(folder, workers="all", address=cluster.address, progress=False)
-        print(f"{outcome.done} of {outcome.total} items, {outcome.failed} failed")
-    except CampaignError as error:
-        print(error)
+        for folder, node in zip(folders, nodes):
+            going = threading.Thread(target=go, args=(folder, node), daemon=True)
+            going.start()
+            try:
+                outcome = Campaign.read(sys.argv[1]).run(folder, workers="all", address=cluster.address, progress=False)
+                print(f"{outcome.done} of {outcome.total} items, {outcome.failed} failed")
+            except CampaignError as error:
+                print(error)
+            going.join()
     finally:
         cluster.shutdown()
