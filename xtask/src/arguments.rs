@@ -83,7 +83,7 @@ pub enum Command {
     /// Formatting, structure of the code, clippy with all and with the default features, documentation, generated files,
     /// licences, unused dependencies.
     Lint,
-    /// Lint, half a minute of fuzz, brief outputs on 1, 2 and 4 threads, then test: what the continuous integration
+    /// Lint, half a minute of fuzz, brief outputs on 1 and 4 threads, then test: what the continuous integration
     /// runs.
     Ci(TestOptions),
 }

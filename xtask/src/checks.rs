@@ -13,7 +13,7 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
     check_dependencies(workspace)
 }
 
-/// What [`lint`] does, a little fuzzing, all commands on 1, 2 and 4 threads, then the tests. Their closing line is the last line of all.
+/// What [`lint`] does, a little fuzzing, all commands on 1 and 4 threads, then the tests. Their closing line is the last line of all.
 pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     lint(workspace)?;
     let build = workspace.build();
@@ -22,12 +22,12 @@ pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
     step(format!("cargo xtask fuzz --seconds {seconds}"), fuzz::smoke)?;
     let threads = OutputsOptions {
         folder: workspace.root().join("target/outputs"),
-        threads: vec![1, 2, 4],
+        threads: vec![1, 4],
         binary: Some(tools::stiffarm()?),
         is_brief: true,
         ..OutputsOptions::default()
     };
-    let same = "cargo xtask outputs target/outputs --threads 1,2,4 --brief";
+    let same = "cargo xtask outputs target/outputs --threads 1,4 --brief";
     step(same, || outputs::run(workspace, &threads))?;
     println!("\n== cargo xtask test");
     test::run(workspace, options)

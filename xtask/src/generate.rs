@@ -34,8 +34,14 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
     let example = tools::built(&format!("examples/{EXAMPLE}{EXE_SUFFIX}"))?;
     let printed: BTreeMap<String, String> = tools::call(&example, &[])
         .and_then(|text| serde_json::from_str(&text).map_err(|why| why.to_string()))
-        .map_err(|why| Failure::internal(format!("`{}`: {why}", example.display()), "correct it"))?;
-    compare(workspace.root(), &expected(workspace.root(), printed)?, check)
+        .map_err(|why| {
+            Failure::internal(format!("`{}`: {why}", example.display()), "correct it")
+        })?;
+    compare(
+        workspace.root(),
+        &expected(workspace.root(), printed)?,
+        check,
+    )
 }
 
 /// What every generated file should hold, with those that the example has `printed`.

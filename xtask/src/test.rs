@@ -71,15 +71,18 @@ fn of_other_programs(
     install: bool,
 ) -> Result<Vec<(Part, Checked)>, Failure> {
     let pages = || -> Result<_, Failure> {
+        let start = Instant::now();
         let sheets = sheets::run(workspace, install)?;
         let browsers = PagesOptions {
             install,
             ..PagesOptions::default()
         };
-        Ok([
-            (Part::Sheets, sheets),
-            (Part::Browser, pages::run(workspace, &browsers)?),
-        ])
+        let pages = pages::run(workspace, &browsers)?;
+        println!(
+            "   sheets and pages: {:.1} s",
+            start.elapsed().as_secs_f64()
+        );
+        Ok([(Part::Sheets, sheets), (Part::Browser, pages)])
     };
     let python = PythonOptions {
         install,
@@ -87,7 +90,9 @@ fn of_other_programs(
     };
     std::thread::scope(|scope| {
         let pages = scope.spawn(pages);
+        let start = Instant::now();
         let mut parts = python::run(workspace, &python)?;
+        println!("   Python: {:.1} s", start.elapsed().as_secs_f64());
         parts.extend(pages.join().expect("checking pages does not panic")?);
         Ok(parts)
     })
@@ -117,7 +122,12 @@ fn run_rust(
         }
         println!("{call}");
 
+        let start = Instant::now();
         let status = call.stream(|line| tally.see(line))?;
+        println!(
+            "   cargo test {targets}: {:.1} s",
+            start.elapsed().as_secs_f64()
+        );
         if !status.success() && tally.failed == failed {
             complaint = Some(format!(
                 "rust: cargo test ended with {status} though no test failed, most often because the code does not \

@@ -6,6 +6,7 @@ import inspect
 
 import stiffarm
 
+
 def test_the_main_functions_have_examples() -> None:
     for name in ("indices", "observation_matrix", "Cell", "Postures"):
         assert ">>> " in (inspect.getdoc(getattr(stiffarm, name)) or ""), name

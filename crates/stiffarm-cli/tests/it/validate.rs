@@ -40,7 +40,10 @@ fn saved_further_terms_are_used_and_not_lost() {
     assert!((rms / residual - 1.0).abs() < 1e-9, "{rms} {residual}");
     let line = "validate builtin:comau tilt.json simulated.csv --model equilibrium";
     let refused = folder.refused(line);
-    assert!(refused.contains("holds the axes' springs alone"), "{refused}");
+    assert!(
+        refused.contains("holds the axes' springs alone"),
+        "{refused}"
+    );
 }
 
 /// A stiffness that was identified from displacements in inches: it is said first, and the

@@ -76,7 +76,7 @@ fn by_trying(points: &[Vector3<f64>], directions: usize) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(cases(6))]
+    #![proptest_config(cases(3))]
 
     #[test]
     fn everything_is_inside(seed: u64) {
