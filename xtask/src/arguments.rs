@@ -80,7 +80,7 @@ pub enum Command {
         )]
         words: Vec<String>,
     },
-    /// Formatting, structure of the code, clippy with all and with the default features, documentation, generated files,
+    /// Formatting, structure of the code, clippy, documentation, generated files,
     /// licences, unused dependencies.
     Lint,
     /// Lint, half a minute of fuzz, brief outputs on 1 and 4 threads, then test: what the continuous integration

@@ -22,11 +22,9 @@ fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
     for line in lines {
         let one = folder.run(&format!("{line} --json --threads 1"));
         assert_eq!(one.code, Some(0), "{}", one.out);
-        for threads in [2, 4] {
-            let more = folder.run(&format!("{line} --json --threads {threads}"));
-            assert_eq!(one.out, more.out, "{line} --threads {threads}");
-            assert_eq!((one.err.as_str(), more.err.as_str()), ("", ""));
-        }
+        let more = folder.run(&format!("{line} --json --threads 3"));
+        assert_eq!(one.out, more.out, "{line}");
+        assert_eq!((one.err.as_str(), more.err.as_str()), ("", ""));
     }
     let seed = |seed: u32| {
         folder.ok(&format!(
