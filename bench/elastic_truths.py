@@ -26,6 +26,8 @@ from pathlib import Path
 
 import numpy as np
 
+CELL = Path(__file__).parent.parent / "cells/comau.toml"
+
 # The robot of cells/comau.toml: alpha [deg], a [mm], d [mm], offset [deg] of each joint, as its source prints them.
 ROWS = np.array(
     [
@@ -206,7 +208,24 @@ def postures(rng, count):
     return np.array(found[:count])
 
 
-def experiment(folder, command, options, truth, count, seed):
+def planned(command, index, count):
+    """Postures [deg] that the command selects for the default cell."""
+    words = ["select", "builtin:comau", "--index", index, "-n", str(count), "--json"]
+    done = subprocess.run([command, *words], capture_output=True, text=True, check=True)
+    return np.round(json.loads(done.stdout)["result"]["postures_deg"], 3)
+
+
+def declared(folder, errors):
+    """The cell with the common errors of a truth as its `[uncertainty]`: those that there are none of are 0."""
+    sizes = {"force_scale_percent": 100 * errors.get("force", 0.0), "lost_motion_arcmin": errors.get("gap", 0.0)}
+    sizes |= {"anchor_mm": 0, "loading_point_mm": 0, "registration_mrad": 0, "base_tilt_stiffness_nm_per_rad": 1e14}
+    cell = Path(folder, "cell.toml")
+    stated = "".join(f"{key} = {size}\n" for key, size in sizes.items())
+    cell.write_text(f"{CELL.read_text()}\n[uncertainty]\n{stated}")
+    return cell
+
+
+def experiment(folder, args, truth, count, plan, seed):
     """One arm, one experiment: what holds."""
     springs_of, size, errors = TRUTHS[truth]
     rng = np.random.default_rng([seed, count, list(TRUTHS).index(truth)])
@@ -225,6 +244,7 @@ def experiment(folder, command, options, truth, count, seed):
     offsets = rng.standard_normal(JOINTS) * errors.get("offset", 0.0)
     force = FORCE * (1 + rng.standard_normal() * errors.get("force", 0.0))
     q, work = postures(rng, count), postures(rng, 10)
+    q = q if plan is None else plan
     measured = bent(q + offsets, (springs, gaps, bearings), force) - unloaded(q + offsets, POINTS)
     drawn = rng.standard_normal(measured.shape)
     if errors.get("tails"):
@@ -243,14 +263,15 @@ def experiment(folder, command, options, truth, count, seed):
     rows = [",".join(["posture", *angles])] + [f"w{p}," + ",".join(map(str, row)) for p, row in enumerate(work)]
     places.write_text("\n".join(rows) + "\n")
     stiffness = Path(folder, "stiffness.json")
+    cell = declared(folder, errors) if args.declared else "builtin:comau"
 
     def run(*words):
-        done = subprocess.run([command, *map(str, words), "--json"], capture_output=True, text=True)
+        done = subprocess.run([args.stiffarm, *map(str, words), "--json"], capture_output=True, text=True)
         if done.returncode not in (0, 1) or not done.stdout:
             raise RuntimeError(f"{words}: {done.stdout}{done.stderr}")
         return json.loads(done.stdout)["result"]
 
-    identified = run("identify", "builtin:comau", table, *options, "--output", stiffness, "--force")
+    identified = run("identify", cell, table, *args.options.split(), "--output", stiffness, "--force")
     joints = identified["joints"]
     elastic = identified.get("elastic") or {}
     by_axes = elastic.get("axes") or joints
@@ -264,7 +285,7 @@ def experiment(folder, command, options, truth, count, seed):
         return out
 
     at_tip = ",".join(map(str, AT_WORK))
-    predicted = run("predict", "builtin:comau", stiffness, places, "--force-n", at_tip, "--axes", "base")
+    predicted = run("predict", cell, stiffness, places, "--force-n", at_tip, "--axes", "base")
     bands, errors_m = [], []
     for point, true in zip(predicted["points"], at_work[:, 0]):
         error = np.array(point["shift_m"]) - true
@@ -284,9 +305,9 @@ def experiment(folder, command, options, truth, count, seed):
     }
 
 
-def batch(command, options, truth, count, seeds):
+def batch(args, truth, count, plan, seeds):
     with tempfile.TemporaryDirectory() as folder:
-        return [experiment(folder, command, options, truth, count, seed) for seed in seeds]
+        return [experiment(folder, args, truth, count, plan, seed) for seed in seeds]
 
 
 def row(found):
@@ -323,6 +344,8 @@ def main():
     parser.add_argument("--postures", type=int, nargs="+", default=[6, 8, 12, 40])
     parser.add_argument("--truths", nargs="+", default=list(TRUTHS), choices=list(TRUTHS), metavar="TRUTH")
     parser.add_argument("--options", default="", help="further options of `identify`, in one word")
+    parser.add_argument("--plan", metavar="INDEX", help="postures selected under this index instead of random ones")
+    parser.add_argument("--declared", action="store_true", help="the cell states how large the common errors are")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--processes", type=int, default=os.cpu_count())
     args = parser.parse_args()
@@ -330,11 +353,12 @@ def main():
     heads += ["bands hold [%]", "band [mm]", "error [mm]", "mixed"]
     print("| " + " | ".join(heads) + " |\n|" + "--|" * len(heads), flush=True)
     seeds = range(args.seed * 1_000_000, args.seed * 1_000_000 + args.experiments)
+    plans = {count: planned(args.stiffarm, args.plan, count) if args.plan else None for count in args.postures}
     with concurrent.futures.ProcessPoolExecutor(args.processes) as pool:
         for truth in args.truths:
             for count in args.postures:
                 parts = [seeds[i :: 4 * args.processes] for i in range(4 * args.processes)]
-                jobs = [pool.submit(batch, args.stiffarm, args.options.split(), truth, count, part) for part in parts]
+                jobs = [pool.submit(batch, args, truth, count, plans[count], part) for part in parts]
                 found = [f for job in jobs for f in job.result()]
                 print("| " + " | ".join([truth, str(count), *row(found)]) + " |", flush=True)
     return 0
