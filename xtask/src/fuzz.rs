@@ -18,7 +18,7 @@ pub fn run(workspace: &Workspace, words: &[String]) -> Result<(), Failure> {
         "run",
         "--quiet",
         "--release",
-        "--package",
+        "--bin",
         "stiffarm-fuzz",
         "--",
     ];

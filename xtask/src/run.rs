@@ -90,8 +90,8 @@ impl Workspace {
     }
 
     /// The one build that every part of the tests takes its programs from: all tests, the command, and the extension
-    /// module of Python. A build of one of them alone would compile the library once more, because the others want
-    /// more features of what it stands on.
+    /// module of Python. `cargo run` and `cargo xtask` build parts of it. With `--package` others would not: a package
+    /// alone asks for other features of what the library stands on.
     pub fn build(&self) -> Cargo<'_> {
         self.cargo(&[
             "build",
@@ -241,9 +241,14 @@ pub fn step(
     work: impl FnOnce() -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     println!("\n== {heading}");
+    timed("took", work)
+}
+
+/// Does `work` and prints how long it took, after `name`: parts that run beside each other are told apart by it.
+pub fn timed<T>(name: impl fmt::Display, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let outcome = work();
-    println!("   {:.1} s", start.elapsed().as_secs_f64());
+    println!("   {name}: {:.1} s", start.elapsed().as_secs_f64());
     outcome
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::checked::Checked;
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
-use crate::run::{Failure, Workspace, quoted};
+use crate::run::{Failure, Workspace, quoted, timed};
 use crate::tally::{Ignored, Tally};
 use crate::{pages, python, sheets};
 
@@ -71,17 +71,12 @@ fn of_other_programs(
     install: bool,
 ) -> Result<Vec<(Part, Checked)>, Failure> {
     let pages = || -> Result<_, Failure> {
-        let start = Instant::now();
-        let sheets = sheets::run(workspace, install)?;
+        let sheets = timed("sheets", || sheets::run(workspace, install))?;
         let browsers = PagesOptions {
             install,
             ..PagesOptions::default()
         };
-        let pages = pages::run(workspace, &browsers)?;
-        println!(
-            "   sheets and pages: {:.1} s",
-            start.elapsed().as_secs_f64()
-        );
+        let pages = timed("pages", || pages::run(workspace, &browsers))?;
         Ok([(Part::Sheets, sheets), (Part::Browser, pages)])
     };
     let python = PythonOptions {
@@ -90,9 +85,7 @@ fn of_other_programs(
     };
     std::thread::scope(|scope| {
         let pages = scope.spawn(pages);
-        let start = Instant::now();
-        let mut parts = python::run(workspace, &python)?;
-        println!("   Python: {:.1} s", start.elapsed().as_secs_f64());
+        let mut parts = timed("Python", || python::run(workspace, &python))?;
         parts.extend(pages.join().expect("checking pages does not panic")?);
         Ok(parts)
     })
@@ -122,12 +115,8 @@ fn run_rust(
         }
         println!("{call}");
 
-        let start = Instant::now();
-        let status = call.stream(|line| tally.see(line))?;
-        println!(
-            "   cargo test {targets}: {:.1} s",
-            start.elapsed().as_secs_f64()
-        );
+        let name = format!("cargo test {targets}");
+        let status = timed(name, || call.stream(|line| tally.see(line)))?;
         if !status.success() && tally.failed == failed {
             complaint = Some(format!(
                 "rust: cargo test ended with {status} though no test failed, most often because the code does not \

@@ -7,6 +7,7 @@ fn main() -> stiffarm::Result<()> {
     let mut files = BTreeMap::new();
     let words = ["stiffarm", "docs", "errors"].map(Into::into);
     let errors = stiffarm_cli::run_captured(&words, Default::default());
+    assert_eq!(errors.code, 0, "{}", errors.err);
     files.insert("docs/errors.md".to_string(), errors.out);
     for (name, text) in stiffarm_cli::schemas()? {
         if name == "cell" {

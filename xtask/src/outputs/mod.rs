@@ -93,13 +93,7 @@ impl Pass {
 /// The given executable, or the one that is built for release.
 fn binary(workspace: &Workspace, given: Option<&Path>) -> Result<PathBuf, Failure> {
     let Some(given) = given else {
-        let words = [
-            "build",
-            "--release",
-            "--locked",
-            "--package",
-            "stiffarm-cli",
-        ];
+        let words = ["build", "--release", "--locked", "--bin", "stiffarm"];
         workspace.cargo(&words).run()?;
         let name = format!("release/stiffarm{}", std::env::consts::EXE_SUFFIX);
         return Ok(tools::target(workspace).join(name));

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Instant;
 
 use super::{Place, wheel};
 use crate::checked::Checked;
+use crate::run::timed;
 use crate::tools::program_in;
 
 /// What would be published.
@@ -83,12 +83,7 @@ fn unpacked(place: &Place, sdist: &Path) -> Result<(), String> {
 
 /// Runs the program of a check and notes what comes of it.
 fn check(checked: &mut Checked, name: &str, mut call: Command) {
-    let start = Instant::now();
-    let outcome = outcome(&mut call);
-    if outcome.is_ok() {
-        println!("   {name}: {:.1} s", start.elapsed().as_secs_f64());
-    }
-    checked.note(name, &outcome);
+    checked.note(name, &timed(name, || outcome(&mut call)));
 }
 
 /// Whether a program ends well. What it says is shown where it does not, and a line of it is the reason.
