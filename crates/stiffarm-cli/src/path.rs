@@ -5,6 +5,7 @@ use crate::error::of_usage;
 use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, ends_in, write_all};
 use crate::session::Session;
+use std::path::Path;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
@@ -50,9 +51,9 @@ pub fn read_stiffness(session: &Session, from: &str, cell: &Cell) -> Result<Save
     Ok(saved)
 }
 
-/// The table and the picture of a command about a path.
+/// The table, or the files of a program, and the picture of a command about a path.
 pub struct Outputs {
-    table: Option<Target>,
+    tables: Vec<Target>,
     figure: Option<Target>,
 }
 
@@ -78,7 +79,27 @@ impl Outputs {
                 .key("--output")
                 .hint("name it .csv; `--json > result.json` keeps the whole result"));
         }
-        Ok(Outputs { table, figure })
+        Ok(Outputs {
+            tables: table.into_iter().collect(),
+            figure,
+        })
+    }
+
+    /// Adds the file beside `table` with this ending.
+    ///
+    /// # Errors
+    /// As [`Target::file`] and [`check_targets`].
+    pub fn beside(
+        &mut self,
+        session: &Session,
+        table: &str,
+        ending: &str,
+        force: bool,
+    ) -> Result<()> {
+        let target = Target::file(&Path::new(table).with_extension(ending), force)?;
+        check_targets(session, &[Some(&target)])?;
+        self.tables.push(target);
+        Ok(())
     }
 
     /// Writes what was asked for.
@@ -88,12 +109,14 @@ impl Outputs {
     pub fn write<C: Contents>(
         self,
         session: &Session,
-        table: impl FnOnce() -> Result<C>,
+        tables: impl FnOnce() -> Result<Vec<C>>,
         figure: impl FnOnce() -> String,
     ) -> Result<()> {
         let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
-        if let Some(target) = self.table {
-            files.push((target, Box::new(table()?)));
+        if !self.tables.is_empty() {
+            for (target, contents) in self.tables.into_iter().zip(tables()?) {
+                files.push((target, Box::new(contents)));
+            }
         }
         if let Some(target) = self.figure {
             files.push((target, Box::new(figure())));

@@ -6,10 +6,10 @@ use crate::output::Exit;
 use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
-use stiffarm::Result;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::{PathFormat, PathKind, PathTable, write_path};
+use stiffarm::files::tool_path::{Kind, ToolPath};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
@@ -17,11 +17,12 @@ use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::compensate::Compensation;
 use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
+use stiffarm::{Code, Error, Result};
 use stiffarm_report::{compensation_figure, render_svg};
 
 /// Compensates.
 pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
-    let outputs = Outputs::new(
+    let mut outputs = Outputs::new(
         session,
         args.output.as_deref(),
         args.figure.as_deref(),
@@ -38,8 +39,15 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .and_then(|()| options.path.posture_options(cell))
         .map_err(of_path_usage)?;
     let path = session.read_path(&args.path, cell, options.path.axes)?;
+    if let Some(output) = &args.output {
+        let kept = path.program.as_ref().filter(|_| args.write.is_none());
+        check_ending(output, kept.map(ToolPath::kind))?;
+        if let Some(ending) = kept.and_then(ToolPath::companion) {
+            outputs.beside(session, output, ending, args.force)?;
+        }
+    }
     let progress = Progress::new(session, "compensating the path");
-    let result = progress
+    let mut result = progress
         .watch(|control| {
             let points = &path.table.points;
             let followed = options
@@ -49,17 +57,33 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         })
         .map_err(|e| path.in_file(e))?;
     drop(progress);
-    let found = &result.compensation;
-    let figure = || render_svg(&compensation_figure(found));
-    let table = || commanded(cell, &saved.predictor, &path.table, found, args.write);
+    result
+        .postures
+        .findings
+        .extend(path.findings.iter().cloned());
     let wanted = args.output.is_some() || args.figure.is_some();
     let withheld = wanted && !args.beyond_data && is_objected(&result);
     if withheld {
         session.print_error(
             "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n",
         );
-    } else {
-        outputs.write(session, table, figure)?;
+    } else if wanted {
+        let found = &result.compensation;
+        let figure = || render_svg(&compensation_figure(found));
+        let points = commanded(cell, &saved.predictor, &path.table, found, args.write)?;
+        let mut tilt = None;
+        let tables = || match &path.program {
+            Some(program) if args.write.is_none() => {
+                let written = program.write(&path.table.points, &points)?;
+                tilt = written.finding();
+                Ok(written.files.into_iter().map(|(_, bytes)| bytes).collect())
+            }
+            _ => Ok(vec![
+                write_path(&format(cell, &path.table, args.write), &points)?.into_bytes(),
+            ]),
+        };
+        outputs.write(session, tables, figure)?;
+        result.postures.findings.extend(tilt);
     }
     let exit = session.deliver_at_work(
         session.envelope("compensate", None, options, result),
@@ -77,20 +101,44 @@ fn is_objected(result: &Compensated) -> bool {
         || result.compensation.objections().next().is_some()
 }
 
-/// The path to command, in the columns of the path or as `write` says.
+/// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table.
+fn check_ending(output: &str, kind: Option<Kind>) -> Result<()> {
+    if output == "-" || Kind::of(output) == kind {
+        return Ok(());
+    }
+    let message = match kind {
+        Some(kind) => format!("This writes the program that was read, {}.", kind.title()),
+        None => "This writes a table of the path (CSV).".to_string(),
+    };
+    let hint = match kind {
+        Some(_) => {
+            "give it the ending of the path, or write a table with `--write poses` or `--write angles`"
+        }
+        None => "name it .csv; a program goes out as the program that came in, without --write",
+    };
+    let error = Error::new(Code::Usage, message).key("--output");
+    Err(error.hint(hint))
+}
+
+/// The columns of the path, or those that `write` asks for.
+fn format(cell: &Cell, table: &PathTable, write: Option<WriteChoice>) -> PathFormat {
+    let read = table.format.clone();
+    match write {
+        None => read,
+        Some(WriteChoice::Angles) => read.angles(cell),
+        Some(WriteChoice::Poses) => read.poses(cell),
+    }
+}
+
+/// The path to command, in angles or poses as the columns of the path or `write` say.
 fn commanded(
     cell: &Cell,
     predictor: &IdentifiedCompliance,
     table: &PathTable,
     result: &Compensation,
     write: Option<WriteChoice>,
-) -> Result<String> {
-    let read: &PathFormat = &table.format;
-    let format = match write {
-        None => read.clone(),
-        Some(WriteChoice::Angles) => read.clone().angles(cell),
-        Some(WriteChoice::Poses) => read.clone().poses(cell),
-    };
+) -> Result<Vec<PathPoint>> {
+    let kind = format(cell, table, write).kind();
     let arm = LoadedArm::new(cell, predictor)?;
     let points = table
         .points
@@ -103,12 +151,12 @@ fn commanded(
                 .map(|q| deg_to_rad(rad_to_shortest_deg(*q)))
                 .collect();
             PathPoint {
-                target: match format.kind() {
+                target: match kind {
                     PathKind::Angles => Aim::Angles(q),
                     _ => Aim::Pose(arm.tip_pose(&q)),
                 },
                 ..point.clone()
             }
         });
-    write_path(&format, points)
+    Ok(points.collect())
 }

@@ -26,6 +26,7 @@ pub mod source;
 pub mod stiffness;
 pub mod table;
 mod text;
+pub mod tool_path;
 pub mod urdf;
 
 pub use names::check_name;

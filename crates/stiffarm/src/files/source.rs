@@ -8,15 +8,18 @@ use super::cell::parse_cell_bytes_with;
 use super::registration::read_registration;
 use super::stiffness::read_stiffness;
 use super::table::{
-    PathTable, holds_measurements, read_growing_measurements, read_measurements,
-    read_measurements_of, read_path, read_postures,
+    PathFormat, PathKind, PathTable, holds_measurements, read_growing_measurements,
+    read_measurements, read_measurements_of, read_path, read_postures,
 };
+use super::tool_path::{Kind, ToolPath, read_tool_path};
 use crate::error::{Code, Error, Result};
 use crate::estimate::saved::{PRIOR, Saved};
+use crate::findings::Finding;
 use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
 use crate::model::cell::Cell;
 use crate::model::measurement::{Candidate, Measurements};
+use crate::model::path::PathTarget;
 use crate::model::posture::{Posture, PostureGroup};
 use crate::model::process::ForceAxes;
 use crate::model::robot::Robot;
@@ -40,8 +43,12 @@ pub struct NamedCell {
 /// A path with its name.
 #[derive(Debug, Clone)]
 pub struct NamedPath {
-    /// The points, and how the file writes them.
+    /// The points, and how the file writes them; for a program the columns of a table of it.
     pub table: PathTable,
+    /// The program, where the file is no table.
+    pub program: Option<ToolPath>,
+    /// What is to be known about the program, in sentences.
+    pub findings: Vec<Finding>,
     /// File name or `builtin:…`.
     pub name: String,
 }
@@ -200,14 +207,49 @@ pub trait Source {
         read_stiffness(&bytes, &name, cell)
     }
 
-    /// Reads a path of the tool's tip; `axes` are those of its forces where no column says so.
+    /// Reads a path of the tool's tip, a table or a program as the ending of its name says
+    /// ([`Kind::of`]); `axes` are those of its forces where no column says so.
     ///
     /// # Errors
-    /// A file that cannot be read, or anything wrong with its table.
+    /// A file that cannot be read, or anything wrong with it.
     fn read_path(&self, from: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<NamedPath> {
         let (name, bytes) = self.read("path", from)?;
-        let table = read_path(&bytes, &name, cell, axes)?;
-        Ok(NamedPath { table, name })
+        let Some(kind) = Kind::of(&name) else {
+            let table = read_path(&bytes, &name, cell, axes)?;
+            return Ok(NamedPath {
+                table,
+                program: None,
+                findings: Vec::new(),
+                name,
+            });
+        };
+        let beside = kind.companion().and_then(|ending| {
+            let beside = Path::new(from).with_extension(ending);
+            // A program need not have one.
+            self.read("path_points", &beside.to_string_lossy()).ok()
+        });
+        let beside = beside
+            .as_ref()
+            .map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+        let read = read_tool_path(kind, (&name, &bytes), beside, cell)?;
+        let axes_only = read
+            .points
+            .iter()
+            .any(|p| matches!(p.target, PathTarget::Axis { .. }));
+        let kind = if axes_only {
+            PathKind::ToolAxes
+        } else {
+            PathKind::Poses
+        };
+        Ok(NamedPath {
+            table: PathTable {
+                points: read.points,
+                format: PathFormat::new(kind, cell),
+            },
+            program: Some(read.program),
+            findings: read.findings,
+            name,
+        })
     }
 }
 

@@ -71,6 +71,7 @@ mod study;
 mod systematic;
 mod tables;
 mod task;
+mod tool_paths;
 mod total_uncertainty;
 mod units;
 mod urdf;

@@ -36,7 +36,12 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     }
     let saved = read_stiffness(session, &args.stiffness, cell)?;
     let axes = args.place.axes.map(Into::into);
-    let NamedPath { table, name } = session.read_path(path, cell, axes)?;
+    let NamedPath {
+        table,
+        name,
+        findings,
+        ..
+    } = session.read_path(path, cell, axes)?;
     let options = request.place_options(cell).map_err(usage)?;
     let places = options
         .steps
@@ -57,10 +62,11 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
     let result =
         progress.watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
     drop(progress);
-    let result = result.map_err(|e| match e.place().line {
+    let mut result = result.map_err(|e| match e.place().line {
         Some(_) => e.file(&name),
         None => e,
     })?;
+    result.findings.extend(findings);
     let said = request.options(&options);
     let pictures = || {
         [

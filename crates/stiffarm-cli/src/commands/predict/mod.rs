@@ -58,7 +58,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         None => e,
     };
     let predictor = &saved.predictor;
-    let (loaded, result) = progress
+    let (loaded, mut result) = progress
         .watch(|control| {
             let loaded = request.loaded(named.cell.clone(), predictor, points, control)?;
             let result = request.predict(&loaded, &saved, control)?;
@@ -67,10 +67,13 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         .map_err(in_file)?;
     drop(progress);
     named.cell = loaded.cell;
+    if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
+        summary.findings.extend(path.findings.iter().cloned());
+    }
     let prediction = &result.prediction;
     outputs.write(
         session,
-        || Ok(Rows(|out: &mut dyn Write| write_csv(prediction, out))),
+        || Ok(vec![Rows(|out: &mut dyn Write| write_csv(prediction, out))]),
         || render_svg(&prediction_figure(prediction)),
     )?;
     session.deliver_at_work(

@@ -1,13 +1,13 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::raw::{At, Deg, Fixed, Mm, Number, Placed, RawForce, RawMilling, RawWork, Unit};
+use super::raw::{At, Deg, Fixed, Mm, Number, Placed, RawForce, RawMilling, RawWork, Text, Unit};
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::process::{
     CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
 };
 use crate::model::tool::Tool;
-use crate::model::work::Work;
+use crate::model::work::{RotaryAxis, Work};
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
@@ -41,10 +41,23 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
         (None, Some(cut)) => Some(Process::Milling(milling(source, cut)?)),
         (None, None) => None,
     };
+    let rotary = raw.rotary_axes.as_ref();
+    let rotary = rotary
+        .map(|names| source.each(names, rotary_axis))
+        .transpose()?;
     Ok(Work {
         tip,
         workpiece: workpiece.unwrap_or_default(),
         process,
+        rotary: rotary.unwrap_or_default(),
+    })
+}
+
+fn rotary_axis(source: &Source<'_>, name: &Text) -> Result<RotaryAxis> {
+    RotaryAxis::of(name.get()).ok_or_else(|| {
+        let message = format!("\"{}\" is no rotary axis.", name.get());
+        let error = source.error(Code::InvalidValue, name, message);
+        error.hint("name them \"A\", \"B\" or \"C\", with a minus where they carry the workpiece")
     })
 }
 

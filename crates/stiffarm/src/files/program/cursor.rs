@@ -10,19 +10,40 @@ pub struct Cursor<'a> {
     line: &'a str,
     /// Counted from 1.
     number: usize,
-    /// Byte position.
+    /// Byte position of the line in the file.
+    begins: usize,
+    /// Byte position in the line.
     at: usize,
+}
+
+/// A number as it stands in a file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number {
+    pub value: f64,
+    /// Byte position in the file.
+    pub at: u32,
+    /// Bytes of its text.
+    pub length: u32,
 }
 
 /// The lines of a file.
 pub fn lines(file: &ProgramFile) -> impl Iterator<Item = Cursor<'_>> {
-    let lines = file.text.trim_start_matches('\u{feff}').lines();
-    lines.enumerate().map(|(i, line)| Cursor {
-        file: &file.name,
-        line,
-        number: i + 1,
-        at: 0,
-    })
+    let text = file.text.trim_start_matches('\u{feff}');
+    let mut begins = file.text.len() - text.len();
+    text.split_inclusive('\n')
+        .enumerate()
+        .map(move |(i, whole)| {
+            let line = whole.strip_suffix('\n').unwrap_or(whole);
+            let cursor = Cursor {
+                file: &file.name,
+                line: line.strip_suffix('\r').unwrap_or(line),
+                number: i + 1,
+                begins,
+                at: 0,
+            };
+            begins += whole.len();
+            cursor
+        })
 }
 
 impl<'a> Cursor<'a> {
@@ -41,6 +62,27 @@ impl<'a> Cursor<'a> {
     /// Passes so many bytes.
     pub fn skip(&mut self, bytes: usize) {
         self.at += bytes;
+    }
+
+    /// The line's number, counted from 1.
+    pub fn line_number(&self) -> usize {
+        self.number
+    }
+
+    /// Byte position in the file.
+    pub fn position(&self) -> usize {
+        self.begins + self.at
+    }
+
+    /// A finite number with its place.
+    pub fn placed(&mut self) -> Result<Number> {
+        let at = self.space().position();
+        let value = self.number()?;
+        Ok(Number {
+            value,
+            at: at as u32,
+            length: (self.position() - at) as u32,
+        })
     }
 
     /// True where only spaces are left.

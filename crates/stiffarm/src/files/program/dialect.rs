@@ -3,6 +3,7 @@
 use super::cursor::Cursor;
 use super::reader::Reader;
 use crate::error::Result;
+use crate::model::pose::Convention;
 use crate::model::robot::Controller;
 
 /// A language: what it can hold, and how it is written and read.
@@ -106,6 +107,10 @@ pub struct Syntax {
     pub joint_move: &'static str,
     /// Its other moves, which cannot be read.
     pub other_moves: &'static [&'static str],
+    /// Words of lines that may change the way through the program.
+    pub branches: &'static [&'static str],
+    /// How the poses of its moves stand; `None` where they are not read.
+    pub poses: Option<PoseForm>,
     /// What says that a point is not there; its label follows.
     pub missing_point: &'static str,
     /// Begins a comment.
@@ -141,6 +146,8 @@ impl Syntax {
         read: |_, _| Ok(false),
         joint_move: "",
         other_moves: &[],
+        branches: &[],
+        poses: None,
         missing_point: "",
         comment: "",
         comments_fill_lines: false,
@@ -150,6 +157,23 @@ impl Syntax {
         angle_words: &[],
         angles: Angles::Named(1),
     };
+}
+
+/// How a language gives poses.
+#[derive(Debug, Clone, Copy)]
+pub struct PoseForm {
+    /// The orientation behind x, y, z.
+    pub convention: Convention,
+    /// Unit of lengths \[m\].
+    pub unit: f64,
+    /// Whether angles are degrees.
+    pub degrees: bool,
+    /// What stands before each number, for those that the line leaves out.
+    pub before: &'static [&'static str],
+    /// Fewest decimals of a length and of a number of the orientation that is written.
+    pub decimals: [usize; 2],
+    /// Whether poses are those in the base frame of the robot, not in a workpiece frame.
+    pub in_base: bool,
 }
 
 /// Where the angles of a posture stand in a line.

@@ -16,7 +16,7 @@
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Syntax, Tool};
-use super::reader::{Reader, Section};
+use super::reader::{Aim, Reader, Section};
 use crate::error::Result;
 use crate::model::robot::Controller;
 
@@ -119,7 +119,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             return Err(line.wrong("The move does not end at rest (PL=0)."));
         }
         line.end()?;
-        reader.go_to(place, label);
+        reader.go(place.clone(), Aim::Label(place, label.to_string()));
     } else {
         return Ok(false);
     }
@@ -147,6 +147,7 @@ fn point(line: &mut Cursor<'_>, reader: &mut Reader<'_>) -> Result<()> {
         Ok(degrees.to_radians())
     })?;
     line.end()?;
-    reader.point(label, reader.options.to_cell(&values));
+    let aim = reader.angles(&values);
+    reader.point(label, aim);
     Ok(())
 }

@@ -13,9 +13,10 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, Syntax, Tool};
-use super::reader::Reader;
+use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
+use super::reader::{Aim, Motion, Reader};
 use crate::error::Result;
+use crate::model::pose::Convention;
 use crate::model::robot::Controller;
 
 pub const KRL: Dialect = Dialect {
@@ -55,8 +56,28 @@ pub const KRL: Dialect = Dialect {
         read,
         joint_move: "PTP",
         other_moves: &[
-            "LIN", "CIRC", "SPTP", "SLIN", "SCIRC", "PTP_REL", "LIN_REL", "SPTP_REL",
+            "LIN",
+            "CIRC",
+            "SPTP",
+            "SLIN",
+            "SCIRC",
+            "PTP_REL",
+            "LIN_REL",
+            "SPTP_REL",
+            "SLIN_REL",
+            "CIRC_REL",
+            "SCIRC_REL",
+            "SPL",
         ],
+        branches: &["FOR", "WHILE", "LOOP", "REPEAT", "SWITCH", "IF", "GOTO"],
+        poses: Some(PoseForm {
+            convention: Convention::Kuka,
+            unit: 1e-3,
+            degrees: true,
+            before: &[",X ", ",Y ", ",Z ", ",A ", ",B ", ",C "],
+            decimals: [4, 5],
+            in_base: false,
+        }),
         missing_point: "The .dat has no joint position (E6AXIS)",
         comment: ";",
         notes: &["&"],
@@ -93,6 +114,16 @@ DEFDAT {name}
 ENDDAT
 ";
 
+/// The words of moves; a plan has the first.
+const MOVES: [(&str, Motion); 6] = [
+    ("PTP", Motion::Joint),
+    ("SPTP", Motion::Joint),
+    ("LIN", Motion::Linear),
+    ("SLIN", Motion::Linear),
+    ("CIRC", Motion::Circular),
+    ("SCIRC", Motion::Circular),
+];
+
 /// What else the `.dat` declares is not looked at.
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.passes(";") {
@@ -112,54 +143,96 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if line.word("HALT") {
         line.end()?;
         reader.wait();
-    } else if line.word("PTP") {
-        if line.clone().passes("{") {
-            let q = aggregate(line, reader)?;
-            reader.go(q);
-        } else {
-            let place = line.clone();
-            reader.go_to(place, line.identifier()?);
+    } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &MOVES[..1] }) {
+        reader.move_to(line, motion, aim)?;
+        if !reader.is_path {
+            line.end()?;
+        } else if line.clone().passes(",") {
+            return Err(
+                line.wrong_here("An arc that ends at an angle of its own (CA) is not read here.")
+            );
         }
-        line.end()?;
+    } else if reader.is_path && (line.clone().word("$BASE") || line.clone().word("$TOOL")) {
+        let name = line.identifier()?.to_ascii_uppercase();
+        line.expect("=")?;
+        if line.clone().passes("{")
+            && let Aim::Pose(pose) = aggregate(line, reader)?
+        {
+            let number = usize::from(name == "$BASE");
+            reader.used[number].insert(name.clone(), line.line_number());
+            reader.frames.insert(name, pose);
+        }
     } else {
         line.word("DECL");
         line.word("GLOBAL");
-        if !(line.word("E6AXIS") || line.word("AXIS")) {
+        let types: &[&str] = match reader.is_path {
+            true => &["E6AXIS", "AXIS", "E6POS", "POS", "FRAME"],
+            false => &["E6AXIS", "AXIS"],
+        };
+        if !types.iter().any(|name| line.word(name)) {
             return Ok(false);
         }
         let label = line.identifier()?;
         if line.passes("=") {
-            let q = aggregate(line, reader)?;
+            let aim = aggregate(line, reader)?;
             line.end()?;
-            reader.point(label, q);
+            reader.point(label, aim);
         }
     }
     Ok(true)
 }
 
-/// `{A1 …,A2 …}`, with or without the name of its type.
-fn aggregate(line: &mut Cursor<'_>, reader: &Reader<'_>) -> Result<Vec<f64>> {
+/// A position in braces, or the label of one.
+fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+    if line.clone().passes("{") {
+        return aggregate(line, reader);
+    }
+    line.label()
+}
+
+/// `{A1 …,A2 …}` or, of a tool path, `{X …,Y …}`, with or without the name of its type.
+fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+    const POSE: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
     let start = line.clone();
     line.expect("{")?;
-    let _ = line.passes("E6AXIS:") || line.passes("AXIS:");
+    for name in ["E6AXIS:", "AXIS:", "E6POS:", "POS:", "FRAME:"] {
+        line.passes(name);
+    }
     let mut values = vec![None; reader.joints];
+    let (mut pose, mut is_pose, mut last) = ([None; 7], false, line.clone());
     loop {
         let field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
-        let value = line.angle()?;
-        let Some(known) = (0..12).find(|i| (KRL.axis_name)(*i) == axis) else {
-            let message = format!("`{axis}` is no axis: this is no joint position.");
-            return Err(field.wrong(message));
-        };
-        // Further external axes of the controller are none of the cell's.
-        if let Some(own) = values.get_mut(known) {
-            *own = Some(value);
+        if let Some(at) = POSE.iter().position(|name| *name == axis && reader.is_path) {
+            pose[at] = Some(line.placed()?);
+            (is_pose, last) = (true, line.clone());
+        } else if is_pose {
+            // Status, turn, and axes that carry the robot or the workpiece.
+            let carries = line.number()? != 0.0 && axis.starts_with('E');
+            if carries {
+                let message =
+                    format!("The external axis {axis} is not at 0: the path moves with it.");
+                return Err(field.wrong(message));
+            }
+        } else {
+            let value = line.angle()?;
+            let Some(known) = (0..12).find(|i| (KRL.axis_name)(*i) == axis) else {
+                let message = format!("`{axis}` is no axis: this is no joint position.");
+                return Err(field.wrong(message));
+            };
+            // Further external axes of the controller are none of the cell's.
+            if let Some(own) = values.get_mut(known) {
+                *own = Some(value);
+            }
         }
         if !line.passes(",") {
             break;
         }
     }
     line.expect("}")?;
+    if is_pose {
+        return Ok(Aim::Pose(reader.pose(pose, &last)));
+    }
     reader
         .complete(&values)
         .map_err(|axis| start.wrong(format!("The position has no {axis}.")))

@@ -2,7 +2,7 @@
 
 use super::characters;
 use super::csv::CSV;
-use super::dialect::Dialect;
+use super::dialect::{Dialect, PoseForm};
 use super::inform::INFORM;
 use super::krl::KRL;
 use super::ls::LS;
@@ -55,6 +55,12 @@ impl Language {
             Language::Urscript => &URSCRIPT,
             Language::Csv => &CSV,
         }
+    }
+
+    /// How poses stand in its programs, where they are read.
+    pub(in crate::files) fn poses(self) -> Option<PoseForm> {
+        let syntax = self.dialect().syntax.as_ref();
+        syntax.and_then(|syntax| syntax.poses)
     }
 
     /// Its name on the command line.

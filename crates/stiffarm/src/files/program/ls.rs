@@ -11,9 +11,10 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, Syntax, Target, Tool};
-use super::reader::{Reader, Section};
+use super::dialect::{Angles, Dialect, PoseForm, Syntax, Target, Tool};
+use super::reader::{Aim, Motion, OpenPoint, Reader, Section};
 use crate::error::Result;
+use crate::model::pose::Convention;
 use crate::model::robot::Controller;
 
 pub const LS: Dialect = Dialect {
@@ -64,6 +65,15 @@ pub const LS: Dialect = Dialect {
         read,
         joint_move: "J",
         other_moves: &["L", "C", "A", "S"],
+        branches: &["IF", "JMP", "FOR", "SELECT"],
+        poses: Some(PoseForm {
+            convention: Convention::Fanuc,
+            unit: 1e-3,
+            degrees: true,
+            before: &[],
+            decimals: [3, 3],
+            in_base: false,
+        }),
         missing_point: "/POS has no",
         comment: "!",
         comments_fill_lines: true,
@@ -148,25 +158,57 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         reader.say(said);
     } else if line.word("PAUSE") {
         reader.wait();
+    } else if reader.is_path {
+        return path_move(line, reader);
     } else if line.word("J") {
         let place = line.clone();
-        line.expect("P[")?;
-        let label = label(line)?;
-        if line.passes(":") {
-            line.skip(line.rest().find(']').unwrap_or(0));
-        }
-        line.expect("]")?;
+        let label = point(line)?;
         reader.speed = line.percent()?;
         line.expect("%")?;
         if !line.word("FINE") {
             return Err(line.wrong_here("The move does not end at rest (FINE)."));
         }
         line.expect(";")?;
-        reader.go_to(place, &label);
+        reader.go(place.clone(), Aim::Label(place, label));
     } else {
         return Ok(false);
     }
     Ok(true)
+}
+
+/// A move of a tool path. The end of an arc stands in a line of its own.
+fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    let place = line.clone();
+    if let Some((start, via)) = reader.arc.take() {
+        let aim = Aim::Label(place, point(line)?);
+        reader.moves(start, Motion::Circular, Some(via), aim);
+        return Ok(true);
+    }
+    let words = [
+        ("L", Motion::Linear),
+        ("J", Motion::Joint),
+        ("C", Motion::Circular),
+    ];
+    let Some(motion) = line.motion(&words) else {
+        return Ok(false);
+    };
+    let aim = Aim::Label(line.clone(), point(line)?);
+    match motion {
+        Motion::Circular => reader.arc = Some((place, aim)),
+        _ => reader.moves(place, motion, None, aim),
+    }
+    Ok(true)
+}
+
+/// `P[1]`, with or without a comment.
+fn point(line: &mut Cursor<'_>) -> Result<String> {
+    line.expect("P[")?;
+    let label = label(line)?;
+    if line.passes(":") {
+        line.skip(line.rest().find(']').unwrap_or(0));
+    }
+    line.expect("]")?;
+    Ok(label)
 }
 
 /// `P[` and the number of a point.
@@ -185,27 +227,57 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     if line.passes("P[") {
         let place = line.clone();
         let label = label(line)?;
-        reader.open = Some((label, place, vec![None; reader.joints]));
+        reader.open = Some(OpenPoint {
+            label,
+            place,
+            values: vec![None; reader.joints],
+            pose: [None; 7],
+            is_first_group: true,
+        });
     } else if line.passes("}") {
-        if let Some((label, place, values)) = reader.open.take() {
-            let q = reader.complete(&values);
-            let q = q.map_err(|axis| place.wrong(format!("{label} has no {axis}.")))?;
-            reader.point(&label, q);
+        if let Some(open) = reader.open.take() {
+            let label = open.label;
+            let aim = match open.pose.iter().any(Option::is_some) {
+                true => match open.pose.iter().take(6).position(Option::is_none) {
+                    None => Ok(Aim::Pose(reader.pose(open.pose, &open.place))),
+                    Some(at) => Err(POSE[at].to_string()),
+                },
+                false => reader.complete(&open.values),
+            };
+            let missing = |name| open.place.wrong(format!("{label} has no {name}."));
+            reader.point(&label, aim.map_err(missing)?);
         }
-    } else if let Some((_, _, values)) = &mut reader.open {
-        fields(line, values)?;
+    } else if let Some(open) = &mut reader.open {
+        fields(line, open, reader.is_path)?;
     }
     Ok(())
 }
 
+/// Numbers of a pose in their order.
+const POSE: [&str; 6] = ["X", "Y", "Z", "W", "P", "R"];
+
 /// A line within a position: `J1= 10.000 deg,`.
-fn fields(line: &mut Cursor<'_>, values: &mut [Option<f64>]) -> Result<()> {
-    if line.word("GP1") || line.word("UF") {
+fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Result<()> {
+    if line.passes("GP") {
+        open.is_first_group = line.number()? == 1.0 || !is_path;
         return Ok(());
     }
+    if line.word("UF") || (is_path && line.word("CONFIG")) || !open.is_first_group {
+        return Ok(());
+    }
+    let values = &mut open.values;
     while !line.is_done() {
         let mut field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
+        if let Some(at) = POSE.iter().position(|name| is_path && *name == axis) {
+            line.expect("=")?;
+            open.pose[at] = Some(line.placed()?);
+            let _ = line.word("mm") || line.word("deg");
+            if !line.passes(",") {
+                line.end()?;
+            }
+            continue;
+        }
         let Some(known) = (0..9).find(|i| (LS.axis_name)(*i) == axis) else {
             let message = format!(
                 "`{axis}` is no joint: only positions in joint representation can be read."

@@ -52,8 +52,11 @@ mod urscript;
 mod writer;
 
 pub use compare::{Difference, compare_moves, missing_stops};
+pub(super) use cursor::{Cursor, Number, lines};
+pub(super) use dialect::PoseForm;
 pub use language::Language;
 pub use options::ProgramOptions;
+pub(super) use reader::{Aim, Leg, Motion, Pose, Reader};
 pub use statements::compare_statements;
 
 use crate::error::{Code, Error, Result};
@@ -272,6 +275,18 @@ pub fn write_program(
         Some(syntax) => Ok(writer::write(program, dialect, syntax, options)),
         None => csv::write(program),
     }
+}
+
+/// Reads the moves of a tool path; the reader keeps what else the lines say.
+pub(super) fn read_legs<'a>(
+    files: &'a [ProgramFile],
+    language: Language,
+    reader: &mut Reader<'a>,
+) -> Result<Vec<Leg<'a>>> {
+    if let Some(syntax) = &language.dialect().syntax {
+        read::read_lines(files.iter().collect(), syntax, reader)?;
+    }
+    reader.legs()
 }
 
 fn check_move(target: &Move, joints: usize) -> Result<()> {

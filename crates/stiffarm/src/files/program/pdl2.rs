@@ -77,6 +77,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if line.word("MOVEFLY") {
         return Err(line.wrong("The move does not end at rest (MOVE)."));
     } else if line.word("MOVE") {
+        let place = line.clone();
         if line.clone().word("LINEAR") || line.clone().word("CIRCULAR") {
             return Ok(false);
         }
@@ -86,7 +87,8 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         let values = line.list(reader.joints, |line, _| line.angle())?;
         line.expect("}")?;
         line.end()?;
-        reader.go(reader.options.to_cell(&values));
+        let aim = reader.angles(&values);
+        reader.go(place, aim);
     }
     Ok(true)
 }

@@ -11,9 +11,10 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, Syntax, Tool};
-use super::reader::Reader;
+use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
+use super::reader::{Aim, Motion, Pose, Reader};
 use crate::error::Result;
+use crate::model::pose::Convention;
 use crate::model::robot::Controller;
 
 pub const RAPID: Dialect = Dialect {
@@ -57,6 +58,15 @@ pub const RAPID: Dialect = Dialect {
         read,
         joint_move: "MoveAbsJ",
         other_moves: &["MoveJ", "MoveL", "MoveC", "MoveExtJ"],
+        branches: &["FOR", "WHILE", "IF", "TEST", "GOTO"],
+        poses: Some(PoseForm {
+            convention: Convention::Abb,
+            unit: 1e-3,
+            degrees: false,
+            before: &[],
+            decimals: [4, 8],
+            in_base: false,
+        }),
         missing_point: "The module has no jointtarget",
         comment: "!",
         angle_words: &["jointtarget", "moveabsj"],
@@ -77,6 +87,13 @@ MODULE {name}
 ENDMODULE
 ";
 
+/// The words of moves of a tool path.
+const MOVES: [(&str, Motion); 3] = [
+    ("MoveL", Motion::Linear),
+    ("MoveJ", Motion::Joint),
+    ("MoveC", Motion::Circular),
+];
+
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.passes("!") {
         reader.comment(line.rest());
@@ -91,9 +108,20 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if declares && line.word("jointtarget") {
         let label = line.identifier()?;
         line.expect(":=")?;
-        let q = target(line, reader)?;
+        let aim = target(line, reader)?;
         line.expect(";")?;
-        reader.point(label, q);
+        reader.point(label, aim);
+    } else if declares && reader.is_path && line.word("robtarget") {
+        let label = line.identifier()?;
+        line.expect(":=")?;
+        let aim = robtarget(line, reader)?;
+        reader.point(label, aim);
+    } else if declares && reader.is_path && (line.word("tooldata") || line.word("wobjdata")) {
+        let label = line.identifier()?.to_ascii_uppercase();
+        if line.passes(":=") {
+            let frame = frame(line, reader)?;
+            reader.frames.insert(label, frame);
+        }
     } else if line.word("VelSet") {
         reader.speed = line.percent()?;
     } else if line.word("TPWrite") {
@@ -103,22 +131,138 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         line.expect(";")?;
         reader.wait();
     } else if line.word("MoveAbsJ") {
-        if line.clone().passes("[") {
-            let q = target(line, reader)?;
-            reader.go(q);
-        } else {
-            let place = line.clone();
-            reader.go_to(place, line.identifier()?);
+        let place = line.clone();
+        let aim = match line.clone().passes("[") {
+            true => target(line, reader)?,
+            false => Aim::Label(place.clone(), line.identifier()?.to_string()),
+        };
+        reader.go(place, aim);
+        if !reader.is_path {
+            ends_at_rest(line)?;
         }
-        ends_at_rest(line)?;
+    } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
+        reader.move_to(line, motion, aim)?;
+        frames_of_move(line, reader)?;
     } else {
         return Ok(false);
     }
     Ok(true)
 }
 
+/// A robtarget, or the label of one.
+fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+    if line.clone().passes("[") {
+        return robtarget(line, reader);
+    }
+    line.label()
+}
+
+/// `[x,y,z],[q1,q2,q3,q4]` in brackets.
+fn placed<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose>> {
+    let mut numbers = [None; 7];
+    for (at, number) in numbers.iter_mut().enumerate() {
+        let signs: &[&str] = match at {
+            0 => &["[", "["],
+            3 => &["]", ",", "["],
+            _ => &[","],
+        };
+        for sign in signs {
+            line.expect(sign)?;
+        }
+        *number = Some(line.placed()?);
+    }
+    line.expect("]")?;
+    Ok(reader.pose(numbers, line))
+}
+
+/// `[[x,y,z],[q1,q2,q3,q4],[cf1,cf4,cf6,cfx],[eax_a…]]`.
+fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+    let pose = placed(line, reader)?;
+    for (count, what) in [(4, false), (6, true)] {
+        line.expect(",")?;
+        line.expect("[")?;
+        line.list(count, |line, _| {
+            let place = line.clone();
+            let value = line.number()?;
+            match what && value != 0.0 && value != 9e9 {
+                true => Err(place.wrong("An external axis is not at 0: the path moves with it.")),
+                false => Ok(value),
+            }
+        })?;
+        line.expect("]")?;
+    }
+    line.expect("]")?;
+    Ok(Aim::Pose(pose))
+}
+
+/// The pose of a tooldata, `[TRUE,[pose],[load]]`, or the frames of a wobjdata,
+/// `[FALSE,TRUE,"",[uframe],[oframe]]`, of which one is the identity.
+fn frame<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose>> {
+    line.expect("[")?;
+    let is_tool = line.word("TRUE");
+    if !is_tool {
+        line.expect("FALSE")?;
+    }
+    line.expect(",")?;
+    if line.clone().passes("[") {
+        return match is_tool {
+            true => placed(line, reader),
+            false => Err(line.wrong_here("A tool that stands still (FALSE) is not read here.")),
+        };
+    }
+    if !line.word("TRUE") {
+        line.expect("FALSE")?;
+    }
+    line.expect(",")?;
+    line.quoted('"')?;
+    line.expect(",")?;
+    let user = placed(line, reader)?;
+    line.expect("]")?;
+    line.expect(",")?;
+    let place = line.clone();
+    let object = placed(line, reader)?;
+    let is_identity = |pose: &Pose| {
+        let values = pose.numbers.iter().flatten().map(|number| number.value);
+        values.eq([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+    };
+    match (is_identity(&user), is_identity(&object)) {
+        (true, _) => Ok(object),
+        (_, true) => Ok(user),
+        _ => Err(place
+            .wrong("A work object with both a user frame and an object frame is not read here.")),
+    }
+}
+
+/// What follows the target: a speed, a zone, the tool and the work object.
+fn frames_of_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
+    let number = line.line_number();
+    let parts: Vec<&str> = line
+        .rest()
+        .split(';')
+        .next()
+        .unwrap_or_default()
+        .split(',')
+        .collect();
+    let last = parts.last().map_or("", |part| part.trim());
+    let mut words = last.split('\\');
+    let tool = words.next().unwrap_or_default().trim();
+    if tool.is_empty() || parts.len() < 3 {
+        return Err(line.wrong_here("A speed, a zone and a tool are missing here."));
+    }
+    reader.used[0]
+        .entry(tool.to_ascii_uppercase())
+        .or_insert(number);
+    let object = words.find_map(|word| {
+        let (key, name) = word.split_once(":=")?;
+        key.trim().eq_ignore_ascii_case("WObj").then(|| name.trim())
+    });
+    let object = object.unwrap_or("wobj0").to_ascii_uppercase();
+    reader.used[1].entry(object).or_insert(number);
+    Ok(())
+}
+
 /// `[[six angles],[six external axes]]`.
-fn target(line: &mut Cursor<'_>, reader: &Reader<'_>) -> Result<Vec<f64>> {
+fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
     let mut values = Vec::with_capacity(12);
     for axis in 0..12 {
         let signs: &[&str] = match axis {
@@ -137,7 +281,7 @@ fn target(line: &mut Cursor<'_>, reader: &Reader<'_>) -> Result<Vec<f64>> {
     }
     line.expect("]")?;
     line.expect("]")?;
-    Ok(reader.options.to_cell(&values))
+    Ok(reader.angles(&values))
 }
 
 /// What follows the target: a speed, `fine`, a tool.

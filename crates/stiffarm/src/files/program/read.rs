@@ -15,20 +15,36 @@ pub fn read(
     joints: usize,
 ) -> Result<Program> {
     let mut reader = Reader::new(options, joints, dialect.axis_name);
-    for file in in_order(files, dialect, syntax)? {
+    read_lines(in_order(files, dialect, syntax)?, syntax, &mut reader)?;
+    reader.program(syntax.missing_point)
+}
+
+/// Reads the lines of `files`.
+pub fn read_lines<'a>(
+    files: Vec<&'a ProgramFile>,
+    syntax: &Syntax,
+    reader: &mut Reader<'a>,
+) -> Result<()> {
+    for (number, file) in (0..).zip(files) {
+        reader.file = number;
         for mut line in lines(file) {
-            if (syntax.read)(&mut line, &mut reader)? {
+            if (syntax.read)(&mut line, reader)? {
                 continue;
             }
-            let mut others = syntax.other_moves.iter();
-            if let Some(word) = others.find(|word| line.clone().word(word)) {
+            let is_next = |word: &&&str| line.clone().word(word);
+            if let Some(word) = syntax.branches.iter().find(is_next) {
+                reader.passed_over.push((line.line_number(), word));
+            } else if let Some(word) = syntax.other_moves.iter().find(is_next) {
                 let joint_move = syntax.joint_move;
-                let message = format!("{word} is no move to joint angles ({joint_move}).");
+                let message = match reader.is_path {
+                    true => format!("{word} is a move that is not read here."),
+                    false => format!("{word} is no move to joint angles ({joint_move})."),
+                };
                 return Err(line.wrong_here(message));
             }
         }
     }
-    reader.program(syntax.missing_point)
+    Ok(())
 }
 
 /// The files in the order of the language.

@@ -1,9 +1,9 @@
 //! What the lines of a program have said so far.
 
-use super::cursor::Cursor;
+use super::cursor::{Cursor, Number};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::{Code, Error, Result};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Part of a file that has parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,27 +13,114 @@ pub enum Section {
     Points,
 }
 
-/// A point that stands in several lines: its label, where it begins, the angles found so far \[rad\].
-type OpenPoint<'a> = (String, Cursor<'a>, Vec<Option<f64>>);
+impl<'a> Cursor<'a> {
+    /// Passes the word of a move, one of `words`.
+    pub fn motion(&mut self, words: &[(&str, Motion)]) -> Option<Motion> {
+        let mut words = words.iter().filter(|(word, _)| self.word(word));
+        words.next().map(|(_, motion)| *motion)
+    }
+
+    /// The name of a point, which is stated and not calculated.
+    pub fn label(&mut self) -> Result<Aim<'a>> {
+        let mut place = self.clone();
+        let label = self.identifier()?.to_string();
+        match self.clone().passes("(") || self.clone().passes("{") {
+            true => Err(place.wrong_here(format!(
+                "`{label}` is calculated by the program: only stated positions are read."
+            ))),
+            false => Ok(Aim::Label(place, label)),
+        }
+    }
+}
+
+/// A point that stands in several lines.
+pub struct OpenPoint<'a> {
+    pub label: String,
+    /// Where it begins.
+    pub place: Cursor<'a>,
+    /// Angles found so far \[rad\].
+    pub values: Vec<Option<f64>>,
+    /// Numbers of a pose found so far.
+    pub pose: [Option<Number>; 7],
+    /// False within what it says of a second group of axes.
+    pub is_first_group: bool,
+}
+
+/// A pose as it stands in a program: x, y, z and the numbers of the orientation, in its units.
+#[derive(Debug, Clone, Default)]
+pub struct Pose {
+    /// In the order of the language; `None` where it is not said.
+    pub numbers: [Option<Number>; 7],
+    /// Which file.
+    pub file: u32,
+    /// Byte position behind its last number.
+    pub end: u32,
+    pub line: usize,
+}
+
+/// Where a move goes.
+#[derive(Debug, Clone)]
+pub enum Aim<'a> {
+    /// Joint angles in the cell's order \[rad\].
+    Angles(Vec<f64>),
+    Pose(Box<Pose>),
+    /// A point that stands elsewhere.
+    Label(Cursor<'a>, String),
+}
+
+/// How a move goes there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    Joint,
+    Linear,
+    /// An arc; the move before the last one is its point on the way.
+    Circular,
+}
+
+/// A move as it was read.
+pub struct Leg<'a> {
+    /// Where the word stands that moves.
+    pub place: Cursor<'a>,
+    pub motion: Motion,
+    /// Of an arc the point on the way.
+    pub via: Option<Box<Aim<'a>>>,
+    pub aim: Aim<'a>,
+    speed: u8,
+    marked: Option<(MoveKind, String)>,
+}
+
+enum Read<'a> {
+    Wait(String),
+    Leg(Leg<'a>),
+}
 
 /// What has been read so far.
 pub struct Reader<'a> {
     pub options: &'a ProgramOptions,
     /// Joints of the robot.
     pub joints: usize,
+    /// Whether moves are those of a tool path, which need not end at rest.
+    pub is_path: bool,
     /// Speed of the moves that come, in per cent.
     pub speed: u8,
     pub section: Section,
     pub open: Option<OpenPoint<'a>>,
+    /// An arc whose end is still to come: where its word stands, and its point on the way.
+    pub arc: Option<(Cursor<'a>, Aim<'a>)>,
+    /// Which file is read.
+    pub file: u32,
+    /// Frames that the program gives, by their names in capital letters.
+    pub frames: HashMap<String, Box<Pose>>,
+    /// Names of tools and of bases that moves name.
+    pub used: [BTreeMap<String, usize>; 2],
+    /// What is not followed, with the line.
+    pub passed_over: Vec<(usize, &'a str)>,
     /// What an axis of the controller is called.
     axis_name: fn(usize) -> String,
     name: String,
     /// By their labels in capital letters.
-    points: HashMap<String, Vec<f64>>,
-    steps: Vec<Step>,
-    /// Moves to points by label: the step, where it stands and the label.
-    labelled: Vec<(usize, Cursor<'a>, String)>,
-    moves: usize,
+    points: HashMap<String, Aim<'a>>,
+    steps: Vec<Read<'a>>,
     /// Kind and name of the next move.
     next: Option<(MoveKind, String)>,
     /// What has been said since the last step.
@@ -57,15 +144,19 @@ impl<'a> Reader<'a> {
         Reader {
             options,
             joints,
+            is_path: false,
             speed: 100,
             section: Section::Head,
             open: None,
+            arc: None,
+            file: 0,
+            frames: HashMap::new(),
+            used: [BTreeMap::new(), BTreeMap::new()],
+            passed_over: Vec::new(),
             axis_name,
             name: String::new(),
             points: HashMap::new(),
             steps: Vec::new(),
-            labelled: Vec::new(),
-            moves: 0,
             next: None,
             said: Vec::new(),
         }
@@ -98,62 +189,152 @@ impl<'a> Reader<'a> {
     /// The program waits for somebody.
     pub fn wait(&mut self) {
         let text = std::mem::take(&mut self.said).join(" ");
-        self.steps.push(Step::Wait(text));
+        self.steps.push(Read::Wait(text));
     }
 
-    /// A move. Without a comment before it, it has a number for a name.
-    pub fn go(&mut self, q: Vec<f64>) {
-        self.moves += 1;
-        let unnamed = || (MoveKind::Posture, format!("move {}", self.moves));
-        let (kind, name) = self.next.take().unwrap_or_else(unnamed);
-        self.steps.push(Step::Move(Move {
-            name,
-            kind,
-            q,
-            speed_percent: self.speed,
+    /// A joint move to the aim, whose word stands at `place`.
+    pub fn go(&mut self, place: Cursor<'a>, aim: Aim<'a>) {
+        self.moves(place, Motion::Joint, None, aim);
+    }
+
+    /// A move.
+    pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<Aim<'a>>, aim: Aim<'a>) {
+        self.steps.push(Read::Leg(Leg {
+            place,
+            motion,
+            via: via.map(Box::new),
+            aim,
+            speed: self.speed,
+            marked: self.next.take(),
         }));
     }
 
-    /// A move to a point, which may stand further below.
-    pub fn go_to(&mut self, place: Cursor<'a>, label: &str) {
-        self.labelled
-            .push((self.steps.len(), place, label.to_string()));
-        self.go(Vec::new());
+    /// A move whose word has been read: to the aims that stand next.
+    pub fn move_to(
+        &mut self,
+        line: &mut Cursor<'a>,
+        motion: Motion,
+        aim: fn(&mut Cursor<'a>, &Self) -> Result<Aim<'a>>,
+    ) -> Result<()> {
+        let place = line.clone();
+        let via = match motion == Motion::Circular {
+            true => {
+                let via = aim(line, self)?;
+                line.expect(",")?;
+                Some(via)
+            }
+            false => None,
+        };
+        let aim = aim(line, self)?;
+        self.moves(place, motion, via, aim);
+        Ok(())
     }
 
     /// A point.
-    pub fn point(&mut self, label: &str, q: Vec<f64>) {
-        self.points.insert(label.to_ascii_uppercase(), q);
+    pub fn point(&mut self, label: &str, aim: Aim<'a>) {
+        self.points.insert(label.to_ascii_uppercase(), aim);
+    }
+
+    /// Joint angles of the controller's axes.
+    pub fn angles(&self, values: &[f64]) -> Aim<'a> {
+        Aim::Angles(self.options.to_cell(values))
     }
 
     /// Angles in the order of the cell's joints, if all are there; else the name of the first that is not.
-    pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<Vec<f64>, String> {
+    pub fn complete(&self, values: &[Option<f64>]) -> std::result::Result<Aim<'a>, String> {
         match values.iter().position(Option::is_none) {
             Some(axis) => Err((self.axis_name)(axis)),
             None => {
                 let values: Vec<f64> = values.iter().copied().flatten().collect();
-                Ok(self.options.to_cell(&values))
+                Ok(self.angles(&values))
             }
         }
     }
 
-    /// The program, where all its points are there; `missing` says what is not.
-    pub fn program(mut self, missing: &str) -> Result<Program> {
-        if let Some((label, place, _)) = &self.open {
-            return Err(place.wrong(format!("The `}}` that ends {label} is missing.")));
-        }
-        for (step, mut place, label) in self.labelled {
-            let Some(q) = self.points.get(&label.to_ascii_uppercase()) else {
-                return Err(place.wrong_here(format!("{missing} {label}.")));
-            };
-            if let Step::Move(target) = &mut self.steps[step] {
-                target.q.clone_from(q);
+    /// The pose with these numbers, which ends at `line`'s place.
+    pub fn pose(&self, numbers: [Option<Number>; 7], line: &Cursor<'_>) -> Box<Pose> {
+        Box::new(Pose {
+            numbers,
+            file: self.file,
+            end: line.position() as u32,
+            line: line.line_number(),
+        })
+    }
+
+    fn check_closed(&self) -> Result<()> {
+        match &self.open {
+            Some(OpenPoint { label, place, .. }) => {
+                Err(place.wrong(format!("The `}}` that ends {label} is missing.")))
             }
+            None => Ok(()),
         }
+    }
+
+    /// The program, where all its points are there; `missing` says what is not.
+    pub fn program(self, missing: &str) -> Result<Program> {
+        self.check_closed()?;
+        let mut moves = 0;
+        let steps = self.steps.into_iter().map(|step| {
+            let mut leg = match step {
+                Read::Wait(text) => return Ok(Step::Wait(text)),
+                Read::Leg(leg) => leg,
+            };
+            let q = match leg.aim {
+                Aim::Angles(q) => q,
+                Aim::Pose(_) => {
+                    return Err(leg.place.wrong_here("This goes to no joint position."));
+                }
+                Aim::Label(mut place, label) => {
+                    match self.points.get(&label.to_ascii_uppercase()) {
+                        Some(Aim::Angles(q)) => q.clone(),
+                        _ => return Err(place.wrong_here(format!("{missing} {label}."))),
+                    }
+                }
+            };
+            moves += 1;
+            // Without a comment before it, it has a number for a name.
+            let unnamed = || (MoveKind::Posture, format!("move {moves}"));
+            let (kind, name) = leg.marked.unwrap_or_else(unnamed);
+            Ok(Step::Move(Move {
+                name,
+                kind,
+                q,
+                speed_percent: leg.speed,
+            }))
+        });
         Ok(Program {
             name: self.name,
             header: Vec::new(),
-            steps: self.steps,
+            steps: steps.collect::<Result<_>>()?,
         })
+    }
+
+    /// The moves of a tool path, points in place of their labels.
+    pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
+        self.check_closed()?;
+        let points = &self.points;
+        let resolved = |aim: Aim<'a>| match aim {
+            Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
+                Some(aim) => Ok(aim.clone()),
+                None => Err(place.wrong_here(format!("The program has no point {label}."))),
+            },
+            aim => Ok(aim),
+        };
+        let legs = std::mem::take(&mut self.steps).into_iter();
+        let legs = legs.filter_map(|step| match step {
+            Read::Wait(_) => None,
+            Read::Leg(leg) => Some(leg),
+        });
+        legs.map(|leg| {
+            Ok(Leg {
+                via: leg
+                    .via
+                    .map(|via| resolved(*via).map(Box::new))
+                    .transpose()?,
+                aim: resolved(leg.aim)?,
+                ..leg
+            })
+        })
+        .collect()
     }
 }

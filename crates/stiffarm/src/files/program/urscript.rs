@@ -9,10 +9,11 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, Syntax};
-use super::reader::Reader;
+use super::dialect::{Angles, Dialect, PoseForm, Syntax};
+use super::reader::{Aim, Motion, Reader};
 use super::text::fixed;
 use crate::error::Result;
+use crate::model::pose::Convention;
 use crate::model::robot::Controller;
 use crate::units::{deg_to_rad, rad_to_deg};
 
@@ -57,6 +58,16 @@ pub const URSCRIPT: Dialect = Dialect {
         read,
         joint_move: "movej",
         other_moves: &["movel", "movep", "movec", "servoj", "speedj"],
+        branches: &["while", "if", "for"],
+        poses: Some(PoseForm {
+            convention: Convention::Ur,
+            unit: 1.0,
+            degrees: false,
+            before: &[],
+            decimals: [7, 8],
+            in_base: true,
+        }),
+        missing_point: "The program has no joint position",
         comment: "#",
         angle_words: &["movej"],
         angles: Angles::After("["),
@@ -72,6 +83,14 @@ def {name}():
 end
 ";
 
+/// The words of moves of a tool path.
+const MOVES: [(&str, Motion); 4] = [
+    ("movel", Motion::Linear),
+    ("movep", Motion::Linear),
+    ("movec", Motion::Circular),
+    ("movej", Motion::Joint),
+];
+
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.passes("#") {
         reader.comment(line.rest());
@@ -83,7 +102,12 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         if line.rest().contains("blocking=True") {
             reader.wait();
         }
+    } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
+        line.expect("(")?;
+        reader.move_to(line, motion, aim)?;
+    } else if reader.is_path && assigns(line, reader)? {
     } else if line.word("movej") {
+        let start = line.clone();
         line.expect("(")?;
         line.expect("[")?;
         let q = line.list(reader.joints, |line, _| {
@@ -101,11 +125,49 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         }
         line.expect(")")?;
         line.end()?;
-        reader.go(reader.options.to_cell(&q));
+        let aim = reader.angles(&q);
+        reader.go(start, aim);
     } else {
         return Ok(false);
     }
     Ok(true)
+}
+
+/// `name = p[…]`, with or without `global`.
+fn assigns<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    let _ = line.word("global") || line.word("local");
+    let mut next = line.clone();
+    let Ok(name) = next.identifier() else {
+        return Ok(false);
+    };
+    if !next.passes("=") || !next.clone().passes("p[") {
+        return Ok(false);
+    }
+    *line = next;
+    let aim = aim(line, reader)?;
+    reader.point(name, aim);
+    Ok(true)
+}
+
+/// `p[x, y, z, rx, ry, rz]`, `[q1, …]`, or the name of a pose.
+fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
+    if line.passes("p[") {
+        let mut numbers = [None; 7];
+        for (at, number) in numbers.iter_mut().take(6).enumerate() {
+            if at > 0 {
+                line.expect(",")?;
+            }
+            *number = Some(line.placed()?);
+        }
+        line.expect("]")?;
+        return Ok(Aim::Pose(reader.pose(numbers, line)));
+    }
+    if line.passes("[") {
+        let q = line.list(reader.joints, |line, _| line.number())?;
+        line.expect("]")?;
+        return Ok(reader.angles(&q));
+    }
+    line.label()
 }
 
 /// `a=…`, or `v=…` as a speed in per cent.

@@ -43,6 +43,8 @@ pub struct PathPoint {
     pub target: PathTarget,
     /// Load of this point; `None` takes that of the process.
     pub load: Option<TipLoad>,
+    /// Whether the arm gets there by a rapid move, on which its joints may turn far.
+    pub rapid: bool,
 }
 
 /// One posture of the arm under its load at the tip.

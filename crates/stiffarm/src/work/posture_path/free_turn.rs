@@ -207,12 +207,12 @@ fn swept(
     control: Control<'_>,
 ) -> Result<Vec<Vec<Node>>> {
     let inside = |q: &[f64]| search.arm.robot().outside_limits(q).is_none();
-    let step = |i: usize, turn: f64, from: &[f64]| -> Result<Option<Node>> {
+    let step = |last: usize, i: usize, turn: f64, from: &[f64]| -> Result<Option<Node>> {
         let tip = turned(&poses[i], turn);
         let Ok(q) = search.inverse.follow(&search.flange(&tip), from) else {
             return Ok(None);
         };
-        if !inside(&q) || change(from, &q).1 > search.options.largest_step {
+        if !inside(&q) || change(from, &q).1 > search.largest_step(last, i) {
             return Ok(None);
         }
         let cost = search.deflection(&q, &wrench(i, &tip)?)?.powi(2);
@@ -223,7 +223,7 @@ fn swept(
         for sign in [1.0, -1.0] {
             let mut from = q.clone();
             for k in 0..=count / 2 {
-                let Some(node) = step(0, sign * k as f64 * spacing, &from)? else {
+                let Some(node) = step(0, 0, sign * k as f64 * spacing, &from)? else {
                     break;
                 };
                 from.clone_from(&node.q);
@@ -238,7 +238,7 @@ fn swept(
         }
         let mut layer = Vec::new();
         for node in &layers[k - 1] {
-            layer.extend(step(i, node.turn, &node.q)?);
+            layer.extend(step(knots[k - 1], i, node.turn, &node.q)?);
         }
         layers.push(layer);
         control.report("turns about the tool axis", k, knots.len());
@@ -268,7 +268,7 @@ fn cheapest(
         let mut order: Vec<u32> = (0..from.len() as u32).collect();
         let first = |a: &u32| from[*a as usize].q[0];
         order.sort_by(|a, b| first(a).total_cmp(&first(b)));
-        let reach = search.options.largest_step;
+        let reach = search.largest_step(knots[k], knots[k + 1]);
         let indices: Vec<usize> = (0..to.len()).collect();
         let steps = crate::numerics::jobs::in_order(&indices, |(_, &b)| {
             let node = &to[b];
@@ -355,7 +355,7 @@ fn between(
                 .follow(&search.flange(&turned(&poses[i], turn)), last)
                 .map_err(|e| search.named(i, &e))?;
             if search.arm.robot().outside_limits(&q).is_some()
-                || change(last, &q).1 > search.options.largest_step
+                || change(last, &q).1 > search.largest_step(i - 1, i)
             {
                 let error = Error::new(
                     Code::OutsideLimits,

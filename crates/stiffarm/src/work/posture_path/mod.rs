@@ -291,6 +291,17 @@ impl Search<'_> {
         tip * self.arm.tip().inverse()
     }
 
+    /// Largest change of a joint on the way to point `i` from the one before, or from `from` \[rad\].
+    fn largest_step(&self, from: usize, i: usize) -> f64 {
+        match self.points[(from + 1).min(i)..=i]
+            .iter()
+            .any(|point| point.rapid)
+        {
+            true => f64::INFINITY,
+            false => self.options.largest_step,
+        }
+    }
+
     fn wrenches(&self, tips: &[Isometry3<f64>]) -> Result<Vec<Wrench>> {
         tip_wrenches(
             self.points,

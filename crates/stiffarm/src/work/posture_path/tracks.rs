@@ -109,7 +109,11 @@ pub(super) fn postures(
                         return Ok(track);
                     }
                     let cost = rms(&search.deflections(&track, &wrenches)?);
-                    if best.as_ref().is_none_or(|(least, _)| cost < *least) {
+                    // Flipped wrists bend alike: rounding does not choose between them.
+                    if best
+                        .as_ref()
+                        .is_none_or(|(least, _)| cost < *least * (1.0 - 1e-9))
+                    {
                         best = Some((cost, track));
                     }
                     // Other turns of the same branch bend alike.
@@ -155,7 +159,7 @@ fn follow(
             return Err(stuck(search.named(i, &error)));
         };
         let (j, step) = change(last, &next);
-        if step > search.options.largest_step {
+        if step > search.largest_step(i - 1, i) {
             return Err(stuck(jump(search, i, j, step)));
         }
         track.push(next);

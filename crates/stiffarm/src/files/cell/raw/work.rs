@@ -18,6 +18,11 @@ tables! {
         /// Roll, pitch, yaw of the workpiece frame, degrees: turns about the base's x, then y, then
         /// z axis (default: none).
         workpiece_rpy_deg: Fixed<3, Deg>,
+        /// Rotary axes of the machine that a path in G-code is for, in order from the workpiece to the
+        /// tool: "A" turns about x, "B" about y, "C" about z; with a minus, as "-A", it carries the
+        /// workpiece. A head that turns about C and then A is ["C", "A"], a table ["-A", "-C"] (default:
+        /// none).
+        rotary_axes: At<Vec<Text>>,
         /// The same load all along the path.
         force: At<RawForce>,
         /// The mean load of a milling cut.

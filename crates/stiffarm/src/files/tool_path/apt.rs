@@ -1,0 +1,329 @@
+//! CL data: APT, as ISO 4343 has it, and the CLSF of Siemens NX.
+//!
+//! Grammar: ISO 4343:2000 (CLDATA words), Siemens NX, *Cutter Location Source File format* (`MSYS`, `TOOL
+//! PATH/`, `CIRCLE/` before the `GOTO/` that ends the arc, with the axis about which it runs
+//! counter-clockwise). A statement may go on in the next line behind `$`; `$$` begins a comment. `RAPID` is
+//! for the next move. Points are x, y, z or x, y, z, i, j, k; the axis stays until another is given.
+
+use super::arc::Circle;
+use super::builder::{Builder, Place};
+use super::{Arc, Orientation};
+use crate::error::Result;
+use crate::files::program::{Cursor, Number, ProgramFile, lines};
+use crate::findings::Severity;
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
+
+/// Words that move nothing.
+const QUIET: &str = "PPRINT REMARK TOOL END PAINT LOAD LOADTL SELECT SELECTL TLDATA CUTTER COOLNT SPINDL \
+    PARTNO MACHIN MACHINE FINI STOP OPSTOP INTOL OUTTOL TOLER MODE DELAY CLEARP CLRSRF MULTAX OPNAME SPRINT PREFUN \
+    AUXFUN SEQNO NOPOST CLPRNT THICK FEDRAT TPRINT INSERT DISPLY CHECK BREAK LINTOL CUTANG TRAFO PPFUN ROTABL \
+    CONTOUR SAFETY CLAMP OPSKIP TMARK FEED LEADER TURRET CHANNEL HEAD GOUGCK PLUNGE RETRCT";
+
+/// Words that change where the points lie.
+const MOVING: &str = "TRACUT COPY ORIGIN INDEX TRANS GOFWD GOLFT GORGT GOBACK GOUP GODOWN INDIRV INDIRP TLLFT TLRGT \
+    TLON PSIS AUTOPS SPLINE NURBS TLAXIS";
+
+/// A statement of one or more lines.
+struct Statement<'a> {
+    head: Cursor<'a>,
+    word: String,
+    numbers: Vec<(Cursor<'a>, Number)>,
+    words: Vec<String>,
+    end: usize,
+}
+
+struct State<'b, 'c> {
+    builder: &'b mut Builder<'c>,
+    axis: UnitVector3<f64>,
+    /// As it was stated last.
+    stated: [f64; 3],
+    position: Option<Vector3<f64>>,
+    rapid: bool,
+    /// An arc that the next point ends: its numbers, and where it begins in the file.
+    circle: Option<(Vector3<f64>, UnitVector3<f64>, usize)>,
+    /// The first frame of points, and the one that is valid from it.
+    frames: Option<(Isometry3<f64>, Isometry3<f64>)>,
+}
+
+pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> {
+    builder.form.before = &[",", ",", ",", ",", ",", ","];
+    let mut state = State {
+        builder,
+        axis: Vector3::z_axis(),
+        stated: [0.0, 0.0, 1.0],
+        position: None,
+        rapid: false,
+        circle: None,
+        frames: None,
+    };
+    let mut open: Option<Statement<'_>> = None;
+    for mut line in lines(file) {
+        let mut statement = match open.take() {
+            Some(statement) => statement,
+            None => {
+                let head = line.space().clone();
+                if line.is_done() || line.clone().passes("$$") {
+                    continue;
+                }
+                let Ok(word) = line.identifier() else {
+                    continue;
+                };
+                let word = word.to_ascii_uppercase();
+                if QUIET.split_whitespace().any(|quiet| quiet == word) {
+                    continue;
+                }
+                line.passes("/");
+                Statement {
+                    head,
+                    word,
+                    numbers: Vec::new(),
+                    words: Vec::new(),
+                    end: 0,
+                }
+            }
+        };
+        let goes_on = items(&mut line, &mut statement)?;
+        match goes_on {
+            true => open = Some(statement),
+            false => state.take(statement)?,
+        }
+    }
+    match open {
+        Some(statement) => Err(statement
+            .head
+            .wrong("The line that this goes on in behind `$` is missing.")),
+        None => Ok(()),
+    }
+}
+
+/// Numbers and words with commas between them; true where the next line goes on.
+fn items<'a>(line: &mut Cursor<'a>, statement: &mut Statement<'a>) -> Result<bool> {
+    loop {
+        while line.passes(",") {}
+        if line.is_done() || line.clone().passes("$$") {
+            return Ok(false);
+        }
+        if line.passes("$") {
+            return Ok(true);
+        }
+        let place = line.space().clone();
+        match line.placed() {
+            Ok(number) => {
+                statement.end = line.position();
+                statement.numbers.push((place, number));
+            }
+            Err(error) => match line.identifier() {
+                Ok(word) => statement.words.push(word.to_ascii_uppercase()),
+                Err(_) if is_point(&statement.word) => return Err(error),
+                // Text of a statement whose numbers do not count.
+                Err(_) => line.skip(line.rest().chars().next().map_or(0, char::len_utf8)),
+            },
+        }
+    }
+}
+
+fn is_point(word: &str) -> bool {
+    matches!(word, "GOTO" | "FROM" | "GODLTA" | "CIRCLE" | "MSYS")
+}
+
+impl State<'_, '_> {
+    fn take(&mut self, mut statement: Statement<'_>) -> Result<()> {
+        let line = statement.head.line_number();
+        let wrong = |statement: &mut Statement<'_>, message: &str| {
+            Err(statement.head.wrong_here(message.to_string()))
+        };
+        let has =
+            |statement: &Statement<'_>, word: &str| statement.words.iter().any(|own| own == word);
+        match statement.word.as_str() {
+            "GOTO" | "FROM" => return self.go(&statement),
+            "GODLTA" => {
+                let Some(position) = self.position else {
+                    return wrong(&mut statement, "There is no point before it.");
+                };
+                let step = self.vector(&statement, 0)?;
+                if statement.numbers.len() != 3 {
+                    return wrong(&mut statement, "A step has three numbers.");
+                }
+                self.builder
+                    .fixed
+                    .get_or_insert((line, "it moves by steps here"));
+                self.to(line, position + step);
+            }
+            "RAPID" => self.rapid = true,
+            "UNITS" => {
+                let unit = match ["INCH", "INCHES", "IN"]
+                    .iter()
+                    .any(|inch| has(&statement, inch))
+                {
+                    true => 25.4e-3,
+                    false => 1e-3,
+                };
+                if unit != self.builder.form.unit && self.position.is_some() {
+                    return wrong(&mut statement, "The units change within the path.");
+                }
+                self.builder.form.unit = unit;
+                if unit > 1e-3 {
+                    self.builder.form.decimals[0] = 6;
+                }
+            }
+            "CIRCLE" => {
+                if statement.numbers.len() < 7 {
+                    return wrong(
+                        &mut statement,
+                        "An arc has a centre, an axis and a radius: seven numbers.",
+                    );
+                }
+                let centre = self.point(&statement)?;
+                let axis = self.turned(self.direction(&statement, 3)?);
+                self.circle = Some((centre, axis, statement.head.position()));
+            }
+            "MSYS" => {
+                if statement.numbers.len() != 9 {
+                    return wrong(
+                        &mut statement,
+                        "A frame has nine numbers: origin, x axis, y axis.",
+                    );
+                }
+                let origin = self.vector(&statement, 0)? * self.builder.form.unit;
+                let (x, y) = (
+                    self.direction(&statement, 3)?,
+                    self.direction(&statement, 6)?,
+                );
+                let axes = Matrix3::from_columns(&[*x, *y, x.cross(&y)]);
+                let axes = Rotation3::from_matrix_unchecked(axes);
+                let frame = Isometry3::from_parts(
+                    origin.into(),
+                    UnitQuaternion::from_rotation_matrix(&axes),
+                );
+                let first = self.frames.map_or(frame, |(first, _)| first);
+                self.frames = Some((first, first.inverse() * frame));
+                if first != frame {
+                    self.builder
+                        .fixed
+                        .get_or_insert((line, "its frame changes here"));
+                }
+            }
+            "CUTCOM" if !has(&statement, "OFF") => {
+                return wrong(
+                    &mut statement,
+                    "Cutter compensation is not followed: these are not the positions of the tool.",
+                );
+            }
+            "CYCLE" if !has(&statement, "OFF") => {
+                self.builder.remark("cycle", "CYCLE", line, Severity::Caution, || {
+                    "Of a cycle ({}) the points are read as they stand, and not its moves along the tool axis."
+                        .to_string()
+                });
+            }
+            "CYCLE" | "CUTCOM" => {}
+            word if MOVING.split_whitespace().any(|own| own == word) => {
+                let message = format!("{word} changes where the points lie, and is not read here.");
+                return Err(statement
+                    .head
+                    .wrong_here(message)
+                    .hint("let the CAM system give points (GOTO), in the frame of the workpiece"));
+            }
+            word => {
+                let word = word.to_string();
+                self.builder.not_followed(&word, line, Severity::Note);
+            }
+        }
+        Ok(())
+    }
+
+    /// Three numbers as they stand.
+    fn vector(&self, statement: &Statement<'_>, from: usize) -> Result<Vector3<f64>> {
+        let numbers = statement.numbers.get(from..from + 3).unwrap_or_default();
+        match numbers {
+            [(_, x), (_, y), (_, z)] => Ok(Vector3::new(x.value, y.value, z.value)),
+            _ => Err(statement.head.wrong("Three numbers are needed here.")),
+        }
+    }
+
+    fn direction(&self, statement: &Statement<'_>, from: usize) -> Result<UnitVector3<f64>> {
+        let vector = self.vector(statement, from)?;
+        UnitVector3::try_new(vector, 1e-6).ok_or_else(|| {
+            let place = &statement.numbers[from].0;
+            place.wrong("This axis has length zero.")
+        })
+    }
+
+    /// The first three numbers as a point in the first frame \[m\].
+    fn point(&self, statement: &Statement<'_>) -> Result<Vector3<f64>> {
+        let point = self.vector(statement, 0)? * self.builder.form.unit;
+        Ok(match &self.frames {
+            Some((_, frame)) => frame.rotation * point + frame.translation.vector,
+            None => point,
+        })
+    }
+
+    fn turned(&self, axis: UnitVector3<f64>) -> UnitVector3<f64> {
+        self.frames.map_or(axis, |(_, frame)| frame.rotation * axis)
+    }
+
+    /// A point that numbers stand for.
+    fn go(&mut self, statement: &Statement<'_>) -> Result<()> {
+        let line = statement.head.line_number();
+        let count = statement.numbers.len();
+        if count != 3 && count != 6 {
+            let message =
+                format!("A point has three numbers, or six with the tool axis; here are {count}.");
+            return Err(statement.head.wrong(message));
+        }
+        let position = self.point(statement)?;
+        let before = Place::Axis(Vector3::zeros(), self.axis);
+        if count == 6 {
+            self.axis = self.turned(self.direction(statement, 3)?);
+            self.stated = self.vector(statement, 3)?.into();
+            self.builder.form.orientation = Orientation::Axis;
+        }
+        self.rapid |= statement.word == "FROM";
+        if let Some((centre, axis, begin)) = self.circle.take() {
+            let start = self.position.unwrap_or(position);
+            let Some(circle) = Circle::about(centre, axis, start, position) else {
+                let message = "The arc does not lead here: this is not on the circle about its centre through the point before.";
+                return Err(statement.head.wrong(message));
+            };
+            let first = self.builder.points.len();
+            let end = Place::Axis(position, self.axis);
+            for (share, point) in circle.points() {
+                self.builder
+                    .point(line, &before.towards(&end, share, point), false);
+            }
+            self.builder.arcs.push(Arc {
+                points: first..self.builder.points.len(),
+                text: begin..statement.end,
+                first: String::new(),
+                begin: "GOTO/".to_string(),
+                end: String::new(),
+            });
+            self.position = Some(position);
+            self.rapid = false;
+            return Ok(());
+        }
+        self.to(line, position);
+        let end = Number {
+            value: 0.0,
+            at: statement.end as u32,
+            length: 0,
+        };
+        for component in 0..6 {
+            let number = match statement.numbers.get(component) {
+                Some((_, number)) => *number,
+                None => Number {
+                    value: self.stated[component - 3],
+                    ..end
+                },
+            };
+            self.builder.number(0, component, number);
+        }
+        Ok(())
+    }
+
+    fn to(&mut self, line: usize, position: Vector3<f64>) {
+        let rapid = std::mem::take(&mut self.rapid);
+        self.builder
+            .point(line, &Place::Axis(position, self.axis), rapid);
+        self.position = Some(position);
+    }
+}

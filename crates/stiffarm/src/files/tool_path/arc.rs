@@ -1,0 +1,89 @@
+//! Arcs as points on them.
+
+use super::ARC_TOLERANCE;
+use nalgebra::{Rotation3, UnitVector3, Vector3};
+use std::f64::consts::TAU;
+
+/// Start and end may be this far from one circle \[m\]; programs are rounded.
+const ROUNDED: f64 = 0.05e-3;
+
+/// An arc about an axis, counter-clockwise seen against it; with a rise along it a helix.
+pub(super) struct Circle {
+    centre: Vector3<f64>,
+    axis: UnitVector3<f64>,
+    start: Vector3<f64>,
+    /// Angle of the whole arc \[rad\], above zero.
+    sweep: f64,
+    end: Vector3<f64>,
+}
+
+impl Circle {
+    /// The arc about the axis through `centre`; `None` where start and end are not on one circle. Where
+    /// they are the same it is a full circle.
+    pub fn about(
+        centre: Vector3<f64>,
+        axis: UnitVector3<f64>,
+        start: Vector3<f64>,
+        end: Vector3<f64>,
+    ) -> Option<Self> {
+        let across = |p: Vector3<f64>| (p - centre) - axis.as_ref() * axis.dot(&(p - centre));
+        let (from, to) = (across(start), across(end));
+        if (from.norm() - to.norm()).abs() > ROUNDED.max(1e-4 * from.norm())
+            || from.norm() < ROUNDED
+        {
+            return None;
+        }
+        let angle = axis.cross(&from).dot(&to).atan2(from.dot(&to));
+        // What is left of a full turn by rounding is one.
+        let is_closed = (to - from).norm() < 1e-9;
+        let sweep = if is_closed {
+            TAU
+        } else {
+            angle.rem_euclid(TAU)
+        };
+        Some(Circle {
+            centre: centre + axis.as_ref() * axis.dot(&(start - centre)),
+            axis,
+            start,
+            sweep,
+            end,
+        })
+    }
+
+    /// The arc from `start` through `via` to `end`; `None` where they lie on a line.
+    pub fn through(start: Vector3<f64>, via: Vector3<f64>, end: Vector3<f64>) -> Option<Self> {
+        let (a, b) = (via - start, end - start);
+        let normal = a.cross(&b);
+        let axis = UnitVector3::try_new(normal, 1e-12)?;
+        let centre = (normal.cross(&a) * b.norm_squared() + b.cross(&normal) * a.norm_squared())
+            / (2.0 * normal.norm_squared());
+        Circle::about(start + centre, axis, start, end)
+    }
+
+    /// Share of the arc at which it passes nearest to `point`.
+    pub fn share_at(&self, point: Vector3<f64>) -> f64 {
+        let (from, to) = (self.start - self.centre, point - self.centre);
+        let angle = self.axis.cross(&from).dot(&to).atan2(from.dot(&to));
+        angle.rem_euclid(TAU) / self.sweep
+    }
+
+    /// Points on it with their shares, the last one its end: chords stay within [`ARC_TOLERANCE`].
+    pub fn points(&self) -> impl Iterator<Item = (f64, Vector3<f64>)> {
+        let spoke = self.start - self.centre;
+        let widest = 2.0 * (1.0 - ARC_TOLERANCE / spoke.norm()).clamp(-1.0, 1.0).acos();
+        let count = (self.sweep / widest).ceil().max(1.0) as usize;
+        // From the circle through the start to the end, which may be rounded and higher.
+        let turned = move |share: f64| {
+            Rotation3::from_axis_angle(&self.axis, share * self.sweep) * spoke + self.centre
+        };
+        let off = self.end - turned(1.0);
+        (1..=count).map(move |k| {
+            let share = k as f64 / count as f64;
+            let point = match k == count {
+                true => self.end,
+                false => turned(share) + off * share,
+            };
+            (share, point)
+        })
+    }
+}

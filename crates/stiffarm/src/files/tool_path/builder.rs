@@ -1,0 +1,224 @@
+//! Points of a tool path as a program's lines give them.
+
+use super::{Arc, Form, Orientation, Slot};
+use crate::files::program::Number;
+use crate::findings::{Finding, Severity, length};
+use crate::model::cell::Cell;
+use crate::model::path::{PathPoint, PathTarget};
+use crate::model::process::{ForceAxes, TipLoad};
+use crate::units::rad_to_deg;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use std::collections::BTreeMap;
+
+/// A program's frame this far from the cell's is another \[m\], \[rad\].
+const OTHER_FRAME: [f64; 2] = [1e-3, 0.002];
+
+/// Where the tip should be, in the frame of the program, SI.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Place {
+    /// The tip frame.
+    Pose(Isometry3<f64>),
+    /// Position, and direction from the tip to the spindle.
+    Axis(Vector3<f64>, UnitVector3<f64>),
+}
+
+impl Place {
+    pub fn pose(&self) -> Isometry3<f64> {
+        match self {
+            Place::Pose(pose) => *pose,
+            Place::Axis(position, _) => {
+                Isometry3::from_parts((*position).into(), UnitQuaternion::identity())
+            }
+        }
+    }
+
+    pub fn position(&self) -> Vector3<f64> {
+        match self {
+            Place::Pose(pose) => pose.translation.vector,
+            Place::Axis(position, _) => *position,
+        }
+    }
+
+    /// The same orientation elsewhere.
+    pub fn at(&self, position: Vector3<f64>) -> Place {
+        match self {
+            Place::Pose(pose) => Place::Pose(Isometry3::from_parts(position.into(), pose.rotation)),
+            Place::Axis(_, axis) => Place::Axis(position, *axis),
+        }
+    }
+
+    /// The orientation on the way to that of `other`, which stands at `position`.
+    pub fn towards(&self, other: &Place, share: f64, position: Vector3<f64>) -> Place {
+        match (self, other) {
+            (Place::Pose(from), Place::Pose(to)) => {
+                let rotation = from.rotation.try_slerp(&to.rotation, share, 1e-9);
+                let rotation = rotation.unwrap_or(to.rotation);
+                Place::Pose(Isometry3::from_parts(position.into(), rotation))
+            }
+            (Place::Axis(_, from), Place::Axis(_, to)) => {
+                Place::Axis(position, from.slerp(to, share))
+            }
+            _ => other.at(position),
+        }
+    }
+}
+
+/// What is said once of all lines of a kind.
+struct Remark {
+    severity: Severity,
+    line: usize,
+    count: usize,
+    /// `{}` stands for the lines.
+    sentence: String,
+}
+
+/// What has been read so far.
+pub(super) struct Builder<'c> {
+    pub cell: &'c Cell,
+    pub form: Form,
+    pub points: Vec<PathPoint>,
+    pub slots: Vec<Slot>,
+    pub values: Vec<f64>,
+    pub ends: Vec<usize>,
+    pub arcs: Vec<Arc>,
+    pub fixed: Option<(usize, &'static str)>,
+    remarks: BTreeMap<(&'static str, String), Remark>,
+    frames: Vec<Finding>,
+}
+
+impl<'c> Builder<'c> {
+    pub fn new(cell: &'c Cell) -> Self {
+        Builder {
+            cell,
+            form: Form {
+                orientation: Orientation::Kept,
+                unit: 1e-3,
+                before: &[],
+                decimals: [4, 8],
+                frame: cell.work.workpiece,
+            },
+            points: Vec::new(),
+            slots: Vec::new(),
+            values: Vec::new(),
+            ends: Vec::new(),
+            arcs: Vec::new(),
+            fixed: None,
+            remarks: BTreeMap::new(),
+            frames: Vec::new(),
+        }
+    }
+
+    /// A point in `line`. A rapid one carries no load, and how the arm gets there is the machine's.
+    pub fn point(&mut self, line: usize, place: &Place, rapid: bool) {
+        let frame = &self.form.frame;
+        let target = match place {
+            Place::Pose(pose) => PathTarget::Pose(frame * pose),
+            Place::Axis(position, axis) => PathTarget::Axis {
+                position: frame.rotation * position + frame.translation.vector,
+                axis: frame.rotation * -*axis,
+            },
+        };
+        self.points.push(PathPoint {
+            name: (self.points.len() + 1).to_string().into(),
+            line: Some(line),
+            target,
+            load: rapid.then_some(TipLoad {
+                force: Vector3::zeros(),
+                moment: Vector3::zeros(),
+                axes: ForceAxes::Base,
+            }),
+            rapid,
+        });
+        self.ends.push(self.slots.len());
+    }
+
+    /// A number of the point that was given last; one of length 0 stays what it was before.
+    pub fn number(&mut self, file: u32, component: usize, number: Number) {
+        self.numeral(file, component, number, number.length == 0);
+    }
+
+    /// The same; where it is not `modal` and left out it is the value of `number`.
+    pub fn numeral(&mut self, file: u32, component: usize, number: Number, modal: bool) {
+        self.slots.push(Slot {
+            at: number.at,
+            length: number.length as u16,
+            file: file as u8,
+            component: component as u8,
+            modal,
+        });
+        self.values.push(number.value);
+        if let Some(end) = self.ends.last_mut() {
+            *end = self.slots.len();
+        }
+    }
+
+    /// Says what the lines with `word` leave open. In `sentence`, `{}` stands for the lines.
+    pub fn remark(
+        &mut self,
+        code: &'static str,
+        word: &str,
+        line: usize,
+        severity: Severity,
+        sentence: impl FnOnce() -> String,
+    ) {
+        let remark = self.remarks.entry((code, word.to_string()));
+        let remark = remark.or_insert_with(|| Remark {
+            severity,
+            line,
+            count: 0,
+            sentence: sentence(),
+        });
+        remark.count += 1;
+    }
+
+    /// A word of the program that is not followed.
+    pub fn not_followed(&mut self, word: &str, line: usize, severity: Severity) {
+        self.remark("not-followed", word, line, severity, || {
+            format!("{word} ({{}}) is not followed here.")
+        });
+    }
+
+    /// Holds a frame that the program gives against that of the cell.
+    pub fn frame(&mut self, what: &str, own: &str, given: &Isometry3<f64>, cell: &Isometry3<f64>) {
+        let off = cell.inverse() * given;
+        let (distance, angle) = (off.translation.vector.norm(), off.rotation.angle());
+        if distance <= OTHER_FRAME[0] && angle <= OTHER_FRAME[1] {
+            return;
+        }
+        let sentence = format!(
+            "{what} of the program lies {} and {:.2}° from {own}: the robot goes elsewhere than the cell says.",
+            length(distance),
+            rad_to_deg(angle)
+        );
+        self.frames.push(Finding::new(
+            "program-frame",
+            Severity::Serious,
+            "work",
+            sentence,
+        ));
+    }
+
+    /// All that is to be known, what matters most first.
+    pub fn findings(&mut self) -> Vec<Finding> {
+        let remarks = std::mem::take(&mut self.remarks).into_iter();
+        let remarks = remarks.map(|((code, _), remark)| {
+            let lines = match remark.count {
+                1 => format!("line {}", remark.line),
+                count => format!("line {} and {} more", remark.line, count - 1),
+            };
+            let sentence = remark.sentence.replace("{}", &lines);
+            Finding::new(code, remark.severity, "path", sentence)
+        });
+        let mut all: Vec<Finding> = self.frames.drain(..).chain(remarks).collect();
+        all.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        all
+    }
+}
+
+/// A pose from position \[m\] and rotation.
+pub(super) fn pose(position: Vector3<f64>, rotation: UnitQuaternion<f64>) -> Place {
+    Place::Pose(Isometry3::from_parts(
+        Translation3::from(position),
+        rotation,
+    ))
+}

@@ -1,0 +1,234 @@
+//! The moves of a robot's program as a tool path.
+//!
+//! Linear moves and arcs are the path; joint moves to a pose lead there without load; joint moves to
+//! angles are no part of it. The program's own tool and base are held against those of the cell where
+//! the program says them.
+
+use super::arc::Circle;
+use super::builder::{Builder, Place, pose};
+use super::{Form, Orientation};
+use crate::error::Result;
+use crate::files::program::{
+    Aim, Language, Motion, Number, Pose, PoseForm, ProgramFile, ProgramOptions, Reader, read_legs,
+};
+use crate::findings::Severity;
+use crate::model::pose::Convention;
+use crate::units::deg_to_rad;
+use nalgebra::{Isometry3, Vector3};
+
+pub(super) fn read(
+    files: &[ProgramFile],
+    language: Language,
+    builder: &mut Builder<'_>,
+) -> Result<()> {
+    let Some(poses) = language.poses() else {
+        return Ok(());
+    };
+    let robot = &builder.cell.setup.robot;
+    let base = *robot.controller_base();
+    builder.form = Form {
+        orientation: Orientation::Full {
+            convention: poses.convention,
+            degrees: poses.degrees,
+        },
+        unit: poses.unit,
+        before: poses.before,
+        decimals: poses.decimals,
+        frame: match poses.in_base {
+            true => base,
+            false => builder.cell.work.workpiece,
+        },
+    };
+    let options = ProgramOptions::default();
+    let mut reader = Reader::new(&options, robot.joint_count(), |axis| {
+        format!("axis {}", axis + 1)
+    });
+    reader.is_path = true;
+    let legs = read_legs(files, language, &mut reader)?;
+    let mut walk = Walk {
+        builder,
+        poses,
+        numbers: [None; 7],
+        last: None,
+    };
+    for leg in legs {
+        let line = leg.place.line_number();
+        let (to, via) = match (leg.aim, leg.via.map(|via| *via)) {
+            (Aim::Pose(to), None) => (to, None),
+            (Aim::Pose(to), Some(Aim::Pose(via))) => (to, Some(via)),
+            (Aim::Angles(_), None) if leg.motion == Motion::Joint => {
+                walk.builder.remark("joint-moves", "", line, Severity::Note, || {
+                    "Moves to joint angles ({}) stay as they are: the path is what lies between them.".to_string()
+                });
+                continue;
+            }
+            _ => {
+                return Err(leg
+                    .place
+                    .wrong("This move needs a pose, and the point has joint angles."));
+            }
+        };
+        let at = |error: crate::Error| error.line(line, None).file(files[0].name.as_str());
+        match via {
+            Some(via) => walk.arc(line, &via, &to),
+            None => walk.go(line, &to, leg.motion == Motion::Joint),
+        }
+        .map_err(at)?;
+    }
+    for (line, word) in std::mem::take(&mut reader.passed_over) {
+        builder.not_followed(word, line, Severity::Caution);
+    }
+    frames(&reader, &poses, &base, builder)
+}
+
+struct Walk<'b, 'c> {
+    builder: &'b mut Builder<'c>,
+    poses: PoseForm,
+    /// What the numbers of the next pose are where it leaves them out.
+    numbers: [Option<f64>; 7],
+    last: Option<Place>,
+}
+
+impl Walk<'_, '_> {
+    fn place(&mut self, to: &Pose) -> Result<Place> {
+        for (own, number) in self.numbers.iter_mut().zip(&to.numbers) {
+            *own = number.map(|number| number.value).or(*own);
+        }
+        placed(&self.poses, &self.numbers)
+    }
+
+    fn go(&mut self, line: usize, to: &Pose, rapid: bool) -> Result<()> {
+        let place = self.place(to)?;
+        self.builder.point(line, &place, rapid);
+        self.slots(to);
+        self.last = Some(place);
+        Ok(())
+    }
+
+    /// The places of the numbers of the point given last.
+    fn slots(&mut self, to: &Pose) {
+        let count = self.poses.convention.columns().len() + 3;
+        let numbers = to.numbers.iter().zip(self.numbers).take(count);
+        for (component, (number, value)) in numbers.enumerate() {
+            let left_out = Number {
+                value: value.unwrap_or_default(),
+                at: to.end,
+                length: 0,
+            };
+            self.builder
+                .number(to.file, component, number.unwrap_or(left_out));
+        }
+    }
+
+    /// Of an arc the points on the way and the end are corrected; those between are there for their loads.
+    fn arc(&mut self, line: usize, via: &Pose, to: &Pose) -> Result<()> {
+        let start = self.last;
+        let middle = self.place(via)?;
+        let before = self.numbers;
+        let end = self.place(to)?;
+        let circle = start.and_then(|start| {
+            let circle = Circle::through(start.position(), middle.position(), end.position())?;
+            Some((start, circle))
+        });
+        let Some((start, circle)) = circle else {
+            let after = std::mem::replace(&mut self.numbers, before);
+            self.builder.point(line, &middle, false);
+            self.slots(via);
+            self.numbers = after;
+            self.builder.point(line, &end, false);
+            self.slots(to);
+            self.last = Some(end);
+            return Ok(());
+        };
+        let half = circle.share_at(middle.position());
+        let mut passed = false;
+        for (share, point) in circle.points() {
+            if share >= half && !passed {
+                let after = std::mem::replace(&mut self.numbers, before);
+                self.builder.point(line, &middle, false);
+                self.slots(via);
+                self.numbers = after;
+                passed = true;
+            }
+            if share < 1.0 {
+                let between = start.towards(&end, share, point);
+                self.builder.point(line, &between, false);
+            }
+        }
+        self.builder.point(line, &end, false);
+        self.slots(to);
+        self.last = Some(end);
+        Ok(())
+    }
+}
+
+/// Numbers of a program as a pose, SI.
+fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Place> {
+    let count = poses.convention.columns().len() + 3;
+    let numbers: Option<Vec<f64>> = numbers[..count].iter().copied().collect();
+    let Some(numbers) = numbers else {
+        let message = "Some numbers of this first pose are missing.";
+        return Err(crate::Error::new(crate::Code::Program, message));
+    };
+    let position = Vector3::from_column_slice(&numbers[..3]) * poses.unit;
+    let mut turns = numbers[3..].to_vec();
+    if poses.degrees {
+        turns.iter_mut().for_each(|turn| *turn = deg_to_rad(*turn));
+    }
+    if poses.convention == Convention::Abb {
+        // Rounded to a few digits in many programs.
+        let length = turns.iter().map(|q| q * q).sum::<f64>().sqrt();
+        if (length - 1.0).abs() < 1e-2 {
+            turns.iter_mut().for_each(|q| *q /= length);
+        }
+    }
+    Ok(pose(position, poses.convention.rotation(&turns)?))
+}
+
+/// Holds the frames that the program says against those of the cell.
+fn frames(
+    reader: &Reader<'_>,
+    poses: &PoseForm,
+    base: &Isometry3<f64>,
+    builder: &mut Builder<'_>,
+) -> Result<()> {
+    let work = &builder.cell.work;
+    let (tip, workpiece) = (work.tip(&builder.cell.setup.tool), work.workpiece);
+    let kinds = [
+        ("The tool frame", "the tip of the cell ([work] tip_mm)", tip),
+        (
+            "The base",
+            "the workpiece frame of the cell ([work] workpiece_mm)",
+            workpiece,
+        ),
+    ];
+    for (number, ((what, own, cell), used)) in kinds.into_iter().zip(&reader.used).enumerate() {
+        for (name, line) in used {
+            let given = match (reader.frames.get(name), name.as_str()) {
+                (Some(given), _) => {
+                    let numbers = given.numbers;
+                    let numbers = numbers.map(|number| number.map(|number| number.value));
+                    let given =
+                        placed(poses, &numbers).map_err(|error| error.line(given.line, None));
+                    given?.pose()
+                }
+                // RAPID's names of the base and of the flange.
+                (None, "WOBJ0" | "TOOL0") => Isometry3::identity(),
+                _ => continue,
+            };
+            let given = if number == 1 { base * given } else { given };
+            builder.frame(&format!("{what} {name} (line {line})"), own, &given, &cell);
+        }
+        if used.len() > 1 {
+            let names: Vec<&str> = used.keys().map(String::as_str).collect();
+            let (first, last) = (names[0], names[names.len() - 1]);
+            let line = *used.values().max().unwrap_or(&1);
+            builder.remark("program-frames", what, line, Severity::Serious, || {
+                format!(
+                    "{what} changes within the program ({first}, {last}; {{}}): the cell has one."
+                )
+            });
+        }
+    }
+    Ok(())
+}

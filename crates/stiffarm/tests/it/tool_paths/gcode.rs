@@ -1,0 +1,204 @@
+//! G-code.
+
+use super::{Check, axes, cell_with, codes, positions, read, read_with, unit};
+use nalgebra::Vector3;
+use std::f64::consts::PI;
+
+#[test]
+fn words_are_modal_and_may_have_blanks() -> Check {
+    let text = "%\nO100 (POCKET)\nN10 G21 G90 G17 G40 G54\nN20 T1 M6\nN30 G0 X   4.310 Y-2.\nG43 Z5 H1\n\
+                n40 g1 z-1.5 F300 ; plunge\nX10 (along) Y +3\n\nY.5\n/ Z5\nM30\n%\n";
+    let path = read("a.nc", text)?;
+    let expected = [
+        [4.31, -2.0, 5.0],
+        [4.31, -2.0, -1.5],
+        [10.0, 3.0, -1.5],
+        [10.0, 0.5, -1.5],
+        [10.0, 0.5, 5.0],
+    ];
+    assert_eq!(positions(&path), expected);
+    let rapid: Vec<bool> = path.points.iter().map(|point| point.rapid).collect();
+    assert_eq!(rapid, [true, false, false, false, false]);
+    let lines: Vec<Option<usize>> = path.points.iter().map(|point| point.line).collect();
+    assert_eq!(lines, [6, 7, 8, 10, 11].map(Some));
+    assert!(
+        path.points[0]
+            .load
+            .is_some_and(|load| load.force == Vector3::zeros())
+    );
+    assert_eq!(path.points[1].load, None);
+    assert!(
+        axes(&path)
+            .iter()
+            .all(|axis| (axis - Vector3::z()).norm() < 1e-12)
+    );
+    assert_eq!(codes(&path), ["optional-blocks"]);
+    Ok(())
+}
+
+#[test]
+fn inches_and_steps() -> Check {
+    let path = read(
+        "a.ngc",
+        "G20 G90\nG0 X0 Y0 Z1\nG91 G1 X1 Z-.5\nX1\nG90 X0\n",
+    )?;
+    let expected = [
+        [0.0, 0.0, 25.4],
+        [25.4, 0.0, 12.7],
+        [50.8, 0.0, 12.7],
+        [0.0, 0.0, 12.7],
+    ];
+    assert_eq!(positions(&path), expected);
+    Ok(())
+}
+
+/// Points lie on the circle, chords within the tolerance, in the sense asked for.
+fn check_arc(text: &str, centre: [f64; 3], radius: f64, sweep: f64, plane: [usize; 2]) -> Check {
+    let path = read("a.nc", text)?;
+    let all = positions(&path);
+    let centre = Vector3::from(centre);
+    let polar = |p: &[f64; 3]| {
+        let off = Vector3::from(*p) - centre;
+        (
+            off[plane[0]].hypot(off[plane[1]]),
+            off[plane[1]].atan2(off[plane[0]]),
+        )
+    };
+    let mut turned = 0.0;
+    for pair in all.windows(2) {
+        let ((r, from), (_, to)) = (polar(&pair[0]), polar(&pair[1]));
+        assert!((r - radius).abs() < 2e-3, "{text}: radius {r}");
+        let step = (to - from + PI).rem_euclid(2.0 * PI) - PI;
+        assert!(step * sweep > 0.0, "{text}: the wrong way round");
+        assert!(
+            radius * (1.0 - (step / 2.0).cos()) < 0.0101,
+            "{text}: a chord is too long"
+        );
+        turned += step;
+    }
+    assert!((turned - sweep).abs() < 1e-4, "{text}: {turned} of {sweep}");
+    Ok(())
+}
+
+#[test]
+fn arcs_with_centre_and_with_radius() -> Check {
+    let start = "G21 G90 G17 G0 X10 Y0 Z0\n";
+    let arc = |block: &str| format!("{start}{block}\n");
+    let quarter = PI / 2.0;
+    check_arc(&arc("G3 X0 Y10 I-10 J0"), [0.0; 3], 10.0, quarter, [0, 1])?;
+    check_arc(
+        &arc("G2 X0 Y10 I-10"),
+        [0.0; 3],
+        10.0,
+        -3.0 * quarter,
+        [0, 1],
+    )?;
+    check_arc(&arc("G3 X0 Y10 R10"), [0.0; 3], 10.0, quarter, [0, 1])?;
+    check_arc(
+        &arc("G2 X0 Y10 R-10"),
+        [0.0; 3],
+        10.0,
+        -3.0 * quarter,
+        [0, 1],
+    )?;
+    check_arc(
+        &arc("G2 X0 Y10 CR=10"),
+        [10.0, 10.0, 0.0],
+        10.0,
+        -quarter,
+        [0, 1],
+    )?;
+    check_arc(&arc("G3 I-10"), [0.0; 3], 10.0, 2.0 * PI, [0, 1])?;
+    check_arc(
+        &arc("G90.1 G3 X0 Y10 I0 J0"),
+        [0.0; 3],
+        10.0,
+        quarter,
+        [0, 1],
+    )?;
+    // ZX and YZ planes run z to x and y to z.
+    check_arc(
+        &arc("G18 G3 X0 Z-10 I-10 K0"),
+        [0.0; 3],
+        10.0,
+        quarter,
+        [2, 0],
+    )?;
+    check_arc(
+        "G90 G0 X0 Y10 Z0\nG19 G2 Y0 Z-10 J-10 K0\n",
+        [0.0; 3],
+        10.0,
+        -quarter,
+        [1, 2],
+    )
+}
+
+#[test]
+fn a_helix_rises_evenly() -> Check {
+    let path = read("a.nc", "G90 G0 X10 Y0 Z0\nG3 X-10 Y0 Z6 I-10 J0\n")?;
+    let all = positions(&path);
+    let count = all.len() - 1;
+    for (k, point) in all.iter().enumerate() {
+        assert!((point[2] - 6.0 * k as f64 / count as f64).abs() < 1e-6);
+    }
+    assert_eq!(all[count], [-10.0, 0.0, 6.0]);
+    Ok(())
+}
+
+#[test]
+fn five_axes_as_vectors() -> Check {
+    let text = "TRAORI\nG0 X0 Y0 Z50 A3=0 B3=0 C3=1\nG1 X10 A3=0.6 B3=0 C3=0.8\nX20\nTRAFOOF\n";
+    let path = read("a.mpf", text)?;
+    let expected = [
+        unit(0.0, 0.0, 1.0),
+        unit(0.6, 0.0, 0.8),
+        unit(0.6, 0.0, 0.8),
+    ];
+    assert!(
+        axes(&path)
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).norm() < 1e-12)
+    );
+    let text = "G43.5 H1\nG0 X0 Y0 Z50 I0 J0 K1\nG1 X10 I0 J-0.6 K0.8\nX20\nG49\n";
+    let path = read("a.nc", text)?;
+    assert!((axes(&path)[2] - unit(0.0, -0.6, 0.8)).norm() < 1e-12);
+    Ok(())
+}
+
+/// Against the rotation matrices of a head C-A and of a table A-C, written out.
+#[test]
+fn five_axes_as_angles() -> Check {
+    let (a, c) = (30_f64.to_radians(), 50_f64.to_radians());
+    let text = "G43.4 H1\nG0 X0 Y0 Z50 A0 C0\nG1 X10 A30 C50\n";
+    let head = cell_with("rotary_axes = ['C', 'A']\n");
+    let path = read_with("a.nc", text, &head)?;
+    let expected = Vector3::new(c.sin() * a.sin(), -c.cos() * a.sin(), a.cos());
+    assert!((axes(&path)[1] - expected).norm() < 1e-12);
+    // The table turns the workpiece by A, on it by C: the tool in the workpiece turns back.
+    let table = cell_with("rotary_axes = ['-C', '-A']\n");
+    let path = read_with("a.nc", text, &table)?;
+    let expected = Vector3::new(c.sin() * a.sin(), c.cos() * a.sin(), a.cos());
+    assert!((axes(&path)[1] - expected).norm() < 1e-12);
+    Ok(())
+}
+
+#[test]
+fn what_is_not_followed_is_said() -> Check {
+    let text = "G90 G54 G0 X0 Y0 Z5\nG81 X10 Y10 Z-5 R2\nX20\nG80\nG1 Z0\nG28 X0\nG1 Y5\nG4 X2\nX1\n\
+                G55\nG64 P0.01\nG777 X2\nWAITM(1)\n";
+    let path = read("a.nc", text)?;
+    assert_eq!(
+        codes(&path),
+        [
+            "work-offset",
+            "cycle",
+            "not-followed",
+            "position-unknown",
+            "not-followed"
+        ]
+    );
+    let sentence = &path.findings[0].sentence;
+    assert!(sentence.contains("(line 10)"), "{sentence}");
+    Ok(())
+}

@@ -1,0 +1,235 @@
+//! The same program with other numbers.
+
+use super::{Check, apart, axes, cell_with, moved, positions, read};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use stiffarm::Code;
+use stiffarm::files::program::Language;
+use stiffarm::files::tool_path::{Kind, ReadPath, WrittenPath, read_tool_path};
+use stiffarm::model::path::PathPoint;
+
+/// Programs with modal words, comments, arcs and odd layout.
+const PROGRAMS: [(&str, &str); 6] = [
+    (
+        "a.nc",
+        "%\nN10 G21 G90 G54 (set up)\nN20 G0 X0. Y0. Z50.\nN30 G1 Z-1.25 F300\nN40 X   40.5 ; along\nN50 Y20\nN60 G2 X60.5 Y0. R20. F200\n\
+         N70 X80.5 Y-20. I20. J0. (on)\nN80 G1 X0 Z-2\nG0 Z50\nN90 M30\n%\n",
+    ),
+    (
+        "a.mpf",
+        "TRAORI\r\nG1 X1 Y2 Z3 A3=0 B3=0 C3=1 F100\r\nX4\r\nY5 A3=0.1\r\nX9 Z-1 A3=0.2 B3=0.1 C3=0.9\r\nM30\r\n",
+    ),
+    (
+        "a.cls",
+        "TOOL PATH/A,TOOL,T1\nRAPID\nGOTO/0.0000,0.0000,50.0000,0.1,0.0,0.9949874\nGOTO/0.0000,0.0000,0.0000\nGOTO/10.0000,0.0000,0.0000\n\
+         CIRCLE/20.0,0.0,0.0,0.0,0.0,-1.0,10.0,0.06,0.5\nGOTO/20.0,10.0,0.0\nGOTO / 30.0, 10.0, 0.0, 0, 0.2, 0.9797959  $$ end\nEND-OF-PATH\n",
+    ),
+    (
+        "a.src",
+        "DEF a ( )\r\n;FOLD LIN P1\r\nLIN {X 10,Y 20.5,Z 30,A 0,B 90,C 180,S 2,T 35} C_DIS\r\nLIN {X 20} C_DIS\r\nLIN {Y 30,Z 31,B 89.5}\r\n\
+         CIRC {X 30,Y 40,Z 31,A 10,B 80,C 170},{X 40,Y 30,Z 31,A 10,B 80,C 170}\r\nEND\r\n",
+    ),
+    (
+        "a.mod",
+        "MODULE a\n  CONST robtarget p1:=[[1,2,3],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n  PROC main()\n    MoveL p1,v50,z1,t\\WObj:=w;\n\
+             MoveL [[4.5,2,3],[0,0.999962,0.008727,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]],v50,z1,t\\WObj:=w;\n  ENDPROC\nENDMODULE\n",
+    ),
+    (
+        "a.ls",
+        "/PROG  A\n/MN\n   1:L P[1] 50mm/sec CNT100 ;\n   2:L P[2] 50mm/sec CNT100 ;\n/POS\n\
+         P[1]{\n   GP1:\n\tUF : 1, UT : 1,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX =    10.000  mm,\tY =   -99.998  mm,\tZ =     0.000  mm,\n\
+         \tW =   180.000 deg,\tP =     0.000 deg,\tR =     0.000 deg\n};\n\
+         P[2]{\n   GP1:\n\tUF : 1, UT : 1,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX =    20.000  mm,\tY =     0.000  mm,\tZ =     5.000  mm,\n\
+         \tW =  -179.999 deg,\tP =     1.000 deg,\tR =    30.000 deg\n};\n/END\n",
+    ),
+];
+
+fn write(path: &ReadPath, commanded: &[PathPoint]) -> stiffarm::Result<WrittenPath> {
+    path.program.write(&path.points, commanded)
+}
+
+fn text(written: &WrittenPath) -> String {
+    String::from_utf8(written.files[0].1.clone()).unwrap()
+}
+
+#[test]
+fn where_nothing_moves_the_bytes_are_the_same() -> Check {
+    for (name, program) in PROGRAMS {
+        let path = read(name, program)?;
+        // What an equilibrium leaves of nothing.
+        let still =
+            |point: &PathPoint| moved(point, Vector3::repeat(1e-10), Vector3::repeat(1e-13));
+        let commanded: Vec<PathPoint> = path.points.iter().map(still).collect();
+        assert_eq!(text(&write(&path, &commanded)?), program, "{name}");
+        assert_eq!(text(&write(&path, &path.points)?), program, "{name}");
+    }
+    Ok(())
+}
+
+/// Decimals that the languages write: lengths \[m\], orientations \[rad\].
+fn precision(name: &str) -> (f64, f64) {
+    match name {
+        "a.ls" => (2e-6, 3e-5),
+        "a.src" => (2e-7, 6e-7),
+        _ => (2e-7, 1e-7),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 32, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// A control that reads the written program goes where it was commanded to, modal words, inserted
+    /// numbers and straightened arcs included.
+    #[test]
+    fn what_is_written_leads_to_what_is_commanded(
+        shifts in prop::collection::vec((-0.4..0.4_f64, -0.4..0.4_f64, -0.4..0.4_f64), 8),
+        turns in prop::collection::vec((-2e-3..2e-3_f64, -2e-3..2e-3_f64), 8),
+        still in prop::collection::vec(any::<bool>(), 8),
+    ) {
+        for (name, program) in PROGRAMS {
+            let path = read(name, program).unwrap();
+            let holds_axes = !name.ends_with(".nc");
+            let commanded: Vec<PathPoint> = path.points.iter().enumerate().map(|(i, point)| {
+                let k = i % 8;
+                if still[k] || point.rapid {
+                    return point.clone();
+                }
+                let (x, y, z) = shifts[k];
+                let (u, v) = if holds_axes { turns[k] } else { (0.0, 0.0) };
+                moved(point, Vector3::new(x, y, z), Vector3::new(u, v, 0.0))
+            }).collect();
+            let text = text(&write(&path, &commanded).unwrap());
+            let again = read(name, &text).unwrap();
+            // Of robots' arcs the points between are not commanded.
+            let is_commanded = |i: &usize| !["a.src", "a.mod", "a.ls"].contains(&name)
+                || path.program.holds(*i);
+            let kept: Vec<usize> = (0..path.points.len()).filter(is_commanded).collect();
+            let wanted: Vec<PathPoint> = kept.iter().map(|i| commanded[*i].clone()).collect();
+            let found: Vec<PathPoint> = (0..again.points.len())
+                .filter(|i| !["a.src", "a.mod", "a.ls"].contains(&name) || again.program.holds(*i))
+                .map(|i| again.points[i].clone())
+                .collect();
+            let (position, angle) = apart(&found, &wanted);
+            let (length, turn) = precision(name);
+            prop_assert!(position < length && angle < turn, "{name}: {position} m, {angle} rad\n{text}");
+        }
+    }
+}
+
+#[test]
+fn lines_comments_and_columns_stay() -> Check {
+    let shift = |path: &ReadPath, x: f64| -> Vec<PathPoint> {
+        let points = path.points.iter();
+        points
+            .map(|point| match point.rapid {
+                true => point.clone(),
+                false => moved(
+                    point,
+                    cell_with("").work.workpiece.rotation * Vector3::new(x, 0.0, 0.0),
+                    Vector3::zeros(),
+                ),
+            })
+            .collect()
+    };
+    let mut shown = String::new();
+    for (name, program) in PROGRAMS {
+        let path = read(name, program)?;
+        let written = text(&write(&path, &shift(&path, 0.25))?);
+        let lines = written.lines().zip(1..);
+        let long = lines.filter(|(line, number)| *number < 12 || line.len() > 60);
+        shown += &format!("== {name}\n");
+        shown.extend(long.take(24).map(|(line, _)| format!("{line}\n")));
+    }
+    insta::assert_snapshot!(shown);
+    Ok(())
+}
+
+#[test]
+fn a_point_of_two_moves_cannot_have_two_corrections() -> Check {
+    let text = "CONST robtarget p1:=[[1,2,3],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n\
+                CONST robtarget p2:=[[9,2,3],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]];\n\
+                MoveL p1,v50,z1,t\\WObj:=w;\nMoveL p2,v50,z1,t\\WObj:=w;\nMoveL p1,v50,z1,t\\WObj:=w;\n";
+    let path = read("a.mod", text)?;
+    let all = |shifts: [f64; 3]| -> Vec<PathPoint> {
+        let points = path.points.iter().zip(shifts);
+        points
+            .map(|(point, x)| moved(point, Vector3::new(x, 0.0, 0.0), Vector3::zeros()))
+            .collect()
+    };
+    assert!(write(&path, &all([0.1, 0.3, 0.1])).is_ok());
+    for shifts in [[0.1, 0.3, 0.2], [0.1, 0.3, 0.0], [0.0, 0.3, 0.1]] {
+        let error = write(&path, &all(shifts)).unwrap_err();
+        assert_eq!(
+            (error.code(), error.place().line),
+            (Code::Conflict, Some(1))
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn bytes_that_are_no_utf_8_stay() -> Check {
+    let bytes = b"; Fr\xe4sen\r\nLIN {X 10,Y 20,Z 30,A 0,B 0,C 180}\r\n";
+    let kind = Kind::Robot(Language::Krl);
+    let path = read_tool_path(kind, ("a.src", bytes), None, &cell_with(""))?;
+    assert_eq!(write(&path, &path.points)?.files[0].1, bytes);
+    Ok(())
+}
+
+#[test]
+fn points_in_the_second_file_are_written_there() -> Check {
+    let src = "LIN XP1 C_DIS\nLIN {X 20,Y 0,Z 50,A 0,B 0,C 180}\n";
+    let dat = "DECL E6POS XP1={X 0,Y 0,Z 50,A 0,B 0,C 180,S 2,T 35}\n";
+    let kind = Kind::Robot(Language::Krl);
+    let companion = Some(("a.dat", dat.as_bytes()));
+    let path = read_tool_path(kind, ("a.src", src.as_bytes()), companion, &cell_with(""))?;
+    let up = cell_with("").work.workpiece.rotation * Vector3::new(0.0, 0.0, 0.5);
+    let commanded: Vec<PathPoint> = path
+        .points
+        .iter()
+        .map(|point| moved(point, up, Vector3::zeros()))
+        .collect();
+    let files = write(&path, &commanded)?.files;
+    assert_eq!(
+        String::from_utf8_lossy(&files[0].1),
+        src.replace("Z 50", "Z 50.5000")
+    );
+    assert_eq!(
+        String::from_utf8_lossy(&files[1].1),
+        dat.replace("Z 50", "Z 50.5000")
+    );
+    Ok(())
+}
+
+#[test]
+fn what_has_no_tool_axis_says_what_is_left() -> Check {
+    let path = read("a.nc", "G90 G0 X0 Y0 Z5\nG1 Z0\nX10\n")?;
+    let tilted: Vec<PathPoint> = path
+        .points
+        .iter()
+        .map(|p| moved(p, Vector3::zeros(), Vector3::new(0.001, 0.0, 0.0)))
+        .collect();
+    let written = write(&path, &tilted)?;
+    assert_eq!(text(&written), "G90 G0 X0 Y0 Z5\nG1 Z0\nX10\n");
+    assert!((written.tilt_left - 0.001 * axes(&path)[0].cross(&Vector3::x()).norm()).abs() < 2e-4);
+    assert!(
+        written
+            .finding()
+            .is_some_and(|finding| finding.sentence.contains("°"))
+    );
+    Ok(())
+}
+
+#[test]
+fn steps_and_other_paths_are_not_written() -> Check {
+    let path = read("a.nc", "G90 G0 X0 Y0 Z5\nG91 G1 X1\n")?;
+    let error = write(&path, &path.points).unwrap_err();
+    assert_eq!(
+        (error.code(), error.place().line),
+        (Code::Unsupported, Some(2))
+    );
+    assert_eq!(positions(&path).len(), 2);
+    let error = write(&path, &path.points[..1]).unwrap_err();
+    assert_eq!(error.code(), Code::Dimension);
+    Ok(())
+}
