@@ -71,11 +71,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         let found = &result.compensation;
         let figure = || render_svg(&compensation_figure(found));
         let points = commanded(cell, &saved.predictor, &path.table, found, args.write)?;
-        let mut tilt = None;
+        let mut left = Vec::new();
         let tables = || match &path.program {
             Some(program) if args.write.is_none() => {
                 let written = program.write(&path.table.points, &points)?;
-                tilt = written.finding();
+                left = written.findings();
                 Ok(written.files.into_iter().map(|(_, bytes)| bytes).collect())
             }
             _ => Ok(vec![
@@ -83,7 +83,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             ]),
         };
         outputs.write(session, tables, figure)?;
-        result.postures.findings.extend(tilt);
+        result.postures.findings.extend(left);
     }
     let exit = session.deliver_at_work(
         session.envelope("compensate", None, options, result),

@@ -193,6 +193,10 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         return Ok(false);
     };
     let aim = Aim::Label(line.clone(), point(line)?);
+    if line.rest().contains(" COORD") {
+        // The path moves with a positioner.
+        reader.passed_over.push((line.line_number(), "COORD"));
+    }
     match motion {
         Motion::Circular => reader.arc = Some((place, aim)),
         _ => reader.moves(place, motion, None, aim),
@@ -248,7 +252,13 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
             reader.point(&label, aim.map_err(missing)?);
         }
     } else if let Some(open) = &mut reader.open {
+        let was_first = open.is_first_group;
         fields(line, open, reader.is_path)?;
+        if was_first && !open.is_first_group {
+            reader
+                .passed_over
+                .push((line.line_number(), "A second group of axes"));
+        }
     }
     Ok(())
 }

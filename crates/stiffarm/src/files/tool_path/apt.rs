@@ -1,13 +1,13 @@
 //! CL data: APT, as ISO 4343 has it, and the CLSF of Siemens NX.
 //!
 //! Grammar: ISO 4343:2000 (CLDATA words), Siemens NX, *Cutter Location Source File format* (`MSYS`, `TOOL
-//! PATH/`, `CIRCLE/` before the `GOTO/` that ends the arc, with the axis about which it runs
-//! counter-clockwise). A statement may go on in the next line behind `$`; `$$` begins a comment. `RAPID` is
+//! PATH/`, `CIRCLE/x,y,z,i,j,k,r,…` before the `GOTO/` that ends the arc, which runs *clockwise* about its
+//! axis). A statement may go on in the next line behind `$`; `$$` begins a comment. `RAPID` is
 //! for the next move. Points are x, y, z or x, y, z, i, j, k; the axis stays until another is given.
 
 use super::arc::Circle;
 use super::builder::{Builder, Place};
-use super::{Arc, Orientation};
+use super::{Divided, Orientation};
 use crate::error::Result;
 use crate::files::program::{Cursor, Number, ProgramFile, lines};
 use crate::findings::Severity;
@@ -41,6 +41,8 @@ struct State<'b, 'c> {
     rapid: bool,
     /// An arc that the next point ends: its numbers, and where it begins in the file.
     circle: Option<(Vector3<f64>, UnitVector3<f64>, usize)>,
+    /// Whether the file names its unit.
+    has_units: bool,
     /// The first frame of points, and the one that is valid from it.
     frames: Option<(Isometry3<f64>, Isometry3<f64>)>,
 }
@@ -54,6 +56,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         position: None,
         rapid: false,
         circle: None,
+        has_units: false,
         frames: None,
     };
     let mut open: Option<Statement<'_>> = None;
@@ -87,6 +90,11 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
             true => open = Some(statement),
             false => state.take(statement)?,
         }
+    }
+    if !state.has_units {
+        builder.remark("units-assumed", "", 1, Severity::Note, || {
+            "The file names no unit: its numbers are read as millimetres. `UNITS/INCH` at its head says otherwise.".to_string()
+        });
     }
     match open {
         Some(statement) => Err(statement
@@ -151,6 +159,7 @@ impl State<'_, '_> {
             }
             "RAPID" => self.rapid = true,
             "UNITS" => {
+                self.has_units = true;
                 let unit = match ["INCH", "INCHES", "IN"]
                     .iter()
                     .any(|inch| has(&statement, inch))
@@ -174,7 +183,13 @@ impl State<'_, '_> {
                     );
                 }
                 let centre = self.point(&statement)?;
-                let axis = self.turned(self.direction(&statement, 3)?);
+                let axis = self.turned(-self.direction(&statement, 3)?);
+                if has(&statement, "TIMES") {
+                    return wrong(
+                        &mut statement,
+                        "Arcs of several turns (TIMES) are not read here.",
+                    );
+                }
                 self.circle = Some((centre, axis, statement.head.position()));
             }
             "MSYS" => {
@@ -290,16 +305,17 @@ impl State<'_, '_> {
                 self.builder
                     .point(line, &before.towards(&end, share, point), false);
             }
-            self.builder.arcs.push(Arc {
-                points: first..self.builder.points.len(),
-                text: begin..statement.end,
-                first: String::new(),
-                begin: "GOTO/".to_string(),
-                end: String::new(),
-            });
+            self.divided(first, true, begin..statement.end);
             self.position = Some(position);
             self.rapid = false;
             return Ok(());
+        }
+        let to = Place::Axis(position, self.axis);
+        let first = self.builder.points.len();
+        let from = self.position.filter(|_| !self.rapid);
+        let from = from.map(|start| before.at(start));
+        if from.is_some_and(|from| self.builder.between(line, &from, &to)) {
+            self.divided(first, false, statement.head.position()..statement.end);
         }
         self.to(line, position);
         let end = Number {
@@ -318,6 +334,18 @@ impl State<'_, '_> {
             self.builder.number(0, component, number);
         }
         Ok(())
+    }
+
+    /// The points from `first` on, with the next one for a straight move, are those of one move.
+    fn divided(&mut self, first: usize, is_arc: bool, text: std::ops::Range<usize>) {
+        self.builder.divided.push(Divided {
+            points: first..self.builder.points.len() + usize::from(!is_arc),
+            is_arc,
+            text,
+            first: String::new(),
+            begin: "GOTO/".to_string(),
+            end: String::new(),
+        });
     }
 
     fn to(&mut self, line: usize, position: Vector3<f64>) {

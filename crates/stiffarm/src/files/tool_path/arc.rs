@@ -1,6 +1,6 @@
 //! Arcs as points on them.
 
-use super::ARC_TOLERANCE;
+use super::TOLERANCE;
 use nalgebra::{Rotation3, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 
@@ -67,10 +67,10 @@ impl Circle {
         angle.rem_euclid(TAU) / self.sweep
     }
 
-    /// Points on it with their shares, the last one its end: chords stay within [`ARC_TOLERANCE`].
+    /// Points on it with their shares, the last one its end: chords stay within [`TOLERANCE`].
     pub fn points(&self) -> impl Iterator<Item = (f64, Vector3<f64>)> {
         let spoke = self.start - self.centre;
-        let widest = 2.0 * (1.0 - ARC_TOLERANCE / spoke.norm()).clamp(-1.0, 1.0).acos();
+        let widest = 2.0 * (1.0 - TOLERANCE / spoke.norm()).clamp(-1.0, 1.0).acos();
         let count = (self.sweep / widest).ceil().max(1.0) as usize;
         // From the circle through the start to the end, which may be rounded and higher.
         let turned = move |share: f64| {

@@ -1,6 +1,6 @@
 //! Points of a tool path as a program's lines give them.
 
-use super::{Arc, Form, Orientation, Slot};
+use super::{Divided, Form, Orientation, SPAN, Slot};
 use crate::files::program::Number;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
@@ -80,7 +80,7 @@ pub(super) struct Builder<'c> {
     pub slots: Vec<Slot>,
     pub values: Vec<f64>,
     pub ends: Vec<usize>,
-    pub arcs: Vec<Arc>,
+    pub divided: Vec<Divided>,
     pub fixed: Option<(usize, &'static str)>,
     remarks: BTreeMap<(&'static str, String), Remark>,
     frames: Vec<Finding>,
@@ -101,7 +101,7 @@ impl<'c> Builder<'c> {
             slots: Vec::new(),
             values: Vec::new(),
             ends: Vec::new(),
-            arcs: Vec::new(),
+            divided: Vec::new(),
             fixed: None,
             remarks: BTreeMap::new(),
             frames: Vec::new(),
@@ -130,6 +130,18 @@ impl<'c> Builder<'c> {
             rapid,
         });
         self.ends.push(self.slots.len());
+    }
+
+    /// Points on the straight way to a point in `line` that is far away; true where there are any.
+    pub fn between(&mut self, line: usize, from: &Place, to: &Place) -> bool {
+        let (start, way) = (from.position(), to.position() - from.position());
+        let parts = (way.norm() / SPAN).ceil() as usize;
+        for k in 1..parts {
+            let share = k as f64 / parts as f64;
+            let place = from.towards(to, share, start + way * share);
+            self.point(line, &place, false);
+        }
+        parts > 1
     }
 
     /// A number of the point that was given last; one of length 0 stays what it was before.

@@ -32,8 +32,11 @@ use nalgebra::Isometry3;
 use std::path::Path;
 pub use write::WrittenPath;
 
-/// Largest distance between an arc and the straight moves that stand for it \[m\].
-pub const ARC_TOLERANCE: f64 = 0.01e-3;
+/// Largest distance of straight moves from the arc, or from the corrected move, that they stand for \[m\].
+pub const TOLERANCE: f64 = 0.01e-3;
+
+/// Longer straight moves at feed are looked at in parts of this length at most \[m\].
+pub const SPAN: f64 = 0.05;
 
 /// What a tool path is written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -135,12 +138,14 @@ struct Slot {
     modal: bool,
 }
 
-/// An arc as it stands in a program, and the straight moves that stand for it.
+/// An arc or a long move as it stands in a program, and the straight moves that may stand for it.
 #[derive(Debug, Clone, PartialEq)]
-struct Arc {
+struct Divided {
     /// Its points; the last one is its end.
     points: std::ops::Range<usize>,
-    /// The bytes that straight moves take the place of.
+    /// Whether it is an arc; a straight move is divided only where its correction bends.
+    is_arc: bool,
+    /// The bytes that straight moves take the place of; none where the program can have no more points.
     text: std::ops::Range<usize>,
     /// What begins the first of those moves.
     first: String,
@@ -163,7 +168,7 @@ pub struct ToolPath {
     values: Vec<f64>,
     /// Slots of each point: those before this one.
     ends: Vec<usize>,
-    arcs: Vec<Arc>,
+    divided: Vec<Divided>,
     /// Why it cannot be written, with the line.
     fixed: Option<(usize, &'static str)>,
 }
@@ -236,7 +241,7 @@ pub fn read_tool_path(
             slots: builder.slots,
             values: builder.values,
             ends: builder.ends,
-            arcs: builder.arcs,
+            divided: builder.divided,
             fixed: builder.fixed,
         },
     })

@@ -6,7 +6,7 @@
 
 use super::arc::Circle;
 use super::builder::{Builder, Place, pose};
-use super::{Form, Orientation};
+use super::{Divided, Form, Orientation};
 use crate::error::Result;
 use crate::files::program::{
     Aim, Language, Motion, Number, Pose, PoseForm, ProgramFile, ProgramOptions, Reader, read_legs,
@@ -99,6 +99,18 @@ impl Walk<'_, '_> {
 
     fn go(&mut self, line: usize, to: &Pose, rapid: bool) -> Result<()> {
         let place = self.place(to)?;
+        let first = self.builder.points.len();
+        let from = self.last.filter(|_| !rapid);
+        if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
+            self.builder.divided.push(Divided {
+                points: first..self.builder.points.len() + 1,
+                is_arc: false,
+                text: 0..0,
+                first: String::new(),
+                begin: String::new(),
+                end: String::new(),
+            });
+        }
         self.builder.point(line, &place, rapid);
         self.slots(to);
         self.last = Some(place);

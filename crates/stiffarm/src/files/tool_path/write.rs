@@ -1,9 +1,9 @@
 //! The same program with other numbers.
 
 use super::numbers::{decimals_of, fixed, near};
-use super::{Arc, Form, Kind, Orientation, Slot, ToolPath};
+use super::{Divided, Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, length};
 use crate::model::path::{PathPoint, PathTarget};
 use crate::units::rad_to_deg;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -23,18 +23,36 @@ pub struct WrittenPath {
     /// The largest angle between the tool axis that was asked for and that of the program, which cannot
     /// hold it \[rad\].
     pub tilt_left: f64,
+    /// How far the corrections of long moves depart from straight ones where the program can have no more
+    /// points \[m\].
+    pub bend_left: f64,
 }
 
 impl WrittenPath {
-    /// That the program cannot hold the tool axis, where this matters.
-    pub fn finding(&self) -> Option<Finding> {
-        let sentence = format!(
+    /// What the program cannot hold, where this matters.
+    pub fn findings(&self) -> Vec<Finding> {
+        let tilt = format!(
             "The program holds no tool axis that could be corrected: positions are, and the tool stays tilted by up \
              to {:.3}°.",
             rad_to_deg(self.tilt_left)
         );
-        let finding = Finding::new("tilt-left", Severity::Note, "path", sentence);
-        (self.tilt_left > TILTED).then_some(finding)
+        let bend = format!(
+            "Within long moves the corrections depart by up to {} from straight ones, and the program states no \
+             points there: divide its long moves, or write a table with `--write poses`.",
+            length(self.bend_left)
+        );
+        let all = [
+            (self.tilt_left > TILTED, "tilt-left", Severity::Note, tilt),
+            (
+                self.bend_left > TOLERANCE,
+                "bend-left",
+                Severity::Caution,
+                bend,
+            ),
+        ];
+        let all = all.into_iter().filter(|(matters, ..)| *matters);
+        all.map(|(_, code, severity, sentence)| Finding::new(code, severity, "path", sentence))
+            .collect()
     }
 }
 
@@ -88,51 +106,63 @@ impl ToolPath {
             edits: Vec::new(),
             has_changed: false,
             tilt_left: 0.0,
+            bend_left: 0.0,
         };
-        let mut arcs = self.arcs.iter().peekable();
-        let mut straight: Vec<(&Arc, Vec<[f64; 10]>)> = Vec::new();
+        let mut divided = self.divided.iter().peekable();
+        // Numbers from the point before a divided move on.
+        let mut way: Vec<[f64; 10]> = Vec::new();
+        let mut straight: Vec<(&Divided, Vec<[f64; 10]>)> = Vec::new();
         for (i, (nominal, commanded)) in nominal.iter().zip(commanded).enumerate() {
             let first = i.checked_sub(1).map_or(0, |before| self.ends[before]);
             let slots = first..self.ends[i];
+            let before = writer.numbers;
             writer.aim(slots.clone(), nominal, commanded)?;
-            while arcs.next_if(|arc| arc.points.end <= i).is_some() {}
-            match arcs.peek() {
-                Some(arc) if arc.points.contains(&i) => {
-                    if arc.points.start == i {
-                        straight.push((arc, Vec::new()));
-                    }
-                    if let Some((_, all)) = straight.last_mut() {
-                        all.push(writer.numbers);
-                    }
-                    writer.last = writer.numbers;
-                }
-                _ => writer.edit(slots),
+            while divided.next_if(|one| one.points.end <= i).is_some() {}
+            let Some(own) = divided.peek().filter(|own| own.points.contains(&i)) else {
+                writer.edit(slots);
+                continue;
+            };
+            if own.points.start == i {
+                way = vec![before];
+            }
+            way.push(writer.numbers);
+            if own.points.end > i + 1 {
+                continue;
+            }
+            let kept = match own.is_arc {
+                true => way.split_off(1),
+                false => writer.bends(&way, !own.text.is_empty()),
+            };
+            if kept.is_empty() {
+                writer.edit(slots);
+            } else {
+                straight.push((own, kept));
+                writer.last = writer.numbers;
             }
         }
-        if writer.has_changed {
-            for (arc, numbers) in &straight {
-                writer.edits.push(Edit {
-                    file: 0,
-                    at: arc.text.start as u32,
-                    length: arc.text.len() as u32,
-                    text: self.lines(arc, numbers),
-                });
-            }
-        }
+        let straight = straight.iter().filter(|_| writer.has_changed);
+        writer.edits.extend(straight.map(|(own, numbers)| Edit {
+            file: 0,
+            at: own.text.start as u32,
+            length: own.text.len() as u32,
+            text: self.lines(own, numbers),
+        }));
         let Writer {
             mut edits,
             tilt_left,
+            bend_left,
             ..
         } = writer;
         edits.sort_by_key(|edit| (edit.file, edit.at));
         Ok(WrittenPath {
             files: self.edited(&edits)?,
             tilt_left,
+            bend_left,
         })
     }
 
-    /// Straight moves in place of an arc.
-    fn lines(&self, arc: &Arc, numbers: &[[f64; 10]]) -> String {
+    /// Straight moves in place of one.
+    fn lines(&self, own: &Divided, numbers: &[[f64; 10]]) -> String {
         let form = &self.form;
         let line_end = if self.files[0].text.contains("\r\n") {
             "\r\n"
@@ -152,14 +182,14 @@ impl ToolPath {
             });
             let words: String = words.collect();
             let (first, end) = match k {
-                0 => (arc.first.as_str(), arc.end.as_str()),
+                0 => (own.first.as_str(), own.end.as_str()),
                 _ => ("", ""),
             };
-            let words = match arc.begin.ends_with('/') {
+            let words = match own.begin.ends_with('/') {
                 true => words.trim_start_matches(','),
                 false => &words,
             };
-            format!("{first}{}{words}{end}", arc.begin)
+            format!("{first}{}{words}{end}", own.begin)
         });
         lines.collect::<Vec<_>>().join(line_end)
     }
@@ -212,6 +242,7 @@ struct Writer<'a> {
     edits: Vec<Edit>,
     has_changed: bool,
     tilt_left: f64,
+    bend_left: f64,
 }
 
 impl Writer<'_> {
@@ -263,6 +294,37 @@ impl Writer<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The points of a straight move, `way` from its start on, that its corrected form has to pass, the end
+    /// included; none where it stays straight, or where the program `can_have` no more points.
+    fn bends(&mut self, way: &[[f64; 10]], can_have: bool) -> Vec<[f64; 10]> {
+        let tolerance = TOLERANCE / self.path.form.unit;
+        let (mut kept, mut open) = (Vec::new(), vec![(0, way.len() - 1)]);
+        let mut most: f64 = 0.0;
+        while let Some((from, to)) = open.pop() {
+            let off = |k: usize| {
+                let share = (k - from) as f64 / (to - from) as f64;
+                let of = |i: usize| way[k][i] - way[from][i] - share * (way[to][i] - way[from][i]);
+                Vector3::from_fn(|i, _| of(i)).norm()
+            };
+            let farthest = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));
+            let Some(k) = farthest.filter(|k| off(*k) > tolerance) else {
+                continue;
+            };
+            most = most.max(off(k));
+            kept.push(k);
+            open.extend([(from, k), (k, to)]);
+        }
+        if !can_have {
+            self.bend_left = self.bend_left.max(most * self.path.form.unit);
+        }
+        if kept.is_empty() || !can_have {
+            return Vec::new();
+        }
+        kept.push(way.len() - 1);
+        kept.sort_unstable();
+        kept.into_iter().map(|k| way[k]).collect()
     }
 
     /// The text of a slot's number, and whether it says what is there.

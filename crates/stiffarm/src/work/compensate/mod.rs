@@ -93,6 +93,12 @@ pub struct PointCompensation {
     pub band: Option<TipBand>,
 }
 
+impl PointCompensation {
+    fn is_loaded(&self) -> bool {
+        [self.force_n, self.moment_nm] != [[0.0; 3]; 2]
+    }
+}
+
 /// A compensated path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -248,13 +254,14 @@ fn summarise(
     options: &CompensateOptions,
     confidence: Option<f64>,
 ) -> Compensation {
-    let of = |pick: fn(&PointCompensation) -> f64| points.iter().map(pick).collect::<Vec<f64>>();
+    // Rapid moves, which carry no load, do not dilute the path.
+    let loaded = || points.iter().filter(|p| p.is_loaded());
+    let of = |pick: fn(&PointCompensation) -> f64| loaded().map(pick).collect::<Vec<f64>>();
     let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
     let (before, after) = (of(|p| p.uncompensated_m), of(|p| p.residual_m));
-    let errors: Option<Vec<f64>> = points.iter().map(|p| p.band.map(|b| b.rms_m)).collect();
+    let errors: Option<Vec<f64>> = loaded().map(|p| p.band.map(|b| b.rms_m)).collect();
     let error = errors.map(|e| rms(&e));
-    let beyond: Option<usize> = points
-        .iter()
+    let beyond: Option<usize> = loaded()
         .map(|p| {
             p.band
                 .map(|b| usize::from(p.correction_size_m > b.size_m[3]))
@@ -282,7 +289,7 @@ fn summarise(
 
 fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> {
     let mut out = Vec::new();
-    let count = result.points.len();
+    let count = result.points.iter().filter(|p| p.is_loaded()).count();
     match result.beyond_uncertainty {
         None => out.push(Finding::new(
             "no-band",

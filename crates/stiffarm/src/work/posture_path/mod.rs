@@ -213,9 +213,15 @@ pub fn posture_path(
     let tips: Vec<Isometry3<f64>> = q.iter().map(|q| arm.tip_pose(q)).collect();
     let wrenches = search.wrenches(&tips)?;
     let sizes = search.deflections(&q, &wrenches)?;
+    // Rapid moves, which carry no load, do not dilute the path.
+    let sizes = sizes
+        .into_iter()
+        .zip(points)
+        .filter(|(_, point)| !point.rapid);
+    let sizes: Vec<f64> = sizes.map(|(size, _)| size).collect();
     let mut summary = PosturePathSummary {
         origin,
-        largest_step: largest_step(&q),
+        largest_step: largest_step(&q, points),
         deflection_rms_m: rms(&sizes),
         given_rms_m: given_rms,
         turn,
@@ -270,10 +276,12 @@ fn turned(pose: &Isometry3<f64>, turn: f64) -> Isometry3<f64> {
     pose * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn)
 }
 
-/// Largest change of a joint from one posture to the next \[rad\].
-fn largest_step(q: &[Vec<f64>]) -> f64 {
-    q.windows(2)
-        .map(|pair| change(&pair[0], &pair[1]).1)
+/// Largest change of a joint from one posture to the next but by rapid moves \[rad\].
+fn largest_step(q: &[Vec<f64>], points: &[PathPoint]) -> f64 {
+    let pairs = q.windows(2).zip(&points[1..]);
+    let pairs = pairs.filter(|(_, to)| !to.rapid);
+    pairs
+        .map(|(pair, _)| change(&pair[0], &pair[1]).1)
         .fold(0.0, f64::max)
 }
 

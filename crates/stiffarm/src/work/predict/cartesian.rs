@@ -72,7 +72,9 @@ impl LoadedArm {
         }
         let first_of = |better: fn(f64, f64) -> bool| {
             let all = points.iter().enumerate();
-            all.reduce(|a, b| if better(b.1.1, a.1.1) { b } else { a })
+            // What carries no load bends nowhere.
+            let loaded = all.filter(|(_, (_, size))| *size > 0.0);
+            loaded.reduce(|a, b| if better(b.1.1, a.1.1) { b } else { a })
         };
         let stiffness = |(at, (q, _)): (usize, &(&[f64], f64))| {
             let unloaded = Wrench::force(Vector3::zeros());

@@ -243,6 +243,12 @@ fn point(
     })
 }
 
+impl PointPrediction {
+    fn is_loaded(&self) -> bool {
+        [self.force_n, self.moment_nm] != [[0.0; 3]; 2]
+    }
+}
+
 fn position(pose: &Isometry3<f64>) -> [f64; 3] {
     pose.translation.vector.into()
 }
@@ -252,7 +258,9 @@ fn summarise(
     options: &PredictOptions,
     confidence: Option<f64>,
 ) -> Prediction {
-    let sizes: Vec<f64> = points.iter().map(|p| p.deflection_m).collect();
+    // Rapid moves, which carry no load, do not dilute the path.
+    let loaded = || points.iter().filter(|p| p.is_loaded());
+    let sizes: Vec<f64> = loaded().map(|p| p.deflection_m).collect();
     let largest = points
         .iter()
         .max_by(|a, b| a.deflection_m.total_cmp(&b.deflection_m));
@@ -264,7 +272,7 @@ fn summarise(
         };
         p.linear_difference_m <= allowed
     };
-    let errors: Option<Vec<f64>> = points.iter().map(|p| p.band.map(|b| b.rms_m)).collect();
+    let errors: Option<Vec<f64>> = loaded().map(|p| p.band.map(|b| b.rms_m)).collect();
     let mut out = Prediction {
         model: options.model,
         confidence,

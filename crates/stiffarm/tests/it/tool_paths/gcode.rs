@@ -1,6 +1,6 @@
 //! G-code.
 
-use super::{Check, axes, cell_with, codes, positions, read, read_with, unit};
+use super::{Check, axes, cell_with, codes, positions, read, read_with, rounded, stated, unit};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 
@@ -28,7 +28,7 @@ fn words_are_modal_and_may_have_blanks() -> Check {
     );
     assert_eq!(path.points[1].load, None);
     assert!(
-        axes(&path)
+        axes(&path.points)
             .iter()
             .all(|axis| (axis - Vector3::z()).norm() < 1e-12)
     );
@@ -40,7 +40,7 @@ fn words_are_modal_and_may_have_blanks() -> Check {
 fn inches_and_steps() -> Check {
     let path = read(
         "a.ngc",
-        "G20 G90\nG0 X0 Y0 Z1\nG91 G1 X1 Z-.5\nX1\nG90 X0\n",
+        "G20 G90\n#<rate>=1000\nG0 X0 Y0 Z1 F#<rate> S[100*2]\nG91 G1 X1 Z-.5\nX1\nG90 X0\n",
     )?;
     let expected = [
         [0.0, 0.0, 25.4],
@@ -48,7 +48,7 @@ fn inches_and_steps() -> Check {
         [50.8, 0.0, 12.7],
         [0.0, 0.0, 12.7],
     ];
-    assert_eq!(positions(&path), expected);
+    assert_eq!(rounded(&stated(&path)), expected);
     Ok(())
 }
 
@@ -155,14 +155,14 @@ fn five_axes_as_vectors() -> Check {
         unit(0.6, 0.0, 0.8),
     ];
     assert!(
-        axes(&path)
+        axes(&path.points)
             .iter()
             .zip(expected)
             .all(|(a, b)| (a - b).norm() < 1e-12)
     );
     let text = "G43.5 H1\nG0 X0 Y0 Z50 I0 J0 K1\nG1 X10 I0 J-0.6 K0.8\nX20\nG49\n";
     let path = read("a.nc", text)?;
-    assert!((axes(&path)[2] - unit(0.0, -0.6, 0.8)).norm() < 1e-12);
+    assert!((axes(&path.points)[2] - unit(0.0, -0.6, 0.8)).norm() < 1e-12);
     Ok(())
 }
 
@@ -174,12 +174,12 @@ fn five_axes_as_angles() -> Check {
     let head = cell_with("rotary_axes = ['C', 'A']\n");
     let path = read_with("a.nc", text, &head)?;
     let expected = Vector3::new(c.sin() * a.sin(), -c.cos() * a.sin(), a.cos());
-    assert!((axes(&path)[1] - expected).norm() < 1e-12);
+    assert!((axes(&path.points)[1] - expected).norm() < 1e-12);
     // The table turns the workpiece by A, on it by C: the tool in the workpiece turns back.
     let table = cell_with("rotary_axes = ['-C', '-A']\n");
     let path = read_with("a.nc", text, &table)?;
     let expected = Vector3::new(c.sin() * a.sin(), c.cos() * a.sin(), a.cos());
-    assert!((axes(&path)[1] - expected).norm() < 1e-12);
+    assert!((axes(&path.points)[1] - expected).norm() < 1e-12);
     Ok(())
 }
 

@@ -58,18 +58,26 @@ fn on_workpiece(point: &PathPoint) -> (Vector3<f64>, Vector3<f64>) {
 
 /// Positions of all points in the workpiece frame, to a nanometre \[mm\].
 fn positions(read: &ReadPath) -> Vec<[f64; 3]> {
-    let positions = read.points.iter().map(|point| on_workpiece(point).0);
+    rounded(&read.points)
+}
+
+fn rounded(points: &[PathPoint]) -> Vec<[f64; 3]> {
+    let positions = points.iter().map(|point| on_workpiece(point).0);
     positions
         .map(|p| p.map(|x| (1e6 * x).round() / 1e6 + 0.0).into())
         .collect()
 }
 
+/// The points that the program states, without those on the way to them.
+fn stated(read: &ReadPath) -> Vec<PathPoint> {
+    let points = read.points.iter().enumerate();
+    let stated = points.filter(|(i, _)| read.program.holds(*i));
+    stated.map(|(_, point)| point.clone()).collect()
+}
+
 /// Directions from the tip to the spindle.
-fn axes(read: &ReadPath) -> Vec<Vector3<f64>> {
-    read.points
-        .iter()
-        .map(|point| on_workpiece(point).1)
-        .collect()
+fn axes(points: &[PathPoint]) -> Vec<Vector3<f64>> {
+    points.iter().map(|point| on_workpiece(point).1).collect()
 }
 
 fn codes(read: &ReadPath) -> Vec<&str> {

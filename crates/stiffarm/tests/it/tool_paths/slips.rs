@@ -3,7 +3,7 @@
 use super::{cell_with, read_with};
 
 /// A file that cannot be read as a path, by its name and text.
-const SLIPS: [(&str, &str); 30] = [
+const SLIPS: [(&str, &str); 31] = [
     ("a.nc", "G90 G0 X0 Y0 Z5\nG41 D1\nG1 X5\n"),
     ("a.nc", "G90 G0 X0 Y0 Z5\nG1 X5 B30\n"),
     ("a.nc", "G1 X#100 Y0 Z0\n"),
@@ -23,6 +23,10 @@ const SLIPS: [(&str, &str); 30] = [
     ("a.cls", "GOTO/1,2,3,0,0,0\n"),
     ("a.cls", "GOTO/1,2,3\nCUTCOM/LEFT\n"),
     ("a.cls", "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5\nGOTO/9,9,9\n"),
+    (
+        "a.cls",
+        "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5,0,0,0,0,TIMES,2\n",
+    ),
     ("a.apt", "GOTO/1,2,x3\n"),
     ("a.apt", "GOTO/1,2,$\n"),
     (

@@ -1,6 +1,6 @@
 //! The same program with other numbers.
 
-use super::{Check, apart, axes, cell_with, moved, positions, read};
+use super::{Check, apart, axes, cell_with, moved, on_workpiece, positions, read};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiffarm::Code;
@@ -12,8 +12,8 @@ use stiffarm::model::path::PathPoint;
 const PROGRAMS: [(&str, &str); 6] = [
     (
         "a.nc",
-        "%\nN10 G21 G90 G54 (set up)\nN20 G0 X0. Y0. Z50.\nN30 G1 Z-1.25 F300\nN40 X   40.5 ; along\nN50 Y20\nN60 G2 X60.5 Y0. R20. F200\n\
-         N70 X80.5 Y-20. I20. J0. (on)\nN80 G1 X0 Z-2\nG0 Z50\nN90 M30\n%\n",
+        "%\nN10 G21 G90 G54 (set up)\nN20 G0 X0. Y0. Z40.\nN30 G1 Z-1.25 F300\nN40 X   40.5 ; along\nN50 Y20\nN60 G2 X60.5 Y0. R20. F200\n\
+         N70 X80.5 Y-20. I20. J0. (on)\nN80 G1 X50 Z-2\nG0 Z50\nN90 M30\n%\n",
     ),
     (
         "a.mpf",
@@ -21,8 +21,8 @@ const PROGRAMS: [(&str, &str); 6] = [
     ),
     (
         "a.cls",
-        "TOOL PATH/A,TOOL,T1\nRAPID\nGOTO/0.0000,0.0000,50.0000,0.1,0.0,0.9949874\nGOTO/0.0000,0.0000,0.0000\nGOTO/10.0000,0.0000,0.0000\n\
-         CIRCLE/20.0,0.0,0.0,0.0,0.0,-1.0,10.0,0.06,0.5\nGOTO/20.0,10.0,0.0\nGOTO / 30.0, 10.0, 0.0, 0, 0.2, 0.9797959  $$ end\nEND-OF-PATH\n",
+        "TOOL PATH/A,TOOL,T1\nRAPID\nGOTO/0.0000,0.0000,40.0000,0.1,0.0,0.9949874\nGOTO/0.0000,0.0000,0.0000\nGOTO/10.0000,0.0000,0.0000\n\
+         CIRCLE/20.0,0.0,0.0,0.0,0.0,1.0,10.0,0.06,0.5\nGOTO/20.0,10.0,0.0\nGOTO / 30.0, 10.0, 0.0, 0, 0.2, 0.9797959  $$ end\nEND-OF-PATH\n",
     ),
     (
         "a.src",
@@ -37,7 +37,7 @@ const PROGRAMS: [(&str, &str); 6] = [
     (
         "a.ls",
         "/PROG  A\n/MN\n   1:L P[1] 50mm/sec CNT100 ;\n   2:L P[2] 50mm/sec CNT100 ;\n/POS\n\
-         P[1]{\n   GP1:\n\tUF : 1, UT : 1,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX =    10.000  mm,\tY =   -99.998  mm,\tZ =     0.000  mm,\n\
+         P[1]{\n   GP1:\n\tUF : 1, UT : 1,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX =    10.000  mm,\tY =   -39.998  mm,\tZ =     0.000  mm,\n\
          \tW =   180.000 deg,\tP =     0.000 deg,\tR =     0.000 deg\n};\n\
          P[2]{\n   GP1:\n\tUF : 1, UT : 1,\t\tCONFIG : 'N U T, 0, 0, 0',\n\tX =    20.000  mm,\tY =     0.000  mm,\tZ =     5.000  mm,\n\
          \tW =  -179.999 deg,\tP =     1.000 deg,\tR =    30.000 deg\n};\n/END\n",
@@ -101,14 +101,13 @@ proptest! {
             let text = text(&write(&path, &commanded).unwrap());
             let again = read(name, &text).unwrap();
             // Of robots' arcs the points between are not commanded.
-            let is_commanded = |i: &usize| !["a.src", "a.mod", "a.ls"].contains(&name)
-                || path.program.holds(*i);
-            let kept: Vec<usize> = (0..path.points.len()).filter(is_commanded).collect();
-            let wanted: Vec<PathPoint> = kept.iter().map(|i| commanded[*i].clone()).collect();
-            let found: Vec<PathPoint> = (0..again.points.len())
-                .filter(|i| !["a.src", "a.mod", "a.ls"].contains(&name) || again.program.holds(*i))
-                .map(|i| again.points[i].clone())
-                .collect();
+            let of = |path: &ReadPath, points: &[PathPoint]| -> Vec<PathPoint> {
+                let is_robot = ["a.src", "a.mod", "a.ls"].contains(&name);
+                let points = points.iter().enumerate();
+                let points = points.filter(|(i, _)| !is_robot || path.program.holds(*i));
+                points.map(|(_, point)| point.clone()).collect()
+            };
+            let (wanted, found) = (of(&path, &commanded), of(&again, &again.points));
             let (position, angle) = apart(&found, &wanted);
             let (length, turn) = precision(name);
             prop_assert!(position < length && angle < turn, "{name}: {position} m, {angle} rad\n{text}");
@@ -211,12 +210,14 @@ fn what_has_no_tool_axis_says_what_is_left() -> Check {
         .collect();
     let written = write(&path, &tilted)?;
     assert_eq!(text(&written), "G90 G0 X0 Y0 Z5\nG1 Z0\nX10\n");
-    assert!((written.tilt_left - 0.001 * axes(&path)[0].cross(&Vector3::x()).norm()).abs() < 2e-4);
     assert!(
-        written
-            .finding()
-            .is_some_and(|finding| finding.sentence.contains("°"))
+        (written.tilt_left - 0.001 * axes(&path.points)[0].cross(&Vector3::x()).norm()).abs()
+            < 2e-4
     );
+    let [finding] = &written.findings()[..] else {
+        panic!("{:?}", written.findings());
+    };
+    assert!(finding.code == "tilt-left" && finding.sentence.contains("°"));
     Ok(())
 }
 
@@ -231,5 +232,65 @@ fn steps_and_other_paths_are_not_written() -> Check {
     assert_eq!(positions(&path).len(), 2);
     let error = write(&path, &path.points[..1]).unwrap_err();
     assert_eq!(error.code(), Code::Dimension);
+    Ok(())
+}
+
+/// Corrections along z of the workpiece \[mm\] by x of the point \[mm\].
+fn bent(path: &ReadPath, correction: impl Fn(f64) -> f64) -> Vec<PathPoint> {
+    let up = cell_with("").work.workpiece.rotation * Vector3::z();
+    let points = path.points.iter();
+    points
+        .map(|point| match point.rapid {
+            true => point.clone(),
+            false => moved(
+                point,
+                up * correction(on_workpiece(point).0.x),
+                Vector3::zeros(),
+            ),
+        })
+        .collect()
+}
+
+#[test]
+fn long_moves_get_points_where_their_correction_bends() -> Check {
+    let program = "N1 G90 G0 X0 Y0 Z5\nN2 G1 Z0 F100\nN3 X1000 F200 (along)\nN4 G0 Z5\n";
+    let path = read("a.nc", program)?;
+    // In parts of 50 mm at most.
+    assert_eq!(path.points.len(), 23);
+    let line = bent(&path, |x| 0.1 + 3e-4 * x);
+    let expected =
+        "N1 G90 G0 X0 Y0 Z5\nN2 G1 Z0.1000 F100\nN3 X1000 Z0.4000 F200 (along)\nN4 G0 Z5\n";
+    assert_eq!(text(&write(&path, &line)?), expected);
+    let parabola = |x: f64| 0.4 * (1.0 - (x / 500.0 - 1.0).powi(2));
+    let written = text(&write(&path, &bent(&path, parabola))?);
+    let again = read("a.nc", &written)?;
+    let added = written.lines().count() - program.lines().count();
+    assert!((3..10).contains(&added), "{written}");
+    // Between its points too it is where it was commanded to be.
+    for [x, _, z] in positions(&again).into_iter().filter(|p| p[2] < 4.0) {
+        assert!((z - parabola(x)).abs() < 0.0102, "{x} {z}\n{written}");
+    }
+    assert!(
+        written.contains("F200\n") && written.contains(" (along)\n"),
+        "{written}"
+    );
+    Ok(())
+}
+
+#[test]
+fn robots_say_where_a_long_move_would_need_points() -> Check {
+    let program = "LIN {X 0,Y 0,Z 0,A 0,B 0,C 180}\nLIN {X 1000,Y 0,Z 0,A 0,B 0,C 180}\n";
+    let path = read("a.src", program)?;
+    assert_eq!(path.points.len(), 21);
+    let parabola = |x: f64| 0.4 * (1.0 - (x / 500.0 - 1.0).powi(2));
+    let written = write(&path, &bent(&path, parabola))?;
+    assert_eq!(text(&written), program);
+    assert!((written.bend_left - 0.4e-3).abs() < 1e-9);
+    assert_eq!(written.findings()[0].code, "bend-left");
+    assert!(
+        write(&path, &bent(&path, |x| 1e-3 * x))?
+            .findings()
+            .is_empty()
+    );
     Ok(())
 }

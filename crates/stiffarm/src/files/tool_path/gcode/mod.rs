@@ -9,7 +9,7 @@ mod words;
 
 use super::arc::Circle;
 use super::builder::{Builder, Place};
-use super::{Arc, Orientation};
+use super::{Divided, Orientation};
 use crate::error::Result;
 use crate::files::program::{Number, ProgramFile, lines};
 use crate::findings::Severity;
@@ -146,25 +146,46 @@ impl State<'_, '_> {
         }
         let unit = self.builder.form.unit;
         let place = Place::Axis(end * unit, self.axis);
+        let start = known(&start).map(|start| start * unit);
+        let first = self.builder.points.len();
         let Mode::Arc(is_left) = mode else {
+            let from = start.filter(|_| mode == Mode::Feed);
+            let from = from.map(|start| Place::Axis(start, before));
+            if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
+                let points = first..self.builder.points.len() + 1;
+                self.divided(words, beside, file, points, false);
+            }
             self.builder.point(line, &place, mode == Mode::Rapid);
             self.slots(words, last.end);
             return Ok(());
         };
-        let Some(start) = known(&start) else {
+        let Some(start) = start else {
             return Err(last.place.wrong("An arc needs a point that it begins at."));
         };
-        let Some(circle) = self.circle(words, start * unit, end * unit, is_left)? else {
+        let Some(circle) = self.circle(words, start, end * unit, is_left)? else {
             return Err(last.place.wrong(
                 "This is no arc: its end is not on the circle about its centre through the point before.",
             ));
         };
-        let first = self.builder.points.len();
-        let from = Place::Axis(start * unit, before);
+        let from = Place::Axis(start, before);
         for (share, point) in circle.points() {
             self.builder
                 .point(line, &from.towards(&place, share, point), false);
         }
+        let points = first..self.builder.points.len();
+        self.divided(words, beside, file, points, true);
+        Ok(())
+    }
+
+    /// Keeps how a block would be written as several straight moves.
+    fn divided(
+        &mut self,
+        words: &[Word<'_>],
+        beside: &str,
+        file: &ProgramFile,
+        points: std::ops::Range<usize>,
+        is_arc: bool,
+    ) {
         let begins = words
             .iter()
             .map(|word| word.place.position())
@@ -176,20 +197,20 @@ impl State<'_, '_> {
         let others = words.iter().filter(|word| {
             let motion = word.letter == b'G' && (0.0..=3.0).contains(&word.number.value);
             !(motion
-                || matches!(word.letter, b'N' | b'X'..=b'Z' | b'I'..=b'K' | b'R')
+                || matches!(word.letter, b'N' | b'X'..=b'Z' | b'I'..=b'K' | b'R' | b'P')
                 || word.index == 3)
         });
         let others: String = others.map(|word| format!(" {}", text(word))).collect();
         // Comments between words are behind them then.
         let inside = beside.trim_start().starts_with('(') && file.text[begins..ends].contains('(');
-        self.builder.arcs.push(Arc {
-            points: first..self.builder.points.len(),
+        self.builder.divided.push(Divided {
+            points,
+            is_arc,
             text: begins..ends,
             first: number.map_or_else(String::new, |word| format!("{} ", text(word))),
             begin: "G1".to_string(),
             end: if inside { others + beside } else { others },
         });
-        Ok(())
     }
 
     /// Takes a G-word; true where the points of its block are none of the path.

@@ -56,7 +56,12 @@ pub fn words_of<'a>(
                 beside = format!("{beside} {}", &rest[..=end]);
                 line.skip(end + 1);
             }
-            '#' | '[' => return Err(calculated(line)),
+            '#' => {
+                // It matters where a word takes the value.
+                builder.not_followed("An assignment (#)", number, Severity::Note);
+                return Ok(beside);
+            }
+            '[' => return Err(calculated(line)),
             c if c.is_ascii_alphabetic() => {
                 let is_name = rest[1..].starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
                 if is_name && !rest[..2].eq_ignore_ascii_case("CR") {
@@ -108,7 +113,13 @@ fn word<'a>(line: &mut Cursor<'a>) -> Result<Option<Word<'a>>> {
         return Ok(None);
     }
     if next.starts_with(|c: char| c == '#' || c == '[' || c.is_ascii_alphabetic()) {
-        return Err(calculated(line));
+        let changes_nothing = matches!(letter, b'F' | b'S' | b'T' | b'D' | b'H');
+        let end = next.find(['>', ']']).filter(|_| changes_nothing);
+        let Some(end) = end else {
+            return Err(calculated(line));
+        };
+        line.skip(end + 1);
+        return Ok(None);
     }
     let number = line.placed()?;
     Ok(Some(Word {
