@@ -5,6 +5,7 @@ use super::measured::ModelChoice;
 use super::values::{number, triple};
 use super::work::{AxesChoice, Triple};
 use clap::{Args, ValueEnum, ValueHint};
+use stiffarm::files::program::Language;
 
 /// The path, its loads and its postures.
 #[derive(Debug, Clone, Args)]
@@ -60,7 +61,7 @@ pub struct PredictArgs {
     /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
     #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: String,
-    /// Path or postures [default: the tasks of the cell]
+    /// Path or postures: a table, CL data (.cls, .apt), G-code (.nc) or a robot's program [default: the tasks of the cell]
     #[arg(value_hint = ValueHint::FilePath, value_name = "PATH.csv")]
     pub path: Option<String>,
     /// How the loads and postures of the path are found.
@@ -104,18 +105,27 @@ pub struct CompensateArgs {
     /// Result of `identify`, {"stiffness_nm_per_rad": [k1, …]}, or `prior` for the cell's
     #[arg(value_hint = ValueHint::FilePath, value_name = "STIFFNESS.json")]
     pub stiffness: String,
-    /// Path that the loaded tool should follow
+    /// Path that the loaded tool should follow: a table, CL data (.cls, .apt), G-code (.nc) or a robot's program
     #[arg(value_hint = ValueHint::FilePath, value_name = "PATH.csv")]
     pub path: String,
     /// How the loads and postures of the path are found.
     #[command(flatten)]
     pub along: PathArgs,
-    /// Write the path to command to this table, in the columns of the path
+    /// Write the path to command to this file: in the columns of the path, or the same program with other numbers
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "commanded.csv")]
     pub output: Option<String>,
-    /// What the table holds [default: what the path holds]
+    /// What is written [default: the path as it came, a program with other numbers]
     #[arg(long, value_name = "WHAT", requires = "output")]
     pub write: Option<WriteChoice>,
+    /// With --write of a robot's language: speed of the linear moves [mm/s]
+    #[arg(long, value_name = "X", default_value_t = 20.0, value_parser = number("speed_mm_s"), allow_negative_numbers = true)]
+    pub speed_mm_s: f64,
+    /// With it: name or number of the controller's tool, that of the tip [default: 1, tool1]
+    #[arg(long, value_name = "TOOL", requires = "write")]
+    pub tool: Option<String>,
+    /// With it: name or number of the controller's base, that of the workpiece frame [default: 1, wobj1]
+    #[arg(long, value_name = "BASE", requires = "write")]
+    pub base: Option<String>,
     /// Draw the deflection along the path before and after
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "compensated.svg")]
     pub figure: Option<String>,
@@ -136,8 +146,29 @@ pub struct CompensateArgs {
 /// What a commanded path holds.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum WriteChoice {
-    /// Controller angles
+    /// A table of controller angles
     Angles,
-    /// Poses of the tip
+    /// A table of poses of the tip
     Poses,
+    /// A new program of linear moves in KUKA KRL
+    Krl,
+    /// In ABB RAPID
+    Rapid,
+    /// In FANUC TP
+    Ls,
+    /// In URScript
+    Urscript,
+}
+
+impl WriteChoice {
+    /// The language of a new program.
+    pub fn language(self) -> Option<Language> {
+        match self {
+            WriteChoice::Angles | WriteChoice::Poses => None,
+            WriteChoice::Krl => Some(Language::Krl),
+            WriteChoice::Rapid => Some(Language::Rapid),
+            WriteChoice::Ls => Some(Language::Ls),
+            WriteChoice::Urscript => Some(Language::Urscript),
+        }
+    }
 }

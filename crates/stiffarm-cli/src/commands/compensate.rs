@@ -6,10 +6,12 @@ use crate::output::Exit;
 use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
+use std::path::Path;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
+use stiffarm::files::program::Language;
 use stiffarm::files::source::Source;
 use stiffarm::files::table::{PathFormat, PathKind, PathTable, write_path};
-use stiffarm::files::tool_path::{Kind, ToolPath};
+use stiffarm::files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
@@ -41,7 +43,8 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let path = session.read_path(&args.path, cell, options.path.axes)?;
     if let Some(output) = &args.output {
         let kept = path.program.as_ref().filter(|_| args.write.is_none());
-        check_ending(output, kept.map(ToolPath::kind))?;
+        let new = args.write.and_then(WriteChoice::language);
+        check_ending(output, new.map(Kind::Robot).or(kept.map(ToolPath::kind)))?;
         if let Some(ending) = kept.and_then(ToolPath::companion) {
             outputs.beside(session, output, ending, args.force)?;
         }
@@ -78,6 +81,9 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
                 left = written.findings();
                 Ok(written.files.into_iter().map(|(_, bytes)| bytes).collect())
             }
+            _ if args.write.and_then(WriteChoice::language).is_some() => Ok(vec![
+                moves(session, args, cell, &saved.predictor, &points, found)?.into_bytes(),
+            ]),
             _ => Ok(vec![
                 write_path(&format(cell, &path.table, args.write), &points)?.into_bytes(),
             ]),
@@ -99,6 +105,56 @@ fn is_objected(result: &Compensated) -> bool {
     let mut of_path = result.postures.findings.iter();
     of_path.any(|f| f.severity == Severity::Serious)
         || result.compensation.objections().next().is_some()
+}
+
+/// A new program of linear moves through the commanded points.
+fn moves(
+    session: &Session,
+    args: &CompensateArgs,
+    cell: &Cell,
+    predictor: &IdentifiedCompliance,
+    points: &[PathPoint],
+    found: &Compensation,
+) -> Result<String> {
+    let arm = LoadedArm::new(cell, predictor)?;
+    let poses = points.iter().zip(&found.points).map(|(point, found)| {
+        let pose = match &point.target {
+            Aim::Pose(pose) => *pose,
+            _ => arm.tip_pose(&found.command),
+        };
+        (pose, found.command.as_slice())
+    });
+    let poses: Vec<_> = poses.collect();
+    let hash = session.last_hash("path").unwrap_or_default();
+    let stem = args
+        .output
+        .as_deref()
+        .map(Path::new)
+        .and_then(Path::file_stem);
+    let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let language = args
+        .write
+        .and_then(WriteChoice::language)
+        .unwrap_or(Language::Krl);
+    let options = MoveOptions {
+        name: if language == Language::Ls {
+            name.to_ascii_uppercase()
+        } else {
+            name
+        },
+        header: vec![
+            format!(
+                "Path compensated by stiffarm {}.",
+                env!("CARGO_PKG_VERSION")
+            ),
+            format!("path sha256 {}", &hash[..hash.len().min(16)]),
+            "Check tool, base, speed and the first moves slowly.".to_string(),
+        ],
+        speed_mm_s: args.speed_mm_s,
+        tool: args.tool.clone(),
+        base: args.base.clone(),
+    };
+    write_moves(language, cell, &poses, &options)
 }
 
 /// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table.
@@ -126,7 +182,7 @@ fn format(cell: &Cell, table: &PathTable, write: Option<WriteChoice>) -> PathFor
     match write {
         None => read,
         Some(WriteChoice::Angles) => read.angles(cell),
-        Some(WriteChoice::Poses) => read.poses(cell),
+        Some(_) => read.poses(cell),
     }
 }
 

@@ -174,6 +174,49 @@ pub struct PoseForm {
     pub decimals: [usize; 2],
     /// Whether poses are those in the base frame of the robot, not in a workpiece frame.
     pub in_base: bool,
+    /// How a tool path is written.
+    pub moves: Moves,
+}
+
+/// A program of linear moves.
+#[derive(Debug, Clone, Copy)]
+pub struct Moves {
+    /// What stands in its file, as in [`Syntax::files`]; `{base}` is the base, `{speed_m_s}` the speed in m/s.
+    pub template: &'static str,
+    /// Tool and base where none are given.
+    pub frames: [&'static str; 2],
+    /// Most moves.
+    pub most: usize,
+    /// The move.
+    pub line: fn(&Leads) -> String,
+    /// The point that it goes to, where points stand apart.
+    pub point: fn(&Leads) -> Vec<String>,
+}
+
+/// Where a linear move goes.
+pub struct Leads<'a> {
+    /// Counted from 1; the first is a joint move.
+    pub number: usize,
+    /// x, y, z and the orientation.
+    pub pose: Vec<String>,
+    /// Angles \[deg\].
+    pub angles: Vec<String>,
+    /// How FANUC names the configuration.
+    pub configuration: String,
+    pub speed_mm_s: f64,
+    pub tool: &'a str,
+    pub base: &'a str,
+}
+
+impl Leads<'_> {
+    /// Angles or numbers after their names.
+    pub fn named(names: &[&str], values: &[String], between: &str) -> String {
+        let pairs = names.iter().zip(values);
+        let pairs: Vec<String> = pairs
+            .map(|(name, value)| format!("{name}{between}{value}"))
+            .collect();
+        pairs.join(",")
+    }
 }
 
 /// Where the angles of a posture stand in a line.

@@ -13,7 +13,7 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
+use super::dialect::{Angles, Dialect, Leads, Moves, PoseForm, Syntax, Tool};
 use super::reader::{Aim, Motion, Reader};
 use crate::error::Result;
 use crate::model::pose::Convention;
@@ -77,6 +77,19 @@ pub const KRL: Dialect = Dialect {
             before: &[",X ", ",Y ", ",Z ", ",A ", ",B ", ",C "],
             decimals: [4, 5],
             in_base: false,
+            moves: Moves {
+                template: PATH,
+                frames: ["1", "1"],
+                most: usize::MAX,
+                line: |to| match to.number {
+                    1 => format!(
+                        "PTP {{{}}}",
+                        Leads::named(&["A1", "A2", "A3", "A4", "A5", "A6"], &to.angles, " ")
+                    ),
+                    _ => format!("LIN {{{}}} C_DIS", Leads::named(&POSE, &to.pose, " ")),
+                },
+                point: |_| Vec::new(),
+            },
         }),
         missing_point: "The .dat has no joint position (E6AXIS)",
         comment: ";",
@@ -105,6 +118,27 @@ BAS (#TOOL,{tool})
 END
 ";
 
+const PATH: &str = "\
+&ACCESS RVP
+&REL 1
+DEF {name} ( )
+; {header}
+;FOLD INI
+;FOLD BASISTECH INI
+GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM ( )
+INTERRUPT ON 3
+BAS (#INITMOV,0)
+;ENDFOLD (BASISTECH INI)
+;ENDFOLD (INI)
+BAS (#TOOL,{tool})
+BAS (#BASE,{base})
+BAS (#VEL_PTP,10)
+$VEL.CP={speed_m_s}
+$APO.CDIS=0.5
+{body}
+END
+";
+
 const DAT: &str = "\
 &ACCESS RVP
 &REL 1
@@ -113,6 +147,9 @@ DEFDAT {name}
 {points}
 ENDDAT
 ";
+
+/// Numbers of a pose.
+const POSE: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
 
 /// The words of moves; a plan has the first.
 const MOVES: [(&str, Motion); 6] = [
@@ -192,7 +229,6 @@ fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
 
 /// `{A1 …,A2 …}` or, of a tool path, `{X …,Y …}`, with or without the name of its type.
 fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
-    const POSE: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
     let start = line.clone();
     line.expect("{")?;
     for name in ["E6AXIS:", "AXIS:", "E6POS:", "POS:", "FRAME:"] {

@@ -63,6 +63,12 @@ impl Language {
         syntax.and_then(|syntax| syntax.poses)
     }
 
+    /// What ends the lines of its programs.
+    pub(in crate::files) fn line_end(self) -> &'static str {
+        let syntax = self.dialect().syntax.as_ref();
+        syntax.map_or("\n", |syntax| syntax.line_end)
+    }
+
     /// Its name on the command line.
     pub fn as_str(self) -> &'static str {
         self.dialect().name

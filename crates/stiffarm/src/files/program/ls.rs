@@ -11,7 +11,7 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, PoseForm, Syntax, Target, Tool};
+use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
 use super::reader::{Aim, Motion, OpenPoint, Reader, Section};
 use crate::error::Result;
 use crate::model::pose::Convention;
@@ -73,6 +73,50 @@ pub const LS: Dialect = Dialect {
             before: &[],
             decimals: [3, 3],
             in_base: false,
+            moves: Moves {
+                template: PATH,
+                frames: ["1", "1"],
+                // Lines of a program are numbered with 15 bits.
+                most: 32_000,
+                line: |to| match to.number {
+                    1 => "{n}J P[1] 10% FINE ;".to_string(),
+                    number => format!("{{n}}L P[{number}] {}mm/sec CNT100 ;", to.speed_mm_s),
+                },
+                point: |to| {
+                    let [first, second] = match to.number {
+                        1 => {
+                            let rows = |at: usize| {
+                                let angles = to.angles[at..at + 3].iter().zip(at + 1..);
+                                let angles =
+                                    angles.map(|(angle, axis)| format!("J{axis}= {angle:>9} deg"));
+                                angles.collect::<Vec<_>>().join(",\t")
+                            };
+                            [rows(0), rows(3)]
+                        }
+                        _ => {
+                            let rows = |at: usize, unit: &str| {
+                                let names = POSE[at..at + 3].iter().zip(&to.pose[at..]);
+                                let names = names
+                                    .map(|(name, value)| format!("{name} = {value:>9} {unit}"));
+                                names.collect::<Vec<_>>().join(",\t")
+                            };
+                            [rows(0, " mm"), rows(3, "deg")]
+                        }
+                    };
+                    let configuration = match to.number {
+                        1 => String::new(),
+                        _ => format!("\t\tCONFIG : '{}',", to.configuration),
+                    };
+                    vec![
+                        format!("P[{}]{{", to.number),
+                        "   GP1:".to_string(),
+                        format!("\tUF : {}, UT : {},{configuration}", to.base, to.tool),
+                        format!("\t{first},"),
+                        format!("\t{second}"),
+                        "};".to_string(),
+                    ]
+                },
+            },
         }),
         missing_point: "/POS has no",
         comment: "!",
@@ -122,6 +166,37 @@ CONTROL_CODE\t= 00000000 00000000;
 {n}  UFRAME_NUM=0 ;
 {n}  UTOOL_NUM={tool} ;
 {n}{body}
+/POS
+{points}
+/END
+";
+
+const PATH: &str = "\
+/PROG  {name}
+/ATTR
+OWNER\t\t= MNEDITOR;
+COMMENT\t\t= \"stiffarm path\";
+PROG_SIZE\t= 0;
+CREATE\t\t= DATE 00-01-01  TIME 00:00:00;
+MODIFIED\t= DATE 00-01-01  TIME 00:00:00;
+FILE_NAME\t= ;
+VERSION\t\t= 0;
+LINE_COUNT\t= {count};
+MEMORY_SIZE\t= 0;
+PROTECT\t\t= READ_WRITE;
+TCD:  STACK_SIZE\t= 0,
+      TASK_PRIORITY\t= 50,
+      TIME_SLICE\t= 0,
+      BUSY_LAMP_OFF\t= 0,
+      ABORT_REQUEST\t= 0,
+      PAUSE_REQUEST\t= 0;
+DEFAULT_GROUP\t= 1,*,*,*,*;
+CONTROL_CODE\t= 00000000 00000000;
+/MN
+{n}  !{header} ;
+{n}  UFRAME_NUM={base} ;
+{n}  UTOOL_NUM={tool} ;
+{body}
 /POS
 {points}
 /END

@@ -53,11 +53,13 @@ mod writer;
 
 pub use compare::{Difference, compare_moves, missing_stops};
 pub(super) use cursor::{Cursor, Number, lines};
-pub(super) use dialect::PoseForm;
+pub(super) use dialect::{Leads, PoseForm};
 pub use language::Language;
 pub use options::ProgramOptions;
 pub(super) use reader::{Aim, Leg, Motion, Pose, Reader};
 pub use statements::compare_statements;
+pub(super) use text::fixed;
+pub(super) use writer::filled;
 
 use crate::error::{Code, Error, Result};
 use crate::model::posture::Posture;

@@ -11,7 +11,7 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
+use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Tool};
 use super::reader::{Aim, Motion, Pose, Reader};
 use crate::error::Result;
 use crate::model::pose::Convention;
@@ -66,6 +66,29 @@ pub const RAPID: Dialect = Dialect {
             before: &[],
             decimals: [4, 8],
             in_base: false,
+            moves: Moves {
+                template: PATH,
+                frames: ["tool1", "wobj1"],
+                most: usize::MAX,
+                line: |to| {
+                    let (tool, base) = (to.tool, to.base);
+                    const NONE: &str = "[9E9,9E9,9E9,9E9,9E9,9E9]";
+                    match to.number {
+                        1 => format!(
+                            "    MoveAbsJ [[{}],{NONE}],v100,fine,{tool}\\WObj:={base};",
+                            to.angles.join(",")
+                        ),
+                        _ => {
+                            let (place, turn) = (to.pose[..3].join(","), to.pose[3..].join(","));
+                            let speed = to.speed_mm_s;
+                            format!(
+                                "    MoveL [[{place}],[{turn}],[0,0,0,0],{NONE}],[{speed},500,5000,1000],z1,{tool}\\WObj:={base};"
+                            )
+                        }
+                    }
+                },
+                point: |_| Vec::new(),
+            },
         }),
         missing_point: "The module has no jointtarget",
         comment: "!",
@@ -83,6 +106,18 @@ MODULE {name}
   PROC {name}_run()
 {body}
     VelSet 100,5000;
+  ENDPROC
+ENDMODULE
+";
+
+/// Poses come without a configuration: `ConfL \Off` takes the nearest.
+const PATH: &str = "\
+MODULE {name}
+  ! {header}
+  PROC {name}_run()
+    ConfL \\Off;
+{body}
+    ConfL \\On;
   ENDPROC
 ENDMODULE
 ";

@@ -9,7 +9,7 @@
 
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, PoseForm, Syntax};
+use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax};
 use super::reader::{Aim, Motion, Reader};
 use super::text::fixed;
 use crate::error::Result;
@@ -66,6 +66,27 @@ pub const URSCRIPT: Dialect = Dialect {
             before: &[],
             decimals: [7, 8],
             in_base: true,
+            moves: Moves {
+                template: FUNCTION,
+                frames: ["", ""],
+                most: usize::MAX,
+                line: |to| match to.number {
+                    1 => {
+                        let radians = to
+                            .angles
+                            .iter()
+                            .map(|angle| deg_to_rad(angle.parse().unwrap_or(f64::NAN)));
+                        let radians: Vec<String> = radians.map(|angle| fixed(angle, 8)).collect();
+                        format!("  movej([{}], a={ACCELERATION}, v=0.1)", radians.join(", "))
+                    }
+                    _ => format!(
+                        "  movel(p[{}], a={ACCELERATION}, v={}, r=0.0005)",
+                        to.pose.join(", "),
+                        fixed(to.speed_mm_s / 1e3, 5)
+                    ),
+                },
+                point: |_| Vec::new(),
+            },
         }),
         missing_point: "The program has no joint position",
         comment: "#",

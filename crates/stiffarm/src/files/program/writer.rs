@@ -32,33 +32,39 @@ pub fn write(
     let files = syntax.files.iter();
     files
         .map(|(extension, template)| {
-            let lines: Vec<String> = template
-                .lines()
-                .map(|line| {
-                    line.replace("{name}", &program.name)
-                        .replace("{moves}", &moves)
-                })
-                .flat_map(
-                    |line| match lists.iter().find(|(place, _)| line.contains(place)) {
-                        Some((place, list)) => {
-                            list.iter().map(|own| line.replace(place, own)).collect()
-                        }
-                        None => vec![line],
-                    },
-                )
-                .collect();
+            let words = [("{name}", program.name.as_str()), ("{moves}", &moves)];
             let name = if syntax.small_file_names {
                 program.name.to_ascii_lowercase()
             } else {
                 program.name.clone()
             };
-            let lines = numbered(lines).into_iter();
             ProgramFile {
                 name: format!("{name}.{extension}"),
-                text: lines.map(|line| line + syntax.line_end).collect(),
+                text: filled(template, &words, &lists, syntax.line_end),
             }
         })
         .collect()
+}
+
+/// A template with its words, and with its lines that hold a list once for each line of it.
+pub fn filled(
+    template: &str,
+    words: &[(&str, &str)],
+    lists: &[(&str, Vec<String>)],
+    line_end: &str,
+) -> String {
+    let lines = template.lines().map(|line| {
+        let replaced = |line: String, (place, word): &(&str, &str)| line.replace(place, word);
+        words.iter().fold(line.to_string(), replaced)
+    });
+    let lines = lines.flat_map(
+        |line| match lists.iter().find(|(place, _)| line.contains(place)) {
+            Some((place, list)) => list.iter().map(|own| line.replace(place, own)).collect(),
+            None => vec![line],
+        },
+    );
+    let lines = numbered(lines.collect()).into_iter();
+    lines.map(|line| line + line_end).collect()
 }
 
 /// The lines of all steps, and those of the points that they go to.

@@ -1,9 +1,36 @@
-//! Numbers as programs have them.
+//! Numbers as programs have them, and how many of them a way needs.
 
 use crate::model::pose::Convention;
 use crate::units::{deg_to_rad, rad_to_deg};
 use nalgebra::{UnitQuaternion, Vector3};
 use std::f64::consts::{PI, TAU};
+
+/// Which points of `way`, whose first is its start, a way in straight moves has to pass to keep within
+/// `tolerance` of all of them, its end included, and how far they are off without; none where it may go
+/// straight to the end. The points are evenly spaced, and of their numbers the first three count.
+pub(super) fn bends(way: &[[f64; 10]], tolerance: f64) -> (Vec<usize>, f64) {
+    let (mut kept, mut open) = (Vec::new(), vec![(0, way.len() - 1)]);
+    let mut most: f64 = 0.0;
+    while let Some((from, to)) = open.pop() {
+        let off = |k: usize| {
+            let share = (k - from) as f64 / (to - from) as f64;
+            let of = |i: usize| way[k][i] - way[from][i] - share * (way[to][i] - way[from][i]);
+            Vector3::from_fn(|i, _| of(i)).norm()
+        };
+        let farthest = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));
+        let Some(k) = farthest.filter(|k| off(*k) > tolerance) else {
+            continue;
+        };
+        most = most.max(off(k));
+        kept.push(k);
+        open.extend([(from, k), (k, to)]);
+    }
+    if !kept.is_empty() {
+        kept.push(way.len() - 1);
+        kept.sort_unstable();
+    }
+    (kept, most)
+}
 
 /// The numbers of `rotation`, of those that mean it the nearest to `old`.
 pub(super) fn near(

@@ -1,6 +1,6 @@
 //! The same program with other numbers.
 
-use super::numbers::{decimals_of, fixed, near};
+use super::numbers::{bends, decimals_of, fixed, near};
 use super::{Divided, Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length};
@@ -296,34 +296,15 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// The points of a straight move, `way` from its start on, that its corrected form has to pass, the end
+    /// The points of a straight move that its corrected form has to pass, as [`bends`] has them, the end
     /// included; none where it stays straight, or where the program `can_have` no more points.
     fn bends(&mut self, way: &[[f64; 10]], can_have: bool) -> Vec<[f64; 10]> {
-        let tolerance = TOLERANCE / self.path.form.unit;
-        let (mut kept, mut open) = (Vec::new(), vec![(0, way.len() - 1)]);
-        let mut most: f64 = 0.0;
-        while let Some((from, to)) = open.pop() {
-            let off = |k: usize| {
-                let share = (k - from) as f64 / (to - from) as f64;
-                let of = |i: usize| way[k][i] - way[from][i] - share * (way[to][i] - way[from][i]);
-                Vector3::from_fn(|i, _| of(i)).norm()
-            };
-            let farthest = (from + 1..to).max_by(|a, b| off(*a).total_cmp(&off(*b)));
-            let Some(k) = farthest.filter(|k| off(*k) > tolerance) else {
-                continue;
-            };
-            most = most.max(off(k));
-            kept.push(k);
-            open.extend([(from, k), (k, to)]);
-        }
+        let unit = self.path.form.unit;
+        let (kept, most) = bends(way, TOLERANCE / unit);
         if !can_have {
-            self.bend_left = self.bend_left.max(most * self.path.form.unit);
-        }
-        if kept.is_empty() || !can_have {
+            self.bend_left = self.bend_left.max(most * unit);
             return Vec::new();
         }
-        kept.push(way.len() - 1);
-        kept.sort_unstable();
         kept.into_iter().map(|k| way[k]).collect()
     }
 

@@ -2,6 +2,7 @@
 
 mod gcode;
 mod languages;
+mod moves;
 mod slips;
 mod writing;
 
