@@ -6,6 +6,17 @@ use std::sync::OnceLock;
 use stiffarm::files::builtin;
 use stiffarm::files::program::{Language, ProgramOptions, Stop, program_of_stops, write_program};
 
+/// Tool paths among the inputs.
+const TOOL_PATHS: [&str; 7] = [
+    "pocket.nc",
+    "freeform.mpf",
+    "pocket.cls",
+    "freeform.apt",
+    "edge.src",
+    "edge.mod",
+    "edge.ls",
+];
+
 /// Stands for a file: what the command prints is the seed.
 const PRINTED: &str = "-";
 
@@ -28,6 +39,8 @@ pub enum Kind {
     Poses,
     /// A path.
     Path,
+    /// A path as CL data, G-code or a robot's program.
+    ToolPath,
     /// A saved stiffness.
     Stiffness,
     /// A saved registration.
@@ -44,7 +57,7 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 14] = [
+    pub const ALL: [Kind; 15] = [
         Kind::Cell,
         Kind::Postures,
         Kind::Displacements,
@@ -53,6 +66,7 @@ impl Kind {
         Kind::Pairs,
         Kind::Poses,
         Kind::Path,
+        Kind::ToolPath,
         Kind::Stiffness,
         Kind::Registration,
         Kind::Saved,
@@ -148,6 +162,9 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     );
     for name in ["axes", "forces", "straight", "near-poses", "poses"] {
         add(Kind::Path, input(&format!("{name}.csv")));
+    }
+    for name in TOOL_PATHS {
+        add(Kind::ToolPath, input(name));
     }
     add(Kind::Rows, input("rows.csv"));
     add(Kind::Urdf, input("arm.urdf"));

@@ -26,7 +26,7 @@ pub struct Target {
 }
 
 /// Every target.
-pub const ALL: [Target; 18] = [
+pub const ALL: [Target; 19] = [
     reader("cell", readers::make_cell, readers::cell),
     reader("postures", readers::make_postures, readers::postures),
     reader(
@@ -47,6 +47,7 @@ pub const ALL: [Target; 18] = [
     ),
     reader("urdf", readers::make_urdf, readers::urdf),
     reader("rows", readers::make_rows, readers::rows),
+    reader("tool-path", readers::make_tool_path, readers::tool_path),
     reader("program", readers::make_program, readers::program),
     reader("mesh", meshes::make, meshes::check),
     reader("workbook", workbooks::make, workbooks::check),
@@ -83,6 +84,6 @@ const fn reader(
 
 /// The target of that name.
 pub fn named(name: &str) -> Option<&'static Target> {
-    static TARGETS: [Target; 18] = ALL;
+    static TARGETS: [Target; 19] = ALL;
     TARGETS.iter().find(|target| target.name == name)
 }

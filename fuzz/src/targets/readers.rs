@@ -21,10 +21,13 @@ use stiffarm::files::table::{
     read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
     write_readings,
 };
+use stiffarm::files::tool_path::{self, ReadPath, read_tool_path};
 use stiffarm::files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 use stiffarm::model::measurement::Measurements;
+use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::pose::Convention;
 use stiffarm::model::robot::{DhConvention, DhRobot};
+use stiffarm::nalgebra::{Translation3, Vector3};
 use stiffarm::{Cell, Posture, Result};
 
 /// A name for messages.
@@ -75,6 +78,7 @@ makers! {
     make_pairs, Pairs, Table;
     make_poses, Poses, Table;
     make_path, Path, Table;
+    make_tool_path, ToolPath, Table;
     make_stiffness, Stiffness, Json;
     make_registration, Registration, Json;
     make_urdf, Urdf, Json;
@@ -135,6 +139,9 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
             let axes = Some(stiffarm::model::process::ForceAxes::Base);
             read_path(file, NAME, cell, axes).is_ok()
         }
+        Kind::ToolPath => TOOL_PATHS
+            .iter()
+            .any(|kind| read_tool_path(*kind, (NAME, file), None, cell).is_ok()),
         Kind::Stiffness => read_stiffness(file, NAME, cell).is_ok(),
         Kind::Registration => read_registration(file, NAME).is_ok(),
         Kind::Saved => read_result(file, NAME).is_ok(),
@@ -321,6 +328,87 @@ pub fn path(input: &Input) -> Verdict {
         written_again(table, |t| write_path(&t.format, &t.points), read)?;
     }
     judged(&first)
+}
+
+/// What a tool path can be.
+const TOOL_PATHS: [tool_path::Kind; 6] = [
+    tool_path::Kind::Apt,
+    tool_path::Kind::Gcode,
+    tool_path::Kind::Robot(Language::Krl),
+    tool_path::Kind::Robot(Language::Rapid),
+    tool_path::Kind::Robot(Language::Ls),
+    tool_path::Kind::Robot(Language::Urscript),
+];
+
+/// A tool path in every language: finite, and with its own points the same bytes.
+pub fn tool_path(input: &Input) -> Verdict {
+    let bytes = bytes(input);
+    let mut taken = false;
+    for kind in TOOL_PATHS {
+        let read = match read_tool_path(kind, (NAME, bytes), None, cell_of_tables()) {
+            Ok(read) => read,
+            Err(error) => {
+                error_is_sound(&error)?;
+                continue;
+            }
+        };
+        taken = true;
+        is_finite(&read.points)?;
+        match read.program.write(&read.points, &read.points) {
+            Ok(written) if std::str::from_utf8(bytes).is_err() || written.files[0].1 == bytes => {}
+            Ok(written) => {
+                let text = String::from_utf8_lossy(&written.files[0].1).into_owned();
+                return Err(format!("written otherwise, as {kind:?}: {text}"));
+            }
+            Err(error) => error_is_sound(&error)?,
+        }
+        shifted(kind, &read)?;
+    }
+    Ok(taken)
+}
+
+/// Where the program states all its points: moved by a millimetre, written and read again they are there.
+fn shifted(kind: tool_path::Kind, read: &ReadPath) -> Result<(), String> {
+    let count = read.points.len();
+    if !(0..count).all(|i| read.program.holds(i)) {
+        return Ok(());
+    }
+    let step = Translation3::new(1e-3, 0.0, 0.0);
+    let moved = |point: &PathPoint| PathPoint {
+        target: match &point.target {
+            PathTarget::Pose(pose) => PathTarget::Pose(step * pose),
+            PathTarget::Axis { position, axis } => PathTarget::Axis {
+                position: position + step.vector,
+                axis: *axis,
+            },
+            other => other.clone(),
+        },
+        ..point.clone()
+    };
+    let wanted: Vec<PathPoint> = read.points.iter().map(moved).collect();
+    let written = match read.program.write(&read.points, &wanted) {
+        Ok(written) => written,
+        Err(error) => return error_is_sound(&error),
+    };
+    let bytes = written.files[0].1.as_slice();
+    let again = read_tool_path(kind, (NAME, bytes), None, cell_of_tables())
+        .map_err(|e| format!("moved, written and not read: {}", e.message()))?;
+    let position = |point: &PathPoint| match &point.target {
+        PathTarget::Pose(pose) => pose.translation.vector,
+        PathTarget::Axis { position, .. } => *position,
+        PathTarget::Angles(_) => Vector3::zeros(),
+    };
+    // Where a point has moved far enough, the move to the next is looked at in parts.
+    let stated = (0..again.points.len()).filter(|i| again.program.holds(*i));
+    let found: Vec<Vector3<f64>> = stated.map(|i| position(&again.points[i])).collect();
+    let is_near = |(a, b): (&Vector3<f64>, &PathPoint)| (a - position(b)).norm() < 2e-6;
+    match found.len() == count && found.iter().zip(&wanted).all(is_near) {
+        true => Ok(()),
+        false => {
+            let text = String::from_utf8_lossy(bytes).into_owned();
+            Err(format!("moved otherwise, as {kind:?}: {text}"))
+        }
+    }
 }
 
 /// A saved stiffness.

@@ -240,7 +240,9 @@ fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> 
         let field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
         if let Some(at) = POSE.iter().position(|name| *name == axis && reader.is_path) {
-            pose[at] = Some(line.placed()?);
+            if pose[at].replace(line.placed()?).is_some() {
+                return Err(field.wrong(format!("`{axis}` stands twice in this position.")));
+            }
             (is_pose, last) = (true, line.clone());
         } else if is_pose {
             // Status, turn, and axes that carry the robot or the workpiece.

@@ -356,7 +356,9 @@ fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Res
         let axis = line.identifier()?.to_ascii_uppercase();
         if let Some(at) = POSE.iter().position(|name| is_path && *name == axis) {
             line.expect("=")?;
-            open.pose[at] = Some(line.placed()?);
+            if open.pose[at].replace(line.placed()?).is_some() {
+                return Err(field.wrong_here(format!("`{axis}` stands twice in this position.")));
+            }
             let _ = line.word("mm") || line.word("deg");
             if !line.passes(",") {
                 line.end()?;

@@ -7,7 +7,7 @@
 
 use super::arc::Circle;
 use super::builder::{Builder, Place};
-use super::{Divided, Orientation};
+use super::{Divided, FAR_AWAY, FARTHEST, Orientation};
 use crate::error::Result;
 use crate::files::program::{Cursor, Number, ProgramFile, lines};
 use crate::findings::Severity;
@@ -155,7 +155,11 @@ impl State<'_, '_> {
                 self.builder
                     .fixed
                     .get_or_insert((line, "it moves by steps here"));
-                self.to(line, position + step);
+                let position = position + step * self.builder.form.unit;
+                if position.amax() > FARTHEST {
+                    return wrong(&mut statement, FAR_AWAY);
+                }
+                self.to(line, position);
             }
             "RAPID" => self.rapid = true,
             "UNITS" => {
@@ -266,6 +270,9 @@ impl State<'_, '_> {
     /// The first three numbers as a point in the first frame \[m\].
     fn point(&self, statement: &Statement<'_>) -> Result<Vector3<f64>> {
         let point = self.vector(statement, 0)? * self.builder.form.unit;
+        if point.amax() > FARTHEST {
+            return Err(statement.head.wrong(FAR_AWAY));
+        }
         Ok(match &self.frames {
             Some((_, frame)) => frame.rotation * point + frame.translation.vector,
             None => point,

@@ -1,6 +1,6 @@
 //! Arcs as points on them.
 
-use super::TOLERANCE;
+use super::{FARTHEST, TOLERANCE};
 use nalgebra::{Rotation3, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 
@@ -28,6 +28,9 @@ impl Circle {
     ) -> Option<Self> {
         let across = |p: Vector3<f64>| (p - centre) - axis.as_ref() * axis.dot(&(p - centre));
         let (from, to) = (across(start), across(end));
+        if from.norm() > FARTHEST {
+            return None;
+        }
         if (from.norm() - to.norm()).abs() > ROUNDED.max(1e-4 * from.norm())
             || from.norm() < ROUNDED
         {

@@ -40,6 +40,13 @@ pub const TOLERANCE: f64 = 0.01e-3;
 /// Longer straight moves at feed are looked at in parts of this length at most \[m\].
 pub const SPAN: f64 = 0.05;
 
+/// Coordinates beyond this are no path of a robot \[m\].
+const FARTHEST: f64 = 100.0;
+
+/// What is wrong with such a point.
+const FAR_AWAY: &str =
+    "This point is more than 100 m from the origin: look at the unit of the file.";
+
 /// What a tool path is written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {

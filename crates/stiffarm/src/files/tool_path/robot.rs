@@ -6,7 +6,7 @@
 
 use super::arc::Circle;
 use super::builder::{Builder, Place, pose};
-use super::{Divided, Form, Orientation};
+use super::{Divided, FAR_AWAY, FARTHEST, Form, Orientation};
 use crate::error::Result;
 use crate::files::program::{
     Aim, Language, Motion, Number, Pose, PoseForm, ProgramFile, ProgramOptions, Reader, read_legs,
@@ -183,6 +183,9 @@ fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Place> {
         return Err(crate::Error::new(crate::Code::Program, message));
     };
     let position = Vector3::from_column_slice(&numbers[..3]) * poses.unit;
+    if position.amax() > FARTHEST {
+        return Err(crate::Error::new(crate::Code::Program, FAR_AWAY));
+    }
     let mut turns = numbers[3..].to_vec();
     if poses.degrees {
         turns.iter_mut().for_each(|turn| *turn = deg_to_rad(*turn));

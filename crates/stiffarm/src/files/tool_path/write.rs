@@ -99,6 +99,14 @@ impl ToolPath {
             let error = error.file(self.files[0].name.as_str());
             return Err(error.hint("write a table of the path, in poses or angles"));
         }
+        let is_still = |(nominal, commanded)| is_same(&self.form, nominal, commanded);
+        if nominal.iter().zip(commanded).all(is_still) {
+            return Ok(WrittenPath {
+                files: self.edited(&[])?,
+                tilt_left: 0.0,
+                bend_left: 0.0,
+            });
+        }
         let mut writer = Writer {
             path: self,
             last: [f64::NAN; 10],
@@ -230,6 +238,18 @@ impl ToolPath {
         });
         written.collect()
     }
+}
+
+/// Whether two points are the same but for rounding.
+fn is_same(form: &Form, a: &PathPoint, b: &PathPoint) -> bool {
+    let (Ok((from, was)), Ok((to, is))) = (placed(form, a), placed(form, b)) else {
+        return false;
+    };
+    let is_turned = match (&was, &is) {
+        (Turned::Rotation(was), Turned::Rotation(is)) => was.angle_to(is) >= SAME,
+        _ => was.axis().angle(&is.axis()) >= SAME,
+    };
+    (to - from).norm() < SAME_PLACE && !is_turned
 }
 
 /// What goes from point to point.

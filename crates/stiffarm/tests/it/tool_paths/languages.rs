@@ -179,6 +179,17 @@ fn cl_data_has_modal_axes_rapid_moves_units_and_frames() -> Check {
 }
 
 #[test]
+fn cl_data_has_steps() -> Check {
+    let path = read(
+        "a.apt",
+        "UNITS/INCH\nGOTO/1,0,0\nGODLTA/0,0,-.5\nGODLTA/1,0,0\n",
+    )?;
+    let expected = [[25.4, 0.0, 0.0], [25.4, 0.0, -12.7], [50.8, 0.0, -12.7]];
+    assert_eq!(positions(&path), expected);
+    Ok(())
+}
+
+#[test]
 fn cl_data_has_arcs() -> Check {
     let path = read(
         "a.cls",

@@ -3,7 +3,7 @@
 use super::{cell_with, read_with};
 
 /// A file that cannot be read as a path, by its name and text.
-const SLIPS: [(&str, &str); 31] = [
+const SLIPS: [(&str, &str); 34] = [
     ("a.nc", "G90 G0 X0 Y0 Z5\nG41 D1\nG1 X5\n"),
     ("a.nc", "G90 G0 X0 Y0 Z5\nG1 X5 B30\n"),
     ("a.nc", "G1 X#100 Y0 Z0\n"),
@@ -19,6 +19,9 @@ const SLIPS: [(&str, &str); 31] = [
     ("a.mpf", "G1 X0 Y0 Z0 A3=0 B3=0 C3=0\n"),
     ("a.nc", "(nothing)\n"),
     ("a.nc", "G0 X0 Y0 Z5\n"),
+    ("a.nc", "G90 G0 X0 Y0 Z5\nG1 X1e9\n"),
+    ("a.cls", "GOTO/1,2,3\nGOTO/1e9,2,3\n"),
+    ("a.src", "LIN {X 1e9,Y 2,Z 3,A 0,B 0,C 0}\n"),
     ("a.cls", "GOTO/1,2\n"),
     ("a.cls", "GOTO/1,2,3,0,0,0\n"),
     ("a.cls", "GOTO/1,2,3\nCUTCOM/LEFT\n"),

@@ -9,7 +9,7 @@ mod words;
 
 use super::arc::Circle;
 use super::builder::{Builder, Place};
-use super::{Divided, Orientation};
+use super::{Divided, FAR_AWAY, FARTHEST, Orientation};
 use crate::error::Result;
 use crate::files::program::{Number, ProgramFile, lines};
 use crate::findings::Severity;
@@ -105,6 +105,12 @@ impl State<'_, '_> {
         let Some(last) = moving.clone().max_by_key(|word| word.end) else {
             return Ok(());
         };
+        for (count, word) in words.iter().enumerate() {
+            let same = |other: &Word<'_>| (other.letter, other.index) == (word.letter, word.index);
+            if is_target(word, self.vectors) && words[..count].iter().any(same) {
+                return Err(word.place.wrong("This word stands twice in the block."));
+            }
+        }
         if skips {
             // Where the machine stands then is its own affair.
             for word in moving.filter(|word| word.letter >= b'X') {
@@ -138,6 +144,9 @@ impl State<'_, '_> {
             }
             return Ok(());
         };
+        if (end * self.builder.form.unit).amax() > FARTHEST {
+            return Err(last.place.wrong(FAR_AWAY));
+        }
         self.has_moved = true;
         if self.steps {
             self.builder
