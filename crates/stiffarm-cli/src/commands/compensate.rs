@@ -2,6 +2,7 @@
 //! the nominal one.
 
 use crate::args::{CompensateArgs, WriteChoice};
+use crate::error::of_usage;
 use crate::output::Exit;
 use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
@@ -155,6 +156,7 @@ fn moves(
         base: args.base.clone(),
     };
     write_moves(language, cell, &poses, &options)
+        .map_err(|error| of_usage(error, &["speed_mm_s", "write"]))
 }
 
 /// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table.

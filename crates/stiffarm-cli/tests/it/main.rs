@@ -31,6 +31,7 @@ mod select;
 mod shapes;
 mod sheets;
 mod support;
+mod tool_paths;
 mod validate;
 mod work;
 mod zones;

@@ -127,7 +127,7 @@ impl ToolPath {
             writer.aim(slots.clone(), nominal, commanded)?;
             while divided.next_if(|one| one.points.end <= i).is_some() {}
             let Some(own) = divided.peek().filter(|own| own.points.contains(&i)) else {
-                writer.edit(slots);
+                writer.edit(slots, nominal.rapid);
                 continue;
             };
             if own.points.start == i {
@@ -142,7 +142,7 @@ impl ToolPath {
                 false => writer.bends(&way, !own.text.is_empty()),
             };
             if kept.is_empty() {
-                writer.edit(slots);
+                writer.edit(slots, false);
             } else {
                 straight.push((own, kept));
                 writer.last = writer.numbers;
@@ -354,8 +354,9 @@ impl Writer<'_> {
         }
     }
 
-    /// Writes the numbers of a point into `slots`.
-    fn edit(&mut self, slots: std::ops::Range<usize>) {
+    /// Writes the numbers of a point into `slots`. A `rapid` move keeps what it leaves out: it retracts
+    /// straight from where a correction has led.
+    fn edit(&mut self, slots: std::ops::Range<usize>, rapid: bool) {
         let path = self.path;
         let is_written = |slot: &usize| {
             path.slots[*slot].component < 3 || path.form.orientation != Orientation::Kept
@@ -377,7 +378,7 @@ impl Writer<'_> {
             let component = usize::from(component);
             let (mut text, is_same) = self.text(slot);
             if length == 0 {
-                if is_same && !(turns(slot) && has_turned) {
+                if rapid || is_same && !(turns(slot) && has_turned) {
                     continue;
                 }
                 text = format!("{}{text}", path.form.before[component]);

@@ -1,0 +1,183 @@
+//! Paths as CL data, G-code and programs of robots, in and out.
+
+use crate::support;
+
+use insta::assert_snapshot;
+use serde_json::Value;
+use support::{Folder, number};
+
+const FORCE: &str = "--axes base --force-n 80,-200,300";
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let inputs = [
+        (
+            "freeform.apt",
+            include_str!("../../../../xtask/inputs/freeform.apt"),
+        ),
+        (
+            "freeform.mpf",
+            include_str!("../../../../xtask/inputs/freeform.mpf"),
+        ),
+        (
+            "pocket.nc",
+            include_str!("../../../../xtask/inputs/pocket.nc"),
+        ),
+        (
+            "edge.src",
+            include_str!("../../../../xtask/inputs/edge.src"),
+        ),
+    ];
+    for (name, text) in inputs {
+        folder.write(name, text);
+    }
+    folder
+}
+
+fn triples(result: &Value, key: &str) -> Vec<[f64; 3]> {
+    let points = result["result"]["points"].as_array().unwrap().iter();
+    let triple = |point: &Value| [0, 1, 2].map(|i| number(&point[key][i]));
+    points.map(triple).collect()
+}
+
+#[test]
+fn the_commanded_program_brings_the_loaded_tip_back() {
+    let folder = folder();
+    for (path, out) in [("freeform.apt", "c.apt"), ("edge.src", "c.src")] {
+        folder.ok(&format!(
+            "compensate builtin:comau prior {path} {FORCE} --output {out}"
+        ));
+        let nominal = folder.json(&format!("predict builtin:comau prior {path} {FORCE}"));
+        let commanded = folder.json(&format!("predict builtin:comau prior {out} {FORCE}"));
+        let wanted = triples(&nominal, "tip_m");
+        let (tips, shifts) = (triples(&commanded, "tip_m"), triples(&commanded, "shift_m"));
+        // Of a robot's arc other points lie between the stated ones.
+        let last = (tips.len() - 1, wanted.len() - 1);
+        let pairs: Vec<(usize, usize)> = match path {
+            "edge.src" => vec![(0, 0), last],
+            _ => (1..tips.len()).zip(1..).collect(),
+        };
+        for (i, own) in pairs {
+            let off = (0..3).map(|k| (tips[i][k] + shifts[i][k] - wanted[own][k]).powi(2));
+            let off = off.sum::<f64>().sqrt();
+            // Four decimals of a millimetre, seven of an axis.
+            assert!(off < 1e-6, "{path}: point {} is off by {off} m", i + 1);
+        }
+    }
+}
+
+#[test]
+fn what_they_say() {
+    let folder = folder();
+    assert_snapshot!(
+        "g_code",
+        folder.ok("compensate builtin:comau prior pocket.nc --output c.nc --details")
+    );
+    assert_snapshot!("g_code_written", folder.read("c.nc"));
+    assert_snapshot!(
+        "five_axes",
+        folder.ok(&format!("predict builtin:comau prior freeform.mpf {FORCE}"))
+    );
+}
+
+#[test]
+fn a_base_elsewhere_withholds_the_program() {
+    let folder = folder();
+    let text = folder.read("edge.src");
+    folder.write(
+        "off.src",
+        text.replace("BAS (#BASE,1)", "$BASE={X 0,Y 0,Z 500,A 0,B 0,C 0}"),
+    );
+    let ran = folder.run(&format!(
+        "compensate builtin:comau prior off.src {FORCE} --output c.src"
+    ));
+    assert_eq!(ran.code, Some(1));
+    assert!(
+        ran.out
+            .replace("\n  ", " ")
+            .contains("the robot goes elsewhere than the cell says"),
+        "{}",
+        ran.out
+    );
+    assert!(!folder.path("c.src").exists());
+    folder.ok(&format!(
+        "compensate builtin:comau prior edge.src {FORCE} --output c.src"
+    ));
+}
+
+#[test]
+fn points_of_a_dat_are_written_beside_it() {
+    let folder = folder();
+    let frame = "A 0,B 0,C 180,S 2,T 35";
+    folder.write(
+        "named.src",
+        "DEF named ( )\nLIN XP1 C_DIS\nLIN XP2 C_DIS\nEND\n",
+    );
+    folder.write(
+        "named.dat",
+        format!(
+            "DECL E6POS XP1={{X 0,Y 0,Z 0,{frame}}}\nDECL E6POS XP2={{X 40,Y 0,Z 0,{frame}}}\n"
+        ),
+    );
+    folder.ok(&format!(
+        "compensate builtin:comau prior named.src {FORCE} --output go.src"
+    ));
+    assert_eq!(folder.read("go.src"), folder.read("named.src"));
+    let (was, is) = (folder.read("named.dat"), folder.read("go.dat"));
+    assert!(
+        is != was && is.lines().count() == 2 && is.contains(",S 2,T 35}"),
+        "{is}"
+    );
+    // Neither of the two is written where one is there already.
+    std::fs::remove_file(folder.path("go.src")).unwrap();
+    let refused = folder.refused(&format!(
+        "compensate builtin:comau prior named.src {FORCE} --output go.src"
+    ));
+    assert!(
+        refused.contains("go.dat") && !folder.path("go.src").exists(),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_new_program_of_linear_moves() {
+    let folder = folder();
+    folder.ok("init --robot kuka-kr500-r2800-2 --output-dir kuka");
+    let cell = folder.read("kuka/cell.toml");
+    folder.write(
+        "kuka/cell.toml",
+        cell + "\n[work]\ntip_mm = [0, 0, 300]\nworkpiece_mm = [1700, 0, 800]\n",
+    );
+    let line =
+        "compensate kuka/cell.toml prior pocket.nc --axes path --force-n -100,50,80 --beyond-data";
+    folder.ok(&format!(
+        "{line} --write krl --speed-mm-s 30 --tool 3 --base 2 --output pocket.src"
+    ));
+    let program = folder.read("pocket.src");
+    for expected in [
+        "DEF pocket ( )",
+        "BAS (#TOOL,3)",
+        "BAS (#BASE,2)",
+        "$VEL.CP=0.03000",
+        "PTP {A1 ",
+        "LIN {X ",
+    ] {
+        assert!(
+            program.contains(expected),
+            "{expected} is missing in\n{program}"
+        );
+    }
+    folder.ok("predict kuka/cell.toml prior pocket.src --axes path --force-n -100,50,80");
+    let refused = [
+        format!("{line} --write rapid --output pocket.mod"),
+        format!("{line} --write krl --output pocket.nc --force"),
+        format!("{line} --write krl --speed-mm-s 0 --output x.src"),
+        format!("{line} --write poses --output x.src"),
+        format!("{line} --output x.csv"),
+        "predict kuka/cell.toml prior nothing.cls".to_string(),
+    ];
+    assert_snapshot!(
+        "refused",
+        refused.map(|line| folder.refused(&line)).join("\n")
+    );
+}
