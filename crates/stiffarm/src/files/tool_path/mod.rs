@@ -24,7 +24,7 @@ mod write;
 use super::program::{Language, ProgramFile};
 use super::text::decode;
 use crate::error::{Code, Error, Result};
-use crate::findings::Finding;
+use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::path::PathPoint;
 use crate::model::pose::Convention;
@@ -237,6 +237,14 @@ pub fn read_tool_path(
         let message = format!("The file has no move at feed as {} has it.", kind.title());
         let error = Error::new(Code::TooFewData, message).file(name);
         return Err(error.hint("a table of the path ends in .csv or .xlsx"));
+    }
+    let in_base = matches!(kind, Kind::Robot(language) if language.poses().is_some_and(|poses| poses.in_base));
+    if !in_base && cell.work.workpiece == Isometry3::identity() {
+        builder.remark("workpiece-assumed", "", 1, Severity::Caution, || {
+            "The cell names no workpiece frame, so the path counts from the base: say where the workpiece is with \
+             workpiece_mm in [work]."
+                .to_string()
+        });
     }
     let findings = builder.findings();
     Ok(ReadPath {
