@@ -71,15 +71,19 @@ fn came(context: &Given<'_>, result: &Compensation) -> Text {
             .words(" times less"),
         None => text.words(" (RMS) are to be expected"),
     };
-    let count = result.points.len();
+    let count = result.loaded();
+    let points = match count == result.points.len() {
+        true => "points",
+        false => "points under load",
+    };
     match beyond == count {
         true => text.words(format!(
-            ". The correction is larger than its own uncertainty at all {count} points."
+            ". The correction is larger than its own uncertainty at all {count} {points}."
         )),
         false => text
             .words(". The correction is larger than its own uncertainty at ")
             .number(context.number("/beyond_uncertainty").decimals(0))
-            .words(format!(" of {count} points.")),
+            .words(format!(" of {count} {points}.")),
     }
 }
 
@@ -98,7 +102,7 @@ fn next(result: &Compensation) -> Text {
         None => Text::new("Identify the joint stiffness first: ")
             .code("stiffarm identify cell.toml readings.csv --output k.json")
             .words(" says how sure it is, and so whether this correction helps."),
-        Some(beyond) if 2 * beyond < result.points.len() => Text::new(
+        Some(beyond) if 2 * beyond < result.loaded() => Text::new(
             "Do not command this path yet: the stiffness is not known well enough. Measure more postures; ",
         )
         .code("stiffarm select")

@@ -19,6 +19,7 @@ mod gcode;
 mod moves;
 mod numbers;
 mod robot;
+mod targets;
 mod write;
 
 use super::program::{Language, ProgramFile};

@@ -1,16 +1,13 @@
 //! The same program with other numbers.
 
 use super::numbers::{bends, decimals_of, fixed, near};
+use super::targets::{SAME, SAME_PLACE, is_same, placed};
 use super::{Divided, Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, length};
-use crate::model::path::{PathPoint, PathTarget};
+use crate::model::path::PathPoint;
 use crate::units::rad_to_deg;
-use nalgebra::{UnitQuaternion, Vector3};
-
-/// Orientations nearer than this are the same \[rad\], positions \[m\]: what is left of products of rotations.
-const SAME: f64 = 1e-9;
-const SAME_PLACE: f64 = 1e-10;
+use nalgebra::Vector3;
 
 /// A smaller tilt is not worth a word \[rad\].
 const TILTED: f64 = 1e-5;
@@ -240,18 +237,6 @@ impl ToolPath {
     }
 }
 
-/// Whether two points are the same but for rounding.
-fn is_same(form: &Form, a: &PathPoint, b: &PathPoint) -> bool {
-    let (Ok((from, was)), Ok((to, is))) = (placed(form, a), placed(form, b)) else {
-        return false;
-    };
-    let is_turned = match (&was, &is) {
-        (Turned::Rotation(was), Turned::Rotation(is)) => was.angle_to(is) >= SAME,
-        _ => was.axis().angle(&is.axis()) >= SAME,
-    };
-    (to - from).norm() < SAME_PLACE && !is_turned
-}
-
 /// What goes from point to point.
 struct Writer<'a> {
     path: &'a ToolPath,
@@ -417,51 +402,5 @@ impl Writer<'_> {
 impl Form {
     fn decimals_of(&self, component: usize) -> usize {
         self.decimals[usize::from(component >= 3)]
-    }
-}
-
-/// The orientation of a target in the frame of the program.
-enum Turned {
-    Axis(Vector3<f64>),
-    Rotation(UnitQuaternion<f64>),
-}
-
-impl Turned {
-    /// Direction from the spindle to the tip.
-    fn axis(&self) -> Vector3<f64> {
-        match self {
-            Turned::Axis(axis) => *axis,
-            Turned::Rotation(rotation) => rotation * Vector3::z(),
-        }
-    }
-
-    fn rotation(&self) -> Result<UnitQuaternion<f64>> {
-        match self {
-            Turned::Rotation(rotation) => Ok(*rotation),
-            Turned::Axis(_) => {
-                let message = "The program holds whole orientations, the path tool axes only.";
-                Err(Error::new(Code::Conflict, message))
-            }
-        }
-    }
-}
-
-/// Position \[m\] and orientation of a target in the frame of the program.
-fn placed(form: &Form, point: &PathPoint) -> Result<(Vector3<f64>, Turned)> {
-    let from_base = form.frame.inverse();
-    let at = |p: &Vector3<f64>| from_base.rotation * p + from_base.translation.vector;
-    match &point.target {
-        PathTarget::Pose(pose) => Ok((
-            at(&pose.translation.vector),
-            Turned::Rotation(from_base.rotation * pose.rotation),
-        )),
-        PathTarget::Axis { position, axis } => Ok((
-            at(position),
-            Turned::Axis(from_base.rotation * axis.as_ref()),
-        )),
-        PathTarget::Angles(_) => {
-            let message = format!("Point {} is given as joint angles.", point.name);
-            Err(Error::new(Code::Conflict, message))
-        }
     }
 }

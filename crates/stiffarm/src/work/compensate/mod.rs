@@ -136,6 +136,11 @@ pub struct Compensation {
 }
 
 impl Compensation {
+    /// How many points carry a load.
+    pub fn loaded(&self) -> usize {
+        self.points.iter().filter(|p| p.is_loaded()).count()
+    }
+
     /// What speaks against commanding the path: what is serious, and that it goes beyond the data.
     pub fn objections(&self) -> impl Iterator<Item = &Finding> + Clone {
         let findings = self.findings.iter();
@@ -289,7 +294,7 @@ fn summarise(
 
 fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> {
     let mut out = Vec::new();
-    let count = result.points.iter().filter(|p| p.is_loaded()).count();
+    let count = result.loaded();
     match result.beyond_uncertainty {
         None => out.push(Finding::new(
             "no-band",
