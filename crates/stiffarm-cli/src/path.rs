@@ -24,6 +24,7 @@ impl PathArgs {
             near_deg: (!self.near_deg.is_empty()).then(|| self.near_deg.clone()),
             max_step_deg: self.max_step_deg,
             free_turn: self.free_turn,
+            tolerance_mm: self.tolerance_mm,
         }
     }
 }
@@ -36,6 +37,7 @@ pub fn of_path_usage(error: Error) -> Error {
         "axes",
         "near_deg",
         "max_step_deg",
+        "tolerance_mm",
     ];
     of_usage(error, &fields)
 }

@@ -34,6 +34,7 @@ fn path(tasks: &[Vec<f64>], count: usize) -> Vec<LoadedPosture> {
             LoadedPosture {
                 name: (i + 1).to_string().into(),
                 line: None,
+                feature: None,
                 q,
                 wrench: Wrench {
                     force: Vector3::new(turn.cos(), turn.sin(), -0.5) * 400.0,

@@ -46,6 +46,9 @@ pub struct PathArgs {
         allow_negative_numbers = true
     )]
     pub max_step_deg: f64,
+    /// How far a feature of the path may come out beside where it should be [mm]: says of each whether it does
+    #[arg(long, value_name = "X", value_parser = number("mm"), allow_negative_numbers = true)]
+    pub tolerance_mm: Option<f64>,
     /// The turn about the tool axis is free: try N of them at each point and take the postures that
     /// bend least [default: 72]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "72", require_equals = true,

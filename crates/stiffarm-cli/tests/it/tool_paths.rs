@@ -81,6 +81,33 @@ fn what_they_say() {
 }
 
 #[test]
+fn features_keep_to_a_tolerance_or_not() {
+    let folder = folder();
+    folder
+        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    folder.ok("identify builtin:comau m.csv --elastic axes --output k.json");
+    let line = "builtin:comau k.json pocket.nc --tolerance-mm 0.6 --details";
+    let told = folder.ok(&format!("compensate {line}"));
+    let section = told
+        .split("\n\n")
+        .skip_while(|part| !part.starts_with("Features"))
+        .take(2);
+    assert_snapshot!("features", section.collect::<Vec<_>>().join("\n\n"));
+    assert!(
+        told.contains("keeps to its tolerance of 0.600 mm"),
+        "{told}"
+    );
+    let told = folder.ok(&format!("predict {line}"));
+    assert!(
+        told.replace("\n  ", " ")
+            .contains("does not surely keep to its tolerance"),
+        "{told}"
+    );
+    let refused = folder.refused("predict builtin:comau k.json pocket.nc --tolerance-mm 0");
+    assert!(refused.contains("--tolerance-mm"), "{refused}");
+}
+
+#[test]
 fn a_base_elsewhere_withholds_the_program() {
     let folder = folder();
     let text = folder.read("edge.src");

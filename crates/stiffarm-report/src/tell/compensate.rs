@@ -2,7 +2,8 @@
 
 use super::at_work::{AtWork, WorkPoint, band_table, dominant, principal_table, wrench};
 use super::points::{
-    KEY_ROWS, all_points, along_axes, extreme_places, heading, how_found, largest_first,
+    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found,
+    largest_first,
 };
 use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
@@ -38,6 +39,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         sections.push(cell_section(context, result)?);
         sections.push(path_section(result));
     }
+    sections.extend(features_section(context));
     sections.extend(band_section(context, result));
     sections.extend(stiffness_section(context, result));
     sections.push(all_points(

@@ -63,6 +63,43 @@ pub(super) fn all_points(
     Section::new("points", "Points", vec![details])
 }
 
+/// How the features of a path come out, where the result says so.
+pub(super) fn features_section(context: &Given<'_>) -> Option<Section> {
+    let features = context.saved.json["result"]["features"].as_array()?;
+    let word = |row: usize, key: &str| {
+        let word = features[row][key].as_str().unwrap_or_default();
+        Text::new(visible(word).into_owned())
+    };
+    let at = |row: usize, key: &str| {
+        let number = features[row][key].is_number();
+        number.then(|| context.number(&format!("/features/{row}/{key}")))
+    };
+    let names = (0..features.len()).map(|row| word(row, "name"));
+    let table = DataTable::of(
+        "Deviation of each feature, largest over its points",
+        "feature",
+        names,
+    )
+    .words("worst point", |row| word(row, "worst"))
+    .numbers("across feed", Quantity::LENGTH, |row| {
+        at(row, "across_max_m")
+    })
+    .numbers("± total", Quantity::LENGTH, |row| at(row, "half_width_m"))
+    .numbers("tolerance", Quantity::LENGTH, |row| at(row, "tolerance_m"))
+    .words("verdict", |row| word(row, "verdict"))
+    .numbers("compensated", Quantity::LENGTH, |row| {
+        at(row, "compensated_m")
+    })
+    .words("then", |row| word(row, "compensated_verdict"))
+    .numbers("along feed", Quantity::LENGTH, |row| at(row, "feed_max_m"))
+    .numbers("cross", Quantity::LENGTH, |row| at(row, "cross_max_m"))
+    .numbers("tool axis", Quantity::LENGTH, |row| at(row, "axis_max_m"));
+    let words = "What lies across the feed changes the shape of the part, what lies along it does not. Compensated is what \
+                 may be left: the residual with its ±.";
+    let blocks = vec![Block::Text(words.into()), Block::Table(table)];
+    Some(Section::new("features", "Features", blocks))
+}
+
 /// The places of the principal axes where the tip bends most and least; `name` is that of a point.
 pub(super) fn extreme_places(
     extremes: &PathExtremes,

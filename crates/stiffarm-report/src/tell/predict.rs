@@ -2,7 +2,8 @@
 
 use super::at_work::{AtWork, FORCE, WorkPoint, band_table, dominant, principal_table, wrench};
 use super::points::{
-    KEY_ROWS, all_points, along_axes, extreme_places, heading, how_found, largest_first,
+    KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found,
+    largest_first,
 };
 use crate::path::{along, norm, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
@@ -40,6 +41,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         sections.push(cell_section(context, prediction, &work)?);
         sections.push(path_section(prediction, &work));
     }
+    sections.extend(features_section(context));
     sections.extend(matrices_section(context, prediction));
     sections.extend(worst.and_then(|worst| band_section(context, prediction, worst)));
     sections.extend(stiffness_section(context, prediction));

@@ -27,6 +27,11 @@ impl Wrench {
         }
     }
 
+    /// Whether it loads nothing.
+    pub fn is_zero(&self) -> bool {
+        self.force == Vector3::zeros() && self.moment == Vector3::zeros()
+    }
+
     /// A wrench from its components \[Fx, Fy, Fz, Mx, My, Mz\] \[N; N·m\].
     pub fn from_components(components: [f64; 6]) -> Self {
         let [fx, fy, fz, mx, my, mz] = components;

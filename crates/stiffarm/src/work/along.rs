@@ -33,6 +33,9 @@ pub struct PathOptions {
     pub max_step_deg: f64,
     /// Turns about the tool axis that were tried; `null` where it was not freed.
     pub free_turn: Option<u16>,
+    /// How far a feature of the path may come out beside where it should be \[mm\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance_mm: Option<f64>,
 }
 
 impl Default for PathOptions {
@@ -46,6 +49,7 @@ impl Default for PathOptions {
             near_deg: None,
             max_step_deg: 30.0,
             free_turn: None,
+            tolerance_mm: None,
         }
     }
 }
@@ -106,6 +110,14 @@ impl PathOptions {
             return Err(wrong(
                 "near_deg",
                 format!("The start needs {joints} angles in degrees, one per joint."),
+            ));
+        }
+        if let Some(mm) = self.tolerance_mm
+            && !(mm.is_finite() && mm > 0.0)
+        {
+            return Err(wrong(
+                "tolerance_mm",
+                format!("The tolerance must be above 0 mm, got {mm} mm."),
             ));
         }
         if !(self.max_step_deg.is_finite() && self.max_step_deg > 0.0) {

@@ -4,9 +4,12 @@ use crate::error::Result;
 use crate::estimate::saved::Saved;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
+use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
 use crate::work::compensate::{CompensateOptions, Compensation, compensate};
+use crate::work::features::{Deviation, Feature, features, out_of_tolerance};
 use crate::work::posture_path::PosturePathSummary;
+use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
 /// Options of the result.
@@ -27,6 +30,9 @@ pub struct Compensated {
     pub compensation: Compensation,
     /// The postures of the nominal path.
     pub postures: PosturePathSummary,
+    /// How the features of the path come out, where it names them or a tolerance is given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<Feature>,
 }
 
 impl Options {
@@ -54,16 +60,29 @@ impl Options {
         control: Control<'_>,
     ) -> Result<Compensated> {
         let options = self.compensate_options(saved)?;
-        let compensation = compensate(
+        let mut compensation = compensate(
             cell,
             &saved.predictor,
             &followed.postures,
             &options,
             control,
         )?;
+        let arm = LoadedArm::new(cell, &saved.predictor)?;
+        let deviation = |i: usize| {
+            let point = &compensation.points[i];
+            Deviation {
+                shift_m: point.uncompensated_shift_m,
+                half_width_m: point.band.map(|band| band.size_m[3]),
+                residual_m: Some(point.residual_m),
+            }
+        };
+        let tolerance = self.path.tolerance_mm.map(mm_to_m);
+        let features = features(&arm, &followed.postures, deviation, tolerance);
+        compensation.findings.extend(out_of_tolerance(&features));
         Ok(Compensated {
             compensation,
             postures: followed.summary.clone(),
+            features,
         })
     }
 }

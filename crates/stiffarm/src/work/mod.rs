@@ -6,6 +6,7 @@ mod beyond_data;
 pub mod along;
 pub mod compensate;
 pub mod compensated;
+pub mod features;
 pub mod judged;
 pub mod map;
 pub mod mapped;

@@ -11,9 +11,11 @@ use crate::model::observation::PostureTerms;
 use crate::model::path::{LoadedPosture, PathPoint, PathTarget};
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
+use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
+use crate::work::features::{Deviation, Feature, features, out_of_tolerance};
 use crate::work::posture_path::PosturePathSummary;
-use crate::work::predict::{LoadPoint, PredictOptions, Prediction, predict};
+use crate::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict};
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
@@ -39,6 +41,9 @@ pub struct Predicted {
     pub prediction: Prediction,
     /// The postures of the path; `null` for tasks and with --cell-load.
     pub postures: Option<PosturePathSummary>,
+    /// How the features of the path come out, where it names them or a tolerance is given.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<Feature>,
 }
 
 /// What is asked of a prediction beside cell and stiffness.
@@ -171,16 +176,29 @@ impl Request {
         control: Control<'_>,
     ) -> Result<Predicted> {
         let options = self.predict_options(saved)?;
-        let prediction = predict(
+        let mut prediction = predict(
             &loaded.cell,
             &saved.predictor,
             &loaded.postures,
             &options,
             control,
         )?;
+        let arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
+        let deviation = |i: usize| {
+            let point = &prediction.points[i];
+            Deviation {
+                shift_m: point.shift_m,
+                half_width_m: point.band.map(|band| band.size_m[3]),
+                residual_m: None,
+            }
+        };
+        let tolerance = self.path.tolerance_mm.map(mm_to_m);
+        let features = features(&arm, &loaded.postures, deviation, tolerance);
+        prediction.findings.extend(out_of_tolerance(&features));
         Ok(Predicted {
             prediction,
             postures: loaded.summary.clone(),
+            features,
         })
     }
 
@@ -226,6 +244,7 @@ pub fn tasks(cell: &Cell) -> Result<(Isometry3<f64>, Vec<LoadedPosture>)> {
         LoadedPosture {
             name: task.name.as_str().into(),
             line: None,
+            feature: None,
             q: task.q.clone(),
             wrench: Wrench {
                 force: turn(task.wrench.force),
@@ -251,6 +270,7 @@ fn under_cell_load(points: &[PathPoint], cell: &Cell) -> Result<Vec<LoadedPostur
         Ok(LoadedPosture {
             name: point.name.clone(),
             line: point.line,
+            feature: point.feature.clone(),
             wrench: *terms.wrench(),
             q: q.clone(),
         })

@@ -173,6 +173,7 @@ fn work(cell: &Cell, dice: &mut Dice, count: usize) -> Vec<LoadedPosture> {
             LoadedPosture {
                 name: (i + 1).to_string().into(),
                 line: Some(i + 2),
+                feature: None,
                 q: base.iter().map(|a| a + dice.between(-0.3, 0.3)).collect(),
                 wrench: load(dice, 350.0, 10.0),
             }

@@ -20,6 +20,7 @@ mod errors;
 mod estimators;
 mod experiment;
 mod feasible;
+mod features;
 mod front_page;
 mod global;
 mod golden;

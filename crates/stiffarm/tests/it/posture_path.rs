@@ -13,6 +13,7 @@ fn arm(cell: &Cell) -> LoadedArm {
 
 fn point(i: usize, target: PathTarget) -> PathPoint {
     PathPoint {
+        feature: None,
         rapid: false,
         name: (i + 1).to_string().into(),
         line: Some(i + 2),

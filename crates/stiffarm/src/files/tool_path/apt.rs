@@ -72,6 +72,9 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
                     continue;
                 };
                 let word = word.to_ascii_uppercase();
+                if let Some(name) = feature(&word, line.rest()) {
+                    state.builder.named(name);
+                }
                 if QUIET.split_whitespace().any(|quiet| quiet == word) {
                     continue;
                 }
@@ -102,6 +105,16 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
             .wrong("The line that this goes on in behind `$` is missing.")),
         None => Ok(()),
     }
+}
+
+/// The name of an operation: `TOOL PATH/NAME,TOOL,…` of NX, `OPNAME/NAME`.
+fn feature<'a>(word: &str, rest: &'a str) -> Option<&'a str> {
+    let names = match word {
+        "TOOL" => rest.trim_start().strip_prefix("PATH")?,
+        "OPNAME" => rest,
+        _ => return None,
+    };
+    names.trim_start().strip_prefix('/')?.split(',').next()
 }
 
 /// Numbers and words with commas between them; true where the next line goes on.

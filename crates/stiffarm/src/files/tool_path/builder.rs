@@ -9,6 +9,7 @@ use crate::model::process::{ForceAxes, TipLoad};
 use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A program's frame this far from the cell's is another \[m\], \[rad\].
 const OTHER_FRAME: [f64; 2] = [1e-3, 0.002];
@@ -82,6 +83,8 @@ pub(super) struct Builder<'c> {
     pub ends: Vec<usize>,
     pub divided: Vec<Divided>,
     pub fixed: Option<(usize, &'static str)>,
+    /// Name of the feature that the points belong to.
+    pub feature: Option<Arc<str>>,
     remarks: BTreeMap<(&'static str, String), Remark>,
     frames: Vec<Finding>,
 }
@@ -103,8 +106,17 @@ impl<'c> Builder<'c> {
             ends: Vec::new(),
             divided: Vec::new(),
             fixed: None,
+            feature: None,
             remarks: BTreeMap::new(),
             frames: Vec::new(),
+        }
+    }
+
+    /// The points that follow belong to the feature of this name, if it is one.
+    pub fn named(&mut self, name: &str) {
+        let name = name.trim();
+        if !name.is_empty() {
+            self.feature = Some(name.into());
         }
     }
 
@@ -127,6 +139,7 @@ impl<'c> Builder<'c> {
                 moment: Vector3::zeros(),
                 axes: ForceAxes::Base,
             }),
+            feature: self.feature.clone(),
             rapid,
         });
         self.ends.push(self.slots.len());

@@ -43,6 +43,8 @@ pub struct PathPoint {
     pub target: PathTarget,
     /// Load of this point; `None` takes that of the process.
     pub load: Option<TipLoad>,
+    /// Name of the feature of the part that it belongs to: the operation, layer or tool path of a program.
+    pub feature: Option<Arc<str>>,
     /// Whether the arm gets there by a rapid move, on which its joints may turn far.
     pub rapid: bool,
 }
@@ -54,6 +56,8 @@ pub struct LoadedPosture {
     pub name: Arc<str>,
     /// Line of the file, where there is one.
     pub line: Option<usize>,
+    /// Name of the feature of the part that it belongs to.
+    pub feature: Option<Arc<str>>,
     /// Controller angles \[rad\].
     pub q: Vec<f64>,
     /// Wrench on the robot at the tip, base axes.
@@ -67,6 +71,7 @@ impl LoadedPosture {
         LoadedPosture {
             name: name.into(),
             line: None,
+            feature: None,
             q,
             wrench,
         }

@@ -235,6 +235,7 @@ pub fn posture_path(
         .map(|((point, q), wrench)| LoadedPosture {
             name: point.name.clone(),
             line: point.line,
+            feature: point.feature.clone(),
             q,
             wrench,
         })

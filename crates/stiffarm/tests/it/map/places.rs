@@ -21,6 +21,7 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
             let at = |k: usize| pair[0][k] + t * (pair[1][k] - pair[0][k]);
             let local = Isometry3::from_parts(Translation3::new(at(0), at(1), 0.05), down());
             points.push(PathPoint {
+                feature: None,
                 rapid: false,
                 name: format!("{}", points.len() + 1).into(),
                 line: None,
@@ -166,6 +167,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
                 UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(i) * 4_f64.to_radians());
             let pose = Isometry3::from_parts(Translation3::identity(), down() * turn);
             PathPoint {
+                feature: None,
                 rapid: false,
                 name: i.to_string().into(),
                 line: None,
@@ -204,6 +206,7 @@ fn a_free_tool_axis_takes_the_best_turn() {
         .iter()
         .map(|p| match &p.target {
             PathTarget::Pose(pose) => PathPoint {
+                feature: None,
                 rapid: false,
                 target: PathTarget::Axis {
                     position: pose.translation.vector,

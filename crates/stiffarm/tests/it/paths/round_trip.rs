@@ -73,6 +73,7 @@ fn path(target: impl Strategy<Value = PathTarget>) -> impl Strategy<Value = Vec<
     prop::collection::vec((target, load()), 1..6).prop_map(|points| {
         let points = points.into_iter().enumerate();
         let points = points.map(|(i, (target, load))| PathPoint {
+            feature: None,
             rapid: false,
             name: format!("P{i}").into(),
             line: Some(i + 2),

@@ -59,6 +59,7 @@ fn points(cell: &Cell, q: &[f64; 6]) -> (Vec<Vec<f64>>, Vec<PathPoint>) {
             line: None,
             target: PathTarget::Pose(frames.flange() * cell.work.tip(&cell.setup.tool)),
             load: None,
+            feature: None,
             rapid: false,
         }
     });

@@ -86,6 +86,7 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
             line: Some(row.line),
             target: reader.target(row)?,
             load: reader.load(row)?,
+            feature: None,
             rapid: false,
         });
     }

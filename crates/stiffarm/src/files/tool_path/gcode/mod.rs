@@ -77,6 +77,11 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
     for mut line in lines(file) {
         words.clear();
         let rest = words_of(&mut line, state.builder, &mut words)?;
+        if words.iter().all(|word| matches!(word.letter, b'N' | b'O')) {
+            // A comment with a line of its own names what follows, and one behind the program's number.
+            let comment = |c: char| c.is_whitespace() || matches!(c, ';' | '(' | ')');
+            state.builder.named(rest.trim_matches(comment));
+        }
         state.block(&words, &rest, file)?;
     }
     Ok(())

@@ -1,0 +1,235 @@
+//! What the deflection does to the features of a part: how far they come out beside where they should be.
+
+use crate::findings::{Finding, Severity, length, length_with_error};
+use crate::model::path::{LoadedPosture, feed_axes};
+use crate::work::predict::LoadedArm;
+use nalgebra::{Isometry3, Vector3};
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Features named in the sentence about those that are not within their tolerance.
+const NAMED: usize = 3;
+
+/// What is known of a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Deviation {
+    /// Shift of the tip, base axes \[m\].
+    pub shift_m: [f64; 3],
+    /// Half width of its size \[m\]; `None` where the stiffness comes without covariance.
+    pub half_width_m: Option<f64>,
+    /// What is left of it by the command, by the model \[m\].
+    pub residual_m: Option<f64>,
+}
+
+/// How a feature comes out: the moves of a path that share a name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Feature {
+    /// Its name in the path; `path` where that names none.
+    pub name: String,
+    /// How many of its points carry a load.
+    pub points: usize,
+    /// Name of the point where it deviates most.
+    pub worst: String,
+    /// Largest deviation across the feed \[m\]; what lies along it leaves the shape as it is.
+    pub across_max_m: f64,
+    /// Largest deviation along the feed \[m\].
+    pub feed_max_m: f64,
+    /// Largest deviation across feed and tool axis \[m\].
+    pub cross_max_m: f64,
+    /// Largest deviation along the tool axis \[m\].
+    pub axis_max_m: f64,
+    /// Half width of the deflection at the worst point \[m\].
+    pub half_width_m: Option<f64>,
+    /// What may be left where the path is compensated: the largest residual with its half width \[m\].
+    pub compensated_m: Option<f64>,
+    /// What is allowed \[m\].
+    pub tolerance_m: Option<f64>,
+    /// Whether the deviation across the feed keeps to it.
+    pub verdict: Option<Verdict>,
+    /// Whether what may be left does.
+    pub compensated_verdict: Option<Verdict>,
+}
+
+/// Whether a deviation keeps to its tolerance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// It does, its half width included.
+    Passes,
+    /// The tolerance lies within the half width.
+    Open,
+    /// It does not.
+    Fails,
+}
+
+impl Verdict {
+    /// In a word.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Passes => "passes",
+            Verdict::Open => "open",
+            Verdict::Fails => "fails",
+        }
+    }
+
+    fn of(deviation: f64, half_width: f64, tolerance: f64) -> Self {
+        match (
+            deviation + half_width <= tolerance,
+            deviation - half_width > tolerance,
+        ) {
+            (true, _) => Verdict::Passes,
+            (_, true) => Verdict::Fails,
+            _ => Verdict::Open,
+        }
+    }
+}
+
+/// The features of a path; none where it names none and no `tolerance` \[m\] is given.
+pub(super) fn features(
+    arm: &LoadedArm,
+    postures: &[LoadedPosture],
+    deviation: impl Fn(usize) -> Deviation,
+    tolerance: Option<f64>,
+) -> Vec<Feature> {
+    if tolerance.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
+        return Vec::new();
+    }
+    let tips: Vec<Isometry3<f64>> = postures.iter().map(|p| arm.tip_pose(&p.q)).collect();
+    let feeds = feed_axes(&tips);
+    // In the order in which they come first.
+    let mut groups: Vec<(Arc<str>, Vec<usize>)> = Vec::new();
+    let mut places: HashMap<Arc<str>, usize> = HashMap::new();
+    for i in (0..postures.len()).filter(|i| !postures[*i].wrench.is_zero()) {
+        let name = postures[i]
+            .feature
+            .clone()
+            .unwrap_or_else(|| Arc::from("path"));
+        let place = *places.entry(name.clone()).or_insert(groups.len());
+        if place == groups.len() {
+            groups.push((name, Vec::new()));
+        }
+        groups[place].1.push(i);
+    }
+    let groups = groups.into_iter().map(|(name, points)| {
+        let parts = |i: usize| {
+            let shift = Vector3::from(deviation(i).shift_m);
+            match &feeds[i] {
+                Some(axes) => axes.inverse() * shift,
+                // Where the path moves along the tool axis that is the feed.
+                None => {
+                    let axis = tips[i].rotation * Vector3::z();
+                    let along = axis.dot(&shift);
+                    Vector3::new(along, (shift - axis * along).norm(), 0.0)
+                }
+            }
+        };
+        let largest = |of: &dyn Fn(Vector3<f64>) -> f64| {
+            let sizes = points.iter().map(|i| of(parts(*i)).abs());
+            sizes.fold(0.0, f64::max)
+        };
+        let across = |i: usize| parts(i).yz().norm();
+        let worst = points.iter().copied();
+        let worst = worst.reduce(|a, b| if across(b) > across(a) { b } else { a });
+        let worst = worst.unwrap_or_default();
+        let half_width = deviation(worst).half_width_m;
+        let left = points.iter().map(|i| {
+            let own = deviation(*i);
+            Some(own.residual_m? + own.half_width_m?)
+        });
+        let left = left.reduce(|a, b| Some(a?.max(b?))).flatten();
+        let across_max_m = across(worst);
+        Feature {
+            name: name.to_string(),
+            points: points.len(),
+            worst: postures[worst].name.to_string(),
+            across_max_m,
+            feed_max_m: largest(&|v| v.x),
+            cross_max_m: largest(&|v| v.y),
+            axis_max_m: largest(&|v| v.z),
+            half_width_m: half_width,
+            compensated_m: left,
+            tolerance_m: tolerance,
+            verdict: tolerance.map(|own| Verdict::of(across_max_m, half_width.unwrap_or(0.0), own)),
+            compensated_verdict: tolerance
+                .zip(left)
+                .map(|(own, left)| Verdict::of(left, 0.0, own)),
+        }
+    });
+    groups.collect()
+}
+
+/// Whether features keep to their tolerance, as they are or, where that is known, compensated.
+pub(super) fn out_of_tolerance(features: &[Feature]) -> Option<Finding> {
+    let judged = |feature: &&Feature| match feature.compensated_verdict {
+        Some(verdict) => verdict != Verdict::Passes,
+        None => feature
+            .verdict
+            .is_some_and(|verdict| verdict != Verdict::Passes),
+    };
+    let out: Vec<&Feature> = features.iter().filter(judged).collect();
+    let named: Vec<String> = out
+        .iter()
+        .take(NAMED)
+        .map(|feature| feature.sentence())
+        .collect();
+    let more = match out.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!("; and {more} more"),
+    };
+    let count = features.len();
+    let sentence = match (out.len(), count) {
+        (0, _) => {
+            let tolerance = features.first()?.tolerance_m?;
+            let compensated = features
+                .iter()
+                .all(|feature| feature.compensated_verdict.is_some());
+            let words = if compensated {
+                "Compensated, the"
+            } else {
+                "The"
+            };
+            let sentence = format!(
+                "{words} path keeps to its tolerance of {}.",
+                length(tolerance)
+            );
+            return Some(Finding::new("tolerance", Severity::Note, "path", sentence));
+        }
+        (1, 1) => format!(
+            "It does not surely keep to its tolerance: {}.",
+            named.join("; ")
+        ),
+        (some, _) => format!(
+            "{some} of {count} features do not surely keep to their tolerance: {}{more}.",
+            named.join("; ")
+        ),
+    };
+    Some(Finding::new(
+        "tolerance",
+        Severity::Caution,
+        "path",
+        sentence,
+    ))
+}
+
+impl Feature {
+    /// `pocket 3: 0.210 ± 0.040 mm of 0.300 mm, passes; compensated 0.030 mm`.
+    fn sentence(&self) -> String {
+        let deviation = match self.half_width_m {
+            Some(half) => length_with_error(self.across_max_m, half),
+            None => length(self.across_max_m),
+        };
+        let allowed = self.tolerance_m.map(|own| format!(" of {}", length(own)));
+        let verdict = self.verdict.map(|verdict| format!(", {}", verdict.word()));
+        let left = self
+            .compensated_m
+            .map(|left| format!("; compensated {}", length(left)));
+        let parts = [allowed, verdict, left]
+            .into_iter()
+            .flatten()
+            .collect::<String>();
+        format!("{}: {deviation}{parts}", self.name)
+    }
+}

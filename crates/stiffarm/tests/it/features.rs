@@ -1,0 +1,137 @@
+//! Deviations of the features of a path, and their tolerances.
+
+use nalgebra::Vector3;
+use stiffarm::estimate::saved::Saved;
+use stiffarm::files::cell::parse_cell;
+use stiffarm::files::tool_path::{Kind, read_tool_path};
+use stiffarm::model::cell::Cell;
+use stiffarm::work::along::PathOptions;
+use stiffarm::work::compensated::Options;
+use stiffarm::work::features::Verdict;
+use stiffarm::work::predicted::{Predicted, Request};
+use stiffarm::{Control, Result};
+
+const PROGRAM: &str = "\
+TOOL PATH/SLOT,TOOL,T1\nUNITS/MM\nRAPID\nGOTO/-20,0,50,0,0,1\nGOTO/-20,0,0\nGOTO/0,0,0\nGOTO/20,0,0\nRAPID\nGOTO/20,0,50\n\
+TOOL PATH/EDGE,TOOL,T1\nRAPID\nGOTO/0,-20,50\nGOTO/0,-20,0\nGOTO/0,0,0\nGOTO/0,20,0\n";
+
+fn cell() -> Cell {
+    let text = "format = 1\nrobot.catalogue = 'kuka-kr500-r2800-2'\n\
+        tool = { loading_point_mm = [200, 0, 250], measuring_point = [{ name = '1', position_mm = [0, 0, 300] }] }\n\
+        load = { kind = 'measured' }\n[work]\ntip_mm = [0, 0, 300]\nworkpiece_mm = [1700, 100, 800]\n\
+        [work.force]\nforce_n = [-200, 150, 100]\naxes = 'base'\n";
+    parse_cell(text, "cell.toml").unwrap()
+}
+
+fn saved(cell: &Cell) -> Saved {
+    let stiffness = [4e6, 4e6, 3e6, 6e5, 5e5, 3e5];
+    Saved::bare(cell, &stiffness, "k.json").unwrap()
+}
+
+fn predicted(tolerance_mm: Option<f64>) -> Result<Predicted> {
+    let cell = cell();
+    let read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
+    let request = Request {
+        path: PathOptions {
+            tolerance_mm,
+            ..PathOptions::default()
+        },
+        ..Request::default()
+    };
+    let saved = saved(&cell);
+    let loaded = request.loaded(
+        cell,
+        &saved.predictor,
+        Some(&read.points),
+        Control::default(),
+    )?;
+    request.predict(&loaded, &saved, Control::default())
+}
+
+#[test]
+fn what_lies_across_the_feed_is_told_from_what_lies_along_it() -> Result<()> {
+    let found = predicted(None)?;
+    let names: Vec<&str> = found
+        .features
+        .iter()
+        .map(|feature| feature.name.as_str())
+        .collect();
+    assert_eq!(names, ["SLOT", "EDGE"]);
+    // The slot runs along the base's x, the edge along its y; the tool points down.
+    let points = &found.prediction.points;
+    for (feature, along, own) in [(0, 0, 1..=3), (1, 1, 6..=8)] {
+        let feature = &found.features[feature];
+        let shift = |i: usize| Vector3::from(points[i].shift_m);
+        let largest = |of: &dyn Fn(Vector3<f64>) -> f64| {
+            own.clone().map(|i| of(shift(i))).fold(0.0, f64::max)
+        };
+        let across = largest(&|mut v| {
+            v[along] = 0.0;
+            v.norm()
+        });
+        for (found, expected) in [
+            (feature.across_max_m, across),
+            (feature.feed_max_m, largest(&|v| v[along].abs())),
+            (feature.cross_max_m, largest(&|v| v[1 - along].abs())),
+            (feature.axis_max_m, largest(&|v| v.z.abs())),
+        ] {
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "{feature:?}: {found} {expected}"
+            );
+        }
+        assert_eq!((feature.half_width_m, feature.verdict), (None, None));
+    }
+    assert_eq!(found.features[0].points, 3);
+    Ok(())
+}
+
+#[test]
+fn a_tolerance_is_judged_as_it_is_and_compensated() -> Result<()> {
+    let found = predicted(None)?;
+    let [slot, edge] = [0, 1].map(|i| 1e3 * found.features[i].across_max_m);
+    let between = 0.5 * (slot + edge);
+    let judged = predicted(Some(between))?;
+    let verdicts: Vec<Option<Verdict>> = judged
+        .features
+        .iter()
+        .map(|feature| feature.verdict)
+        .collect();
+    let of = |own: f64| {
+        Some(if own <= between {
+            Verdict::Passes
+        } else {
+            Verdict::Fails
+        })
+    };
+    assert_eq!(verdicts, [of(slot), of(edge)]);
+    let finding = judged
+        .prediction
+        .findings
+        .iter()
+        .find(|finding| finding.code == "tolerance");
+    assert!(finding.is_some_and(|finding| finding.sentence.starts_with("1 of 2 features")));
+    let cell = cell();
+    let read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
+    let options = Options {
+        path: PathOptions {
+            tolerance_mm: Some(between),
+            ..PathOptions::default()
+        },
+    };
+    let saved = saved(&cell);
+    let followed =
+        options
+            .path
+            .follow(&cell, &saved.predictor, &read.points, Control::default())?;
+    let compensated = options.compensate(&cell, &saved, &followed, Control::default())?;
+    // Without covariance nobody knows what is left.
+    assert!(
+        compensated
+            .features
+            .iter()
+            .all(|feature| feature.compensated_m.is_none())
+    );
+    assert!((compensated.features[0].across_max_m - found.features[0].across_max_m).abs() < 1e-15);
+    Ok(())
+}
