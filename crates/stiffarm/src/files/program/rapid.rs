@@ -138,6 +138,10 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         reader.named(line.identifier()?);
         return Ok(true);
     }
+    if line.word("PROC") {
+        reader.feature = Some(line.identifier()?.into());
+        return Ok(true);
+    }
     let _ = line.word("LOCAL") || line.word("TASK");
     let declares = line.word("CONST") || line.word("PERS") || line.word("VAR");
     if declares && line.word("jointtarget") {

@@ -4,6 +4,7 @@ use super::cursor::{Cursor, Number};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::{Code, Error, Result};
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 /// Part of a file that has parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +86,8 @@ pub struct Leg<'a> {
     /// Of an arc the point on the way.
     pub via: Option<Box<Aim<'a>>>,
     pub aim: Aim<'a>,
+    /// Name of the procedure that it stands in.
+    pub feature: Option<Arc<str>>,
     speed: u8,
     marked: Option<(MoveKind, String)>,
 }
@@ -113,6 +116,8 @@ pub struct Reader<'a> {
     pub frames: HashMap<String, Box<Pose>>,
     /// Names of tools and of bases that moves name.
     pub used: [BTreeMap<String, usize>; 2],
+    /// Name of the procedure that is read.
+    pub feature: Option<Arc<str>>,
     /// What is not followed, with the line.
     pub passed_over: Vec<(usize, &'a str)>,
     /// What an axis of the controller is called.
@@ -152,6 +157,7 @@ impl<'a> Reader<'a> {
             file: 0,
             frames: HashMap::new(),
             used: [BTreeMap::new(), BTreeMap::new()],
+            feature: None,
             passed_over: Vec::new(),
             axis_name,
             name: String::new(),
@@ -204,6 +210,7 @@ impl<'a> Reader<'a> {
             motion,
             via: via.map(Box::new),
             aim,
+            feature: self.feature.clone(),
             speed: self.speed,
             marked: self.next.take(),
         }));

@@ -68,6 +68,7 @@ pub(super) fn read(
                     .wrong("This move needs a pose, and the point has joint angles."));
             }
         };
+        walk.builder.feature = leg.feature;
         let at = |error: crate::Error| error.line(line, None).file(files[0].name.as_str());
         match via {
             Some(via) => walk.arc(line, &via, &to),

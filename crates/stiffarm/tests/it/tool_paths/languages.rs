@@ -4,8 +4,8 @@ use super::{Check, apart, axes, cell_with, codes, positions, read, rounded, stat
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use stiffarm::files::program::Language;
-use stiffarm::files::table::read_path;
-use stiffarm::files::tool_path::{Kind, read_tool_path};
+use stiffarm::files::table::{read_path, write_path};
+use stiffarm::files::tool_path::{Kind, ReadPath, read_tool_path};
 
 /// A pose as x, y, z \[mm\] and turns about fixed x, y, z \[deg\].
 type Row = [f64; 6];
@@ -310,6 +310,37 @@ fn the_frames_of_a_program_are_held_against_the_cell() -> Check {
         codes(&read("a.mod", &rapid("[0,0,300]", &two))?),
         ["program-frames"]
     );
+    Ok(())
+}
+
+#[test]
+fn points_belong_to_the_feature_that_is_named_before_them() -> Check {
+    let names = |read: &ReadPath| -> Vec<String> {
+        let names = stated(read)
+            .into_iter()
+            .map(|point| point.feature.unwrap_or_default().to_string());
+        names.collect()
+    };
+    let clsf = "GOTO/0,0,0\nTOOL PATH/POCKET_1,TOOL,T1\nGOTO/1,0,0\nEND-OF-PATH\nTOOL PATH/SLOT\nGOTO/2,0,0\n";
+    assert_eq!(names(&read("a.cls", clsf)?), ["", "POCKET_1", "SLOT"]);
+    let gcode = "O1 (ALL)\nG1 X0 Y0 Z0\n( 2D Pocket1 )\nX1 (along)\n; slot\nX2\n";
+    assert_eq!(names(&read("a.nc", gcode)?), ["ALL", "2D Pocket1", "slot"]);
+    let point = "[[0,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+    let rapid = format!(
+        "PROC one()\nMoveL {point},v50,z1,t;\nENDPROC\nPROC two()\nMoveL {point},v50,z1,t;\nENDPROC\n"
+    );
+    assert_eq!(names(&read("a.mod", &rapid)?), ["one", "two"]);
+    let cell = cell_with("");
+    let table = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z,feature\n0,0,0,0,0,-1,slot\n1,0,0,0,0,-1,\n";
+    let table = read_path(table.as_bytes(), "a.csv", &cell, None)?;
+    let features: Vec<Option<&str>> = table
+        .points
+        .iter()
+        .map(|point| point.feature.as_deref())
+        .collect();
+    assert_eq!(features, [Some("slot"), None]);
+    let text = write_path(&table.format, &table.points)?;
+    assert_eq!(read_path(text.as_bytes(), "a.csv", &cell, None)?, table);
     Ok(())
 }
 

@@ -26,6 +26,7 @@ pub(super) enum Content {
     Force(usize),
     Moment(usize),
     Axes,
+    Feature,
 }
 
 impl Content {
@@ -78,6 +79,7 @@ pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
     all.extend(numbered(Content::Force, force()));
     all.extend(numbered(Content::Moment, moment()));
     all.push((Content::Axes, Known::name("axes")));
+    all.push((Content::Feature, Known::name("feature")));
     all
 }
 

@@ -25,6 +25,7 @@ pub(super) struct PathColumns {
     pub(super) force: Option<Vec<Column>>,
     pub(super) moment: Option<Vec<Column>>,
     pub(super) axes: Option<Column>,
+    pub(super) feature: Option<Column>,
     /// All of them in the order of the table.
     pub(super) format: Vec<FormatColumn>,
 }
@@ -92,6 +93,7 @@ impl PathColumns {
             force,
             moment,
             axes: found.get("axes"),
+            feature: found.get("feature"),
             format: format.into_iter().map(|(_, column)| column).collect(),
         })
     }

@@ -13,6 +13,7 @@ use crate::model::path::{PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// A tool axis shorter than this has no direction.
 const SHORTEST_AXIS: f64 = 1e-9;
@@ -37,7 +38,7 @@ const AXES_HINT: &str = "add a column axes with base, tool, workpiece or path in
 /// `fx_n, fy_n, fz_n` and `mx_nm, my_nm, mz_nm` are force and moment *on the robot*
 /// at the tip, in the axes of the column `axes` or, where a row has none there, in
 /// `axes`. A row whose fields of force and moment are all empty takes the load of
-/// the cell's process. All columns may be in other units, as in every
+/// the cell's process. `feature` names the feature of the part that a point belongs to. All columns may be in other units, as in every
 /// [table](crate::files::table), and have the headings that the cell's `[columns]` names.
 ///
 /// # Errors
@@ -86,7 +87,7 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
             line: Some(row.line),
             target: reader.target(row)?,
             load: reader.load(row)?,
-            feature: None,
+            feature: reader.feature(row)?,
             rapid: false,
         });
     }
@@ -174,6 +175,14 @@ impl Reader<'_> {
             moment: moment.transpose()?.unwrap_or_else(Vector3::zeros),
             axes,
         }))
+    }
+
+    /// The feature that the row names.
+    fn feature(&self, row: &Row) -> Result<Option<Arc<str>>> {
+        let column = self.columns.feature;
+        let column = column.filter(|column| !self.table.is_blank(row, *column));
+        let name = column.map(|column| self.table.name(row, column));
+        Ok(name.transpose()?.map(Arc::from))
     }
 
     /// The axes that the row names.

@@ -52,7 +52,7 @@ pub fn write_path<P: Borrow<PathPoint>>(
         fields.extend(columns.map(|column| {
             let text = field(column, point, &target);
             match (column.content, format.decimal_commas) {
-                (Content::Name | Content::Axes, _) | (_, false) => text,
+                (Content::Name | Content::Axes | Content::Feature, _) | (_, false) => text,
                 (_, true) => text.replace('.', ","),
             }
         }));
@@ -162,6 +162,7 @@ fn field(column: &FormatColumn, point: &PathPoint, target: &Numbers<'_>) -> Stri
         (Content::Axis(i), Numbers::Axis(_, axis)) => axis[i].to_string(),
         (Content::Force(i), _) => of_load(|load| &load.force, i),
         (Content::Moment(i), _) => of_load(|load| &load.moment, i),
+        (Content::Feature, _) => point.feature.as_deref().unwrap_or_default().to_string(),
         (Content::Axes, _) => {
             let axes = load.map(|load| ForceAxes::as_str(load.axes));
             axes.unwrap_or_default().to_string()
