@@ -173,6 +173,12 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             line.expect(",")?;
             reader.speed = line.percent()?;
             line.expect(")")?;
+        } else if reader.is_path && (line.clone().passes("#BASE") || line.clone().passes("#TOOL")) {
+            let number = usize::from(line.clone().passes("#BASE"));
+            let name = line.rest().trim().to_string();
+            reader.used[number]
+                .entry(name)
+                .or_insert(line.line_number());
         }
     } else if line.word("MsgNotify") {
         line.expect("(")?;
@@ -182,6 +188,11 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         reader.wait();
     } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &MOVES[..1] }) {
         reader.move_to(line, motion, aim)?;
+        if reader.is_path && line.clone().passes(":") {
+            return Err(line.wrong_here(
+                "This position is calculated by the controller: only stated positions are read.",
+            ));
+        }
         if !reader.is_path {
             line.end()?;
         } else if line.clone().passes(",") {
@@ -189,16 +200,37 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
                 line.wrong_here("An arc that ends at an angle of its own (CA) is not read here.")
             );
         }
-    } else if reader.is_path && (line.clone().word("$BASE") || line.clone().word("$TOOL")) {
+    } else if reader.is_path
+        && (line.clone().passes("$BASE") || line.clone().passes("$TOOL"))
+        && line.clone().assigns_whole()
+    {
         let name = line.identifier()?.to_ascii_uppercase();
         line.expect("=")?;
-        if line.clone().passes("{")
-            && let Aim::Pose(pose) = aggregate(line, reader)?
-        {
-            let number = usize::from(name == "$BASE");
-            reader.used[number].insert(name.clone(), line.line_number());
-            reader.frames.insert(name, pose);
+        let number = usize::from(name == "$BASE");
+        if !line.clone().passes("{") {
+            let other = format!("{name}={}", line.rest().trim());
+            reader.used[number]
+                .entry(other)
+                .or_insert(line.line_number());
+        } else if let Aim::Pose(pose) = aggregate(line, reader)? {
+            let mut own = name.clone();
+            // Another value is another frame.
+            while reader
+                .frames
+                .get(&own)
+                .is_some_and(|known| known.values() != pose.values())
+            {
+                own += "'";
+            }
+            reader.used[number]
+                .entry(own.clone())
+                .or_insert(line.line_number());
+            reader.frames.insert(own, pose);
         }
+    } else if reader.is_path && line.assigns() {
+        reader
+            .passed_over
+            .push((line.line_number(), "An assignment"));
     } else {
         line.word("DECL");
         line.word("GLOBAL");

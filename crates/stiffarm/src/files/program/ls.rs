@@ -65,7 +65,9 @@ pub const LS: Dialect = Dialect {
         read,
         joint_move: "J",
         other_moves: &["L", "C", "A", "S"],
-        branches: &["IF", "JMP", "FOR", "SELECT"],
+        branches: &[
+            "IF", "JMP", "FOR", "SELECT", "CALL", "OFFSET", "UFRAME", "UTOOL",
+        ],
         poses: Some(PoseForm {
             convention: Convention::Fanuc,
             unit: 1e-3,
@@ -80,7 +82,7 @@ pub const LS: Dialect = Dialect {
                 most: 32_000,
                 line: |to| match to.number {
                     1 => "{n}J P[1] 10% FINE ;".to_string(),
-                    number => format!("{{n}}L P[{number}] {}mm/sec CNT100 ;", to.speed_mm_s),
+                    number => format!("{{n}}L P[{number}] {}mm/sec CNT10 ;", to.speed_mm_s),
                 },
                 point: |to| {
                     let [first, second] = match to.number {
@@ -233,6 +235,13 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         reader.say(said);
     } else if line.word("PAUSE") {
         reader.wait();
+    } else if reader.is_path && (line.clone().word("UFRAME_NUM") || line.clone().word("UTOOL_NUM"))
+    {
+        let number = usize::from(line.identifier()?.eq_ignore_ascii_case("UFRAME_NUM"));
+        let name = line.rest().trim().trim_end_matches(';').trim().to_string();
+        reader.used[number]
+            .entry(name)
+            .or_insert(line.line_number());
     } else if reader.is_path {
         return path_move(line, reader);
     } else if line.word("J") {
@@ -251,6 +260,19 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     Ok(true)
 }
 
+/// What moves a position of a tool path.
+const CALCULATED: [&str; 9] = [
+    "PR[",
+    " Offset",
+    " OFFSET",
+    "Tool_Offset",
+    "TOOL_OFFSET",
+    " INC",
+    "VOFFSET",
+    " VOFF",
+    "SEARCH",
+];
+
 /// A move of a tool path. The end of an arc stands in a line of its own.
 fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     let place = line.clone();
@@ -267,6 +289,12 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     let Some(motion) = line.motion(&words) else {
         return Ok(false);
     };
+    if let Some(word) = CALCULATED.iter().find(|word| line.rest().contains(**word)) {
+        return Err(line.wrong_here(format!(
+            "This move is calculated by the controller ({}): only stated positions are read.",
+            word.trim()
+        )));
+    }
     let aim = Aim::Label(line.clone(), point(line)?);
     if line.rest().contains(" COORD") {
         // The path moves with a positioner.
@@ -347,8 +375,19 @@ fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Res
         open.is_first_group = line.number()? == 1.0 || !is_path;
         return Ok(());
     }
-    if line.word("UF") || (is_path && line.word("CONFIG")) || !open.is_first_group {
+    if line.word("UF") || (is_path && line.word("CONFIG")) {
         return Ok(());
+    }
+    if !open.is_first_group {
+        let values = line.rest().split('=').skip(1);
+        let mut values =
+            values.filter_map(|part| part.split_whitespace().next()?.parse::<f64>().ok());
+        return match values.any(|value| value != 0.0) {
+            true => {
+                Err(line.wrong_here("A second group of axes is not at 0: the path moves with it."))
+            }
+            false => Ok(()),
+        };
     }
     let values = &mut open.values;
     while !line.is_done() {

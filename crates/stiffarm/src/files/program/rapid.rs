@@ -57,7 +57,27 @@ pub const RAPID: Dialect = Dialect {
         },
         read,
         joint_move: "MoveAbsJ",
-        other_moves: &["MoveJ", "MoveL", "MoveC", "MoveExtJ"],
+        other_moves: &[
+            "MoveJ",
+            "MoveL",
+            "MoveC",
+            "MoveExtJ",
+            "MoveLDO",
+            "MoveJDO",
+            "MoveCDO",
+            "MoveLSync",
+            "MoveJSync",
+            "MoveCSync",
+            "TriggL",
+            "TriggJ",
+            "TriggC",
+            "SearchL",
+            "SearchC",
+            "PDispSet",
+            "PDispOn",
+            "EOffsSet",
+            "EOffsOn",
+        ],
         branches: &["FOR", "WHILE", "IF", "TEST", "GOTO"],
         poses: Some(PoseForm {
             convention: Convention::Abb,
@@ -179,6 +199,10 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         if !reader.is_path {
             ends_at_rest(line)?;
         }
+    } else if reader.is_path && line.assigns() {
+        reader
+            .passed_over
+            .push((line.line_number(), "An assignment"));
     } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
         reader.move_to(line, motion, aim)?;
         frames_of_move(line, reader)?;
@@ -243,6 +267,9 @@ fn frame<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose>> {
         line.expect("FALSE")?;
     }
     line.expect(",")?;
+    if is_tool && !line.clone().passes("[") {
+        return Err(line.wrong_here("A work object that the robot holds (TRUE) is not read here."));
+    }
     if line.clone().passes("[") {
         return match is_tool {
             true => placed(line, reader),

@@ -15,6 +15,18 @@ pub enum Section {
 }
 
 impl<'a> Cursor<'a> {
+    /// Whether the line sets a variable, or a part of one.
+    pub fn assigns(&self) -> bool {
+        let mut line = self.clone();
+        line.identifier().is_ok() && (line.passes(".") || line.passes("=") || line.passes(":="))
+    }
+
+    /// Whether the line sets a whole variable.
+    pub fn assigns_whole(&self) -> bool {
+        let mut line = self.clone();
+        line.identifier().is_ok() && line.passes("=")
+    }
+
     /// Passes the word of a move, one of `words`.
     pub fn motion(&mut self, words: &[(&str, Motion)]) -> Option<Motion> {
         let mut words = words.iter().filter(|(word, _)| self.word(word));
@@ -140,6 +152,13 @@ pub fn only<'a>(files: &'a [ProgramFile], title: &str) -> Result<&'a ProgramFile
             let message = format!("A program in {title} is one file, got {}.", files.len());
             Err(Error::new(Code::Usage, message))
         }
+    }
+}
+
+impl Pose {
+    /// Its numbers alone.
+    pub fn values(&self) -> [Option<f64>; 7] {
+        self.numbers.map(|number| number.map(|number| number.value))
     }
 }
 
@@ -320,9 +339,11 @@ impl<'a> Reader<'a> {
     pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
         self.check_closed()?;
         let points = &self.points;
-        let resolved = |aim: Aim<'a>| match aim {
+        let resolved = |aim: Aim<'a>, motion: Motion| match aim {
             Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
                 Some(aim) => Ok(aim.clone()),
+                // A position of the controller, as HOME: not of the path.
+                None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new())),
                 None => Err(place.wrong_here(format!("The program has no point {label}."))),
             },
             aim => Ok(aim),
@@ -336,9 +357,9 @@ impl<'a> Reader<'a> {
             Ok(Leg {
                 via: leg
                     .via
-                    .map(|via| resolved(*via).map(Box::new))
+                    .map(|via| resolved(*via, leg.motion).map(Box::new))
                     .transpose()?,
-                aim: resolved(leg.aim)?,
+                aim: resolved(leg.aim, leg.motion)?,
                 ..leg
             })
         })

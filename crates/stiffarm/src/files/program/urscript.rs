@@ -58,7 +58,7 @@ pub const URSCRIPT: Dialect = Dialect {
         read,
         joint_move: "movej",
         other_moves: &["movel", "movep", "movec", "servoj", "speedj"],
-        branches: &["while", "if", "for"],
+        branches: &["while", "if", "for", "force_mode", "set_payload_cog"],
         poses: Some(PoseForm {
             convention: Convention::Ur,
             unit: 1.0,
@@ -126,7 +126,19 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
         line.expect("(")?;
         reader.move_to(line, motion, aim)?;
+    } else if reader.is_path && line.word("set_tcp") {
+        line.expect("(")?;
+        if let Aim::Pose(pose) = aim(line, reader)? {
+            reader.used[0]
+                .entry("TCP".to_string())
+                .or_insert(line.line_number());
+            reader.frames.insert("TCP".to_string(), pose);
+        }
     } else if reader.is_path && assigns(line, reader)? {
+    } else if reader.is_path && line.assigns() {
+        reader
+            .passed_over
+            .push((line.line_number(), "An assignment"));
     } else if line.word("movej") {
         let start = line.clone();
         line.expect("(")?;

@@ -8,7 +8,7 @@
 use super::arc::Circle;
 use super::builder::{Builder, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Orientation};
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
 use crate::files::program::{Cursor, Number, ProgramFile, lines};
 use crate::findings::Severity;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
@@ -94,10 +94,17 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
             false => state.take(statement)?,
         }
     }
-    if !state.has_units {
+    let (has_units, circle) = (state.has_units, state.circle);
+    if !has_units {
         builder.remark("units-assumed", "", 1, Severity::Note, || {
             "The file names no unit: its numbers are read as millimetres. `UNITS/INCH` at its head says otherwise.".to_string()
         });
+    }
+    if let Some((.., place)) = circle {
+        let line = file.text[..place].matches('\n').count() + 1;
+        let message = "The point that ends this arc is missing: the file ends before it.";
+        let error = Error::new(Code::Program, message).line(line, None);
+        return Err(error.file(file.name.as_str()));
     }
     match open {
         Some(statement) => Err(statement
@@ -274,10 +281,14 @@ impl State<'_, '_> {
 
     fn direction(&self, statement: &Statement<'_>, from: usize) -> Result<UnitVector3<f64>> {
         let vector = self.vector(statement, from)?;
-        UnitVector3::try_new(vector, 1e-6).ok_or_else(|| {
-            let place = &statement.numbers[from].0;
-            place.wrong("This axis has length zero.")
-        })
+        // Axes of CAM systems are rounded, and not of another length.
+        let length = vector.norm();
+        if (length - 1.0).abs() > 0.01 {
+            let message = format!("This axis has length {length:.3}; it must be 1.");
+            let error = statement.numbers[from].0.wrong(message);
+            return Err(error.hint("decimals have points here, and numbers commas between them"));
+        }
+        Ok(UnitVector3::new_normalize(vector))
     }
 
     /// The first three numbers as a point in the first frame \[m\].

@@ -1,6 +1,6 @@
 //! Points of a tool path as a program's lines give them.
 
-use super::{Divided, Form, Orientation, SPAN, Slot};
+use super::{Divided, Form, NEAR_END, Orientation, SPAN, Slot};
 use crate::files::program::Number;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
@@ -148,13 +148,24 @@ impl<'c> Builder<'c> {
     /// Points on the straight way to a point in `line` that is far away; true where there are any.
     pub fn between(&mut self, line: usize, from: &Place, to: &Place) -> bool {
         let (start, way) = (from.position(), to.position() - from.position());
-        let parts = (way.norm() / SPAN).ceil() as usize;
-        for k in 1..parts {
-            let share = k as f64 / parts as f64;
+        let length = way.norm();
+        if length < 4.0 * NEAR_END {
+            return false;
+        }
+        // What comes from a rapid move is in the air at first, and its load is not that of its end.
+        let is_cutting = self.points.last().is_some_and(|point| !point.rapid);
+        let near = is_cutting.then_some(NEAR_END / length);
+        let parts = (length / SPAN).ceil() as usize;
+        if near.is_none() && parts < 2 {
+            return false;
+        }
+        let inner = (1..parts).map(|k| k as f64 / parts as f64);
+        let ends = near.map(|near| 1.0 - near);
+        for share in near.into_iter().chain(inner).chain(ends) {
             let place = from.towards(to, share, start + way * share);
             self.point(line, &place, false);
         }
-        parts > 1
+        true
     }
 
     /// A number of the point that was given last; one of length 0 stays what it was before.

@@ -41,6 +41,9 @@ pub const TOLERANCE: f64 = 0.01e-3;
 /// Longer straight moves at feed are looked at in parts of this length at most \[m\].
 pub const SPAN: f64 = 0.05;
 
+/// So near its ends a straight move has a point, where its load may change to that of another \[m\].
+const NEAR_END: f64 = 1e-3;
+
 /// Coordinates beyond this are no path of a robot \[m\].
 const FARTHEST: f64 = 100.0;
 
@@ -229,15 +232,24 @@ pub fn read_tool_path(
         })
         .collect::<Result<_>>()?;
     let mut builder = Builder::new(cell);
-    match kind {
-        Kind::Apt => apt::read(&files[0], &mut builder)?,
-        Kind::Gcode => gcode::read(&files[0], &mut builder)?,
-        Kind::Robot(language) => robot::read(&files, language, &mut builder)?,
-    }
+    let read = match kind {
+        Kind::Apt => apt::read(&files[0], &mut builder),
+        Kind::Gcode => gcode::read(&files[0], &mut builder),
+        Kind::Robot(language) => robot::read(&files, language, &mut builder),
+    };
+    read.map_err(|error| match error.hint_text() {
+        Some(_) => error,
+        None => error.hint(format!(
+            "the file is read as {}, by the ending of its name; docs/paths.md says what is read",
+            kind.title()
+        )),
+    })?;
     if builder.points.iter().all(|point| point.rapid) {
         let message = format!("The file has no move at feed as {} has it.", kind.title());
         let error = Error::new(Code::TooFewData, message).file(name);
-        return Err(error.hint("a table of the path ends in .csv or .xlsx"));
+        return Err(error.hint(
+            "the ending of its name says what it is: a table of the path ends in .csv or .xlsx",
+        ));
     }
     let in_base = matches!(kind, Kind::Robot(language) if language.poses().is_some_and(|poses| poses.in_base));
     if !in_base && cell.work.workpiece == Isometry3::identity() {

@@ -7,13 +7,13 @@ use std::f64::consts::{PI, TAU};
 
 /// Which points of `way`, whose first is its start, a way in straight moves has to pass to keep within
 /// `tolerance` of all of them, its end included, and how far they are off without; none where it may go
-/// straight to the end. The points are evenly spaced, and of their numbers the first three count.
-pub(super) fn bends(way: &[[f64; 10]], tolerance: f64) -> (Vec<usize>, f64) {
+/// straight to the end. Of their numbers the first three count; `at` says how far along it they are.
+pub(super) fn bends(way: &[[f64; 10]], at: &[f64], tolerance: f64) -> (Vec<usize>, f64) {
     let (mut kept, mut open) = (Vec::new(), vec![(0, way.len() - 1)]);
     let mut most: f64 = 0.0;
     while let Some((from, to)) = open.pop() {
         let off = |k: usize| {
-            let share = (k - from) as f64 / (to - from) as f64;
+            let share = (at[k] - at[from]) / (at[to] - at[from]);
             let of = |i: usize| way[k][i] - way[from][i] - share * (way[to][i] - way[from][i]);
             Vector3::from_fn(|i, _| of(i)).norm()
         };

@@ -230,7 +230,12 @@ fn frames(
                 }
                 // RAPID's names of the base and of the flange.
                 (None, "WOBJ0" | "TOOL0") => Isometry3::identity(),
-                _ => continue,
+                _ => {
+                    builder.remark("frame-unknown", what, *line, Severity::Note, || {
+                        format!("{what} {name} ({{}}) is not in the file, so it could not be held against {own}.")
+                    });
+                    continue;
+                }
             };
             let given = if number == 1 { base * given } else { given };
             builder.frame(&format!("{what} {name} (line {line})"), own, &given, &cell);

@@ -116,11 +116,15 @@ impl ToolPath {
         let mut divided = self.divided.iter().peekable();
         // Numbers from the point before a divided move on.
         let mut way: Vec<[f64; 10]> = Vec::new();
+        // How far along it they are.
+        let mut at: Vec<f64> = Vec::new();
+        let (mut place, mut start) = (Vector3::zeros(), Vector3::zeros());
         let mut straight: Vec<(&Divided, Vec<[f64; 10]>)> = Vec::new();
         for (i, (nominal, commanded)) in nominal.iter().zip(commanded).enumerate() {
             let first = i.checked_sub(1).map_or(0, |before| self.ends[before]);
             let slots = first..self.ends[i];
             let before = writer.numbers;
+            let last = std::mem::replace(&mut place, placed(&self.form, nominal)?.0);
             writer.aim(slots.clone(), nominal, commanded)?;
             while divided.next_if(|one| one.points.end <= i).is_some() {}
             let Some(own) = divided.peek().filter(|own| own.points.contains(&i)) else {
@@ -128,15 +132,17 @@ impl ToolPath {
                 continue;
             };
             if own.points.start == i {
-                way = vec![before];
+                (way, at) = (vec![before], vec![0.0]);
+                start = last;
             }
             way.push(writer.numbers);
+            at.push((place - start).norm());
             if own.points.end > i + 1 {
                 continue;
             }
             let kept = match own.is_arc {
                 true => way.split_off(1),
-                false => writer.bends(&way, !own.text.is_empty()),
+                false => writer.bends(&way, &at, !own.text.is_empty()),
             };
             if kept.is_empty() {
                 writer.edit(slots, false);
@@ -214,9 +220,9 @@ impl ToolPath {
                     let message =
                         "Two moves go to this point, and need different corrections there.";
                     let error = Error::new(Code::Conflict, message).line(line, None);
-                    return Err(error
-                        .file(file.name.as_str())
-                        .hint("give each of them a point of its own"));
+                    return Err(error.file(file.name.as_str()).hint(
+                        "give each of them a point of its own, or write a new program (--write)",
+                    ));
                 }
                 text += &file.text[from..edit.at as usize];
                 text += &edit.text;
@@ -303,9 +309,9 @@ impl Writer<'_> {
 
     /// The points of a straight move that its corrected form has to pass, as [`bends`] has them, the end
     /// included; none where it stays straight, or where the program `can_have` no more points.
-    fn bends(&mut self, way: &[[f64; 10]], can_have: bool) -> Vec<[f64; 10]> {
+    fn bends(&mut self, way: &[[f64; 10]], at: &[f64], can_have: bool) -> Vec<[f64; 10]> {
         let unit = self.path.form.unit;
-        let (kept, most) = bends(way, TOLERANCE / unit);
+        let (kept, most) = bends(way, at, TOLERANCE / unit);
         if !can_have {
             self.bend_left = self.bend_left.max(most * unit);
             return Vec::new();

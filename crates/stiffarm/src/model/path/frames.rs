@@ -49,19 +49,35 @@ pub fn feed_axes(poses: &[Isometry3<f64>]) -> Vec<Option<Rotation3<f64>>> {
         .collect()
 }
 
+/// Axes of a load in path axes: the feed axes, where there are none, as in a plunge, those of the next point that has
+/// them, else of the one before.
+pub fn load_axes(mut feeds: Vec<Option<Rotation3<f64>>>) -> Vec<Option<Rotation3<f64>>> {
+    let mut next = None;
+    for feed in feeds.iter_mut().rev() {
+        *feed = feed.or(next);
+        next = *feed;
+    }
+    let mut before = None;
+    for feed in &mut feeds {
+        *feed = feed.or(before);
+        before = *feed;
+    }
+    feeds
+}
+
 /// Wrenches on the robot at the tips, base axes, one per point: the point's own
 /// load, else `process`, else none. `poses` are the tip poses in the base frame,
 /// `workpiece` the pose of the workpiece frame there.
 ///
 /// # Errors
-/// A load in the axes of the path where it does not move across the tool axis.
+/// A load in the axes of the path where it nowhere moves across the tool axis.
 pub fn tip_wrenches(
     points: &[PathPoint],
     poses: &[Isometry3<f64>],
     process: Option<&TipLoad>,
     workpiece: &Isometry3<f64>,
 ) -> Result<Vec<Wrench>> {
-    let feeds = feed_axes(poses);
+    let feeds = load_axes(feed_axes(poses));
     let all = points.iter().zip(poses).zip(&feeds);
     all.map(|((point, pose), feed)| tip_wrench(point, pose, feed.as_ref(), process, workpiece))
         .collect()

@@ -6,7 +6,7 @@
 mod frames;
 
 pub(crate) use frames::tip_wrench;
-pub use frames::{feed_axes, tip_wrenches};
+pub use frames::{feed_axes, load_axes, tip_wrenches};
 
 use crate::error::Error;
 use crate::model::load::Wrench;

@@ -11,7 +11,7 @@ use super::{Search, change, turned};
 use crate::error::{Code, Error, Result};
 use crate::model::inverse::{Method, Outcome};
 use crate::model::load::Wrench;
-use crate::model::path::{feed_axes, tip_wrench};
+use crate::model::path::{feed_axes, load_axes, tip_wrench};
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use nalgebra::Isometry3;
@@ -55,7 +55,7 @@ pub(super) fn postures(
     control: Control<'_>,
 ) -> Result<Found> {
     let knots = knots(poses);
-    let feeds = feed_axes(poses);
+    let feeds = load_axes(feed_axes(poses));
     // The feed does not depend on the turn.
     let wrench = |i: usize, tip: &Isometry3<f64>| {
         let (process, workpiece) = (search.options.process.as_ref(), &search.options.workpiece);

@@ -17,8 +17,8 @@ use crate::model::dexterity::condition_number;
 use crate::model::inverse::{InverseKinematics, Method, Outcome};
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
-use crate::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
-use crate::model::process::TipLoad;
+use crate::model::path::{LoadedPosture, PathPoint, PathTarget, feed_axes, tip_wrenches};
+use crate::model::process::{ForceAxes, TipLoad};
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::deg_to_rad;
@@ -375,6 +375,30 @@ impl Search<'_> {
 
 fn findings(search: &Search<'_>, q: &[Vec<f64>], summary: &PosturePathSummary) -> Vec<Finding> {
     let mut out = Vec::new();
+    let tips: Vec<Isometry3<f64>> = q.iter().map(|q| search.arm.tip_pose(q)).collect();
+    let process = search.options.process.as_ref();
+    let feeds = feed_axes(&tips);
+    let pairs = search.points.iter().zip(&feeds);
+    let mut borrowed = pairs.filter(|(point, feed)| {
+        let load = point.load.as_ref().or(process);
+        feed.is_none() && load.is_some_and(|load| load.axes == ForceAxes::Path)
+    });
+    if let Some((first, _)) = borrowed.next() {
+        let more = match borrowed.count() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        out.push(Finding::new(
+            "feed-of-the-next",
+            Severity::Note,
+            "path",
+            format!(
+                "At point {}{more} the path does not move across the tool axis, as in a plunge: the load there has the \
+                 path axes of the next move.",
+                first.name
+            ),
+        ));
+    }
     let singular: Vec<String> = q
         .iter()
         .zip(search.points)

@@ -130,6 +130,42 @@ fn moved(point: &PathPoint, shift: Vector3<f64>, turn: Vector3<f64>) -> PathPoin
     }
 }
 
+/// The path with its stated points moved: point by point `shift` \[mm\] and `turn` \[rad\] by their number; those between
+/// are moved in proportion.
+fn commanded(
+    read: &ReadPath,
+    shift: impl Fn(usize, &PathPoint) -> Vector3<f64>,
+    turn: impl Fn(usize, &PathPoint) -> Vector3<f64>,
+) -> Vec<PathPoint> {
+    let points = &read.points;
+    let places: Vec<Vector3<f64>> = points.iter().map(|point| on_workpiece(point).0).collect();
+    let stated: Vec<usize> = (0..points.len())
+        .filter(|i| read.program.holds(*i))
+        .collect();
+    let of = |k: usize| shift(k, &points[stated[k]]);
+    let along = |from: usize, to: usize| -> f64 {
+        (from..to).map(|i| (places[i + 1] - places[i]).norm()).sum()
+    };
+    let all = points
+        .iter()
+        .enumerate()
+        .map(|(i, point)| match stated.binary_search(&i) {
+            Ok(k) => moved(point, of(k), turn(k, point)),
+            Err(k) => {
+                let behind = k.min(stated.len() - 1);
+                let (from, to) = (stated[k - 1], stated[behind]);
+                let whole = along(from, to.max(i));
+                let share = if whole > 0.0 {
+                    along(from, i) / whole
+                } else {
+                    0.0
+                };
+                moved(point, of(k - 1).lerp(&of(behind), share), Vector3::zeros())
+            }
+        });
+    all.collect()
+}
+
 fn unit(x: f64, y: f64, z: f64) -> Vector3<f64> {
     UnitVector3::new_normalize(Vector3::new(x, y, z)).into_inner()
 }

@@ -26,7 +26,7 @@ const QUIET: &[u16] = &[
 /// G-words, times ten, that move or turn the frame of the points, or go on a spline.
 const REFUSED: &[u16] = &[
     51, 52, 53, 62, 100, 120, 160, 330, 332, 333, 380, 383, 410, 420, 510, 520, 680, 682, 684, 920,
-    921, 922, 923, 5100,
+    921, 922, 923, 5100, 71, 121, 511, 650, 660, 661, 1100, 1110, 1120,
 ];
 
 #[derive(Clone, Copy, PartialEq)]
