@@ -227,10 +227,8 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
                 .or_insert(line.line_number());
             reader.frames.insert(own, pose);
         }
-    } else if reader.is_path && line.assigns() {
-        reader
-            .passed_over
-            .push((line.line_number(), "An assignment"));
+    } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {
+        reader.assigned.push((line.line_number(), name));
     } else {
         line.word("DECL");
         line.word("GLOBAL");

@@ -199,10 +199,8 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         if !reader.is_path {
             ends_at_rest(line)?;
         }
-    } else if reader.is_path && line.assigns() {
-        reader
-            .passed_over
-            .push((line.line_number(), "An assignment"));
+    } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {
+        reader.assigned.push((line.line_number(), name));
     } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
         reader.move_to(line, motion, aim)?;
         frames_of_move(line, reader)?;

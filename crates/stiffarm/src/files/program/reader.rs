@@ -3,7 +3,7 @@
 use super::cursor::{Cursor, Number};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
 use crate::error::{Code, Error, Result};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
 /// Part of a file that has parts.
@@ -15,10 +15,11 @@ pub enum Section {
 }
 
 impl<'a> Cursor<'a> {
-    /// Whether the line sets a variable, or a part of one.
-    pub fn assigns(&self) -> bool {
+    /// The variable that the line sets, as a whole or in part.
+    pub fn assigned(&self) -> Option<&'a str> {
         let mut line = self.clone();
-        line.identifier().is_ok() && (line.passes(".") || line.passes("=") || line.passes(":="))
+        let name = line.identifier().ok()?;
+        (line.passes(".") || line.passes("=") || line.passes(":=")).then_some(name)
     }
 
     /// Whether the line sets a whole variable.
@@ -130,6 +131,10 @@ pub struct Reader<'a> {
     pub used: [BTreeMap<String, usize>; 2],
     /// Name of the procedure that is read.
     pub feature: Option<Arc<str>>,
+    /// Variables that the program sets, with the line.
+    pub assigned: Vec<(usize, &'a str)>,
+    /// Points that moves name, in capital letters.
+    pub named_points: HashSet<String>,
     /// What is not followed, with the line.
     pub passed_over: Vec<(usize, &'a str)>,
     /// What an axis of the controller is called.
@@ -177,6 +182,8 @@ impl<'a> Reader<'a> {
             frames: HashMap::new(),
             used: [BTreeMap::new(), BTreeMap::new()],
             feature: None,
+            assigned: Vec::new(),
+            named_points: HashSet::new(),
             passed_over: Vec::new(),
             axis_name,
             name: String::new(),
@@ -338,10 +345,13 @@ impl<'a> Reader<'a> {
     /// The moves of a tool path, points in place of their labels.
     pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
         self.check_closed()?;
-        let points = &self.points;
-        let resolved = |aim: Aim<'a>, motion: Motion| match aim {
+        let (points, named) = (&self.points, &mut self.named_points);
+        let mut resolved = |aim: Aim<'a>, motion: Motion| match aim {
             Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
-                Some(aim) => Ok(aim.clone()),
+                Some(aim) => {
+                    named.insert(label.to_ascii_uppercase());
+                    Ok(aim.clone())
+                }
                 // A position of the controller, as HOME: not of the path.
                 None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new())),
                 None => Err(place.wrong_here(format!("The program has no point {label}."))),

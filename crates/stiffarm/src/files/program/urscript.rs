@@ -135,10 +135,8 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             reader.frames.insert("TCP".to_string(), pose);
         }
     } else if reader.is_path && assigns(line, reader)? {
-    } else if reader.is_path && line.assigns() {
-        reader
-            .passed_over
-            .push((line.line_number(), "An assignment"));
+    } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {
+        reader.assigned.push((line.line_number(), name));
     } else if line.word("movej") {
         let start = line.clone();
         line.expect("(")?;

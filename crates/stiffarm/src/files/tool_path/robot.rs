@@ -76,6 +76,13 @@ pub(super) fn read(
         }
         .map_err(at)?;
     }
+    for (line, name) in &reader.assigned {
+        if reader.named_points.contains(&name.to_ascii_uppercase()) {
+            builder.remark("point-assigned", name, *line, Severity::Serious, || {
+                format!("The program sets {name} itself ({{}}), and what it says then is not read: the robot goes elsewhere.")
+            });
+        }
+    }
     for (line, word) in std::mem::take(&mut reader.passed_over) {
         builder.not_followed(word, line, Severity::Caution);
     }

@@ -345,6 +345,26 @@ fn points_belong_to_the_feature_that_is_named_before_them() -> Check {
 }
 
 #[test]
+fn points_that_a_program_sets_itself_are_said() -> Check {
+    let dat = "DECL E6POS XP1={X 0,Y 0,Z 50,A 0,B 0,C 180}\n";
+    let kind = Kind::Robot(Language::Krl);
+    let with = |line: &str| {
+        let text = format!("LDAT_ACT=LCPDAT1\n$BWDSTART=FALSE\n{line}\nLIN XP1 C_DIS\n");
+        let companion = Some(("a.dat", dat.as_bytes()));
+        read_tool_path(kind, ("a.src", text.as_bytes()), companion, &cell_with(""))
+    };
+    // What KUKA's own forms set moves no point.
+    assert!(with("XP2.X = 60")?.findings.is_empty());
+    for line in ["XP1.X = 60", "XP1={X 1,Y 2,Z 3,A 90,B 0,C 180}"] {
+        assert_eq!(codes(&with(line)?), ["point-assigned"], "{line}");
+    }
+    let point = "[[0,0,0],[0,1,0,0],[0,0,0,0],[9E9,9E9,9E9,9E9,9E9,9E9]]";
+    let rapid = format!("CONST robtarget p1:={point};\np1.trans.x:=60;\nMoveL p1,v50,z1,t;\n");
+    assert!(codes(&read("a.mod", &rapid)?).contains(&"point-assigned"));
+    Ok(())
+}
+
+#[test]
 fn ways_through_a_program_are_not_followed() -> Check {
     let path = read("a.src", &format!("FOR i=1 TO 3\nLIN {POINT}\nENDFOR\n"))?;
     assert_eq!(codes(&path), ["not-followed"]);
