@@ -42,10 +42,11 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .and_then(|()| options.path.posture_options(cell))
         .map_err(of_path_usage)?;
     let path = session.read_path(&args.path, cell, options.path.axes)?;
+    let language = args.write.and_then(WriteChoice::language);
+    let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {
-        let kept = path.program.as_ref().filter(|_| args.write.is_none());
-        let new = args.write.and_then(WriteChoice::language);
-        check_ending(output, new.map(Kind::Robot).or(kept.map(ToolPath::kind)))?;
+        let new = language.map(Kind::Robot);
+        check_ending(output, new.or(kept.map(ToolPath::kind)))?;
         if let Some(ending) = kept.and_then(ToolPath::companion) {
             outputs.beside(session, output, ending, args.force)?;
         }
@@ -74,20 +75,20 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     } else if wanted {
         let found = &result.compensation;
         let figure = || render_svg(&compensation_figure(found));
-        let points = commanded(cell, &saved.predictor, &path.table, found, args.write)?;
         let mut left = Vec::new();
-        let tables = || match &path.program {
-            Some(program) if args.write.is_none() => {
+        let tables = || {
+            let format = format(cell, &path.table, args.write);
+            let points = commanded(cell, &saved.predictor, &path.table, found, format.kind())?;
+            if let Some(program) = kept {
                 let written = program.write(&path.table.points, &points)?;
                 left = written.findings();
-                Ok(written.files.into_iter().map(|(_, bytes)| bytes).collect())
+                return Ok(written.files.into_iter().map(|(_, bytes)| bytes).collect());
             }
-            _ if args.write.and_then(WriteChoice::language).is_some() => Ok(vec![
-                moves(session, args, cell, &saved.predictor, &points, found)?.into_bytes(),
-            ]),
-            _ => Ok(vec![
-                write_path(&format(cell, &path.table, args.write), &points)?.into_bytes(),
-            ]),
+            let text = match language {
+                Some(language) => moves(session, args, cell, language, &points, found)?,
+                None => write_path(&format, &points)?,
+            };
+            Ok(vec![text.into_bytes()])
         };
         outputs.write(session, tables, figure)?;
         result.postures.findings.extend(left);
@@ -108,22 +109,19 @@ fn is_objected(result: &Compensated) -> bool {
         || result.compensation.objections().next().is_some()
 }
 
-/// A new program of linear moves through the commanded points.
+/// A new program of linear moves through the commanded points, which are poses.
 fn moves(
     session: &Session,
     args: &CompensateArgs,
     cell: &Cell,
-    predictor: &IdentifiedCompliance,
+    language: Language,
     points: &[PathPoint],
     found: &Compensation,
 ) -> Result<String> {
-    let arm = LoadedArm::new(cell, predictor)?;
-    let poses = points.iter().zip(&found.points).map(|(point, found)| {
-        let pose = match &point.target {
-            Aim::Pose(pose) => *pose,
-            _ => arm.tip_pose(&found.command),
-        };
-        (pose, found.command.as_slice())
+    let pairs = points.iter().zip(&found.points);
+    let poses = pairs.filter_map(|(point, found)| match &point.target {
+        Aim::Pose(pose) => Some((*pose, found.command.as_slice())),
+        Aim::Angles(_) | Aim::Axis { .. } => None,
     });
     let poses: Vec<_> = poses.collect();
     let hash = session.last_hash("path").unwrap_or_default();
@@ -133,10 +131,6 @@ fn moves(
         .map(Path::new)
         .and_then(Path::file_stem);
     let name = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let language = args
-        .write
-        .and_then(WriteChoice::language)
-        .unwrap_or(Language::Krl);
     let options = MoveOptions {
         name: if language == Language::Ls {
             name.to_ascii_uppercase()
@@ -188,15 +182,14 @@ fn format(cell: &Cell, table: &PathTable, write: Option<WriteChoice>) -> PathFor
     }
 }
 
-/// The path to command, in angles or poses as the columns of the path or `write` say.
+/// The path to command, in angles or poses as `kind` says.
 fn commanded(
     cell: &Cell,
     predictor: &IdentifiedCompliance,
     table: &PathTable,
     result: &Compensation,
-    write: Option<WriteChoice>,
+    kind: PathKind,
 ) -> Result<Vec<PathPoint>> {
-    let kind = format(cell, table, write).kind();
     let arm = LoadedArm::new(cell, predictor)?;
     let points = table
         .points

@@ -7,9 +7,8 @@ use crate::numerics::control::Control;
 use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
 use crate::work::compensate::{CompensateOptions, Compensation, compensate};
-use crate::work::features::{Deviation, Feature, features, out_of_tolerance};
+use crate::work::features::{Deviation, Feature, features};
 use crate::work::posture_path::PosturePathSummary;
-use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
 /// Options of the result.
@@ -67,7 +66,6 @@ impl Options {
             &options,
             control,
         )?;
-        let arm = LoadedArm::new(cell, &saved.predictor)?;
         let deviation = |i: usize| {
             let point = &compensation.points[i];
             Deviation {
@@ -77,8 +75,13 @@ impl Options {
             }
         };
         let tolerance = self.path.tolerance_mm.map(mm_to_m);
-        let features = features(&arm, &followed.postures, deviation, tolerance);
-        compensation.findings.extend(out_of_tolerance(&features));
+        let (features, finding) = features(
+            (cell, &saved.predictor),
+            &followed.postures,
+            tolerance,
+            deviation,
+        )?;
+        compensation.findings.extend(finding);
         Ok(Compensated {
             compensation,
             postures: followed.summary.clone(),

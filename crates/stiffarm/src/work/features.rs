@@ -1,6 +1,9 @@
 //! What the deflection does to the features of a part: how far they come out beside where they should be.
 
+use crate::error::Result;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::findings::{Finding, Severity, length, length_with_error};
+use crate::model::cell::Cell;
 use crate::model::path::{LoadedPosture, feed_axes};
 use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Vector3};
@@ -87,16 +90,21 @@ impl Verdict {
     }
 }
 
-/// The features of a path; none where it names none and no `tolerance` \[m\] is given.
+/// The features of a path, with what is to be said about a `tolerance` \[m\]; none where the path names none and no
+/// tolerance is given.
+///
+/// # Errors
+/// As [`LoadedArm::new`].
 pub(super) fn features(
-    arm: &LoadedArm,
+    (cell, predictor): (&Cell, &IdentifiedCompliance),
     postures: &[LoadedPosture],
-    deviation: impl Fn(usize) -> Deviation,
     tolerance: Option<f64>,
-) -> Vec<Feature> {
+    deviation: impl Fn(usize) -> Deviation,
+) -> Result<(Vec<Feature>, Option<Finding>)> {
     if tolerance.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
-        return Vec::new();
+        return Ok((Vec::new(), None));
     }
+    let arm = LoadedArm::new(cell, predictor)?;
     let tips: Vec<Isometry3<f64>> = postures.iter().map(|p| arm.tip_pose(&p.q)).collect();
     let feeds = feed_axes(&tips);
     // In the order in which they come first.
@@ -158,18 +166,20 @@ pub(super) fn features(
                 .map(|(own, left)| Verdict::of(left, 0.0, own)),
         }
     });
-    groups.collect()
+    let features: Vec<Feature> = groups.collect();
+    let finding = judged(&features);
+    Ok((features, finding))
 }
 
 /// Whether features keep to their tolerance, as they are or, where that is known, compensated.
-pub(super) fn out_of_tolerance(features: &[Feature]) -> Option<Finding> {
-    let judged = |feature: &&Feature| match feature.compensated_verdict {
+fn judged(features: &[Feature]) -> Option<Finding> {
+    let is_out = |feature: &&Feature| match feature.compensated_verdict {
         Some(verdict) => verdict != Verdict::Passes,
         None => feature
             .verdict
             .is_some_and(|verdict| verdict != Verdict::Passes),
     };
-    let out: Vec<&Feature> = features.iter().filter(judged).collect();
+    let out: Vec<&Feature> = features.iter().filter(is_out).collect();
     let named: Vec<String> = out
         .iter()
         .take(NAMED)

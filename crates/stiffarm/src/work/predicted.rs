@@ -13,9 +13,9 @@ use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
-use crate::work::features::{Deviation, Feature, features, out_of_tolerance};
+use crate::work::features::{Deviation, Feature, features};
 use crate::work::posture_path::PosturePathSummary;
-use crate::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict};
+use crate::work::predict::{LoadPoint, PredictOptions, Prediction, predict};
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
@@ -183,7 +183,6 @@ impl Request {
             &options,
             control,
         )?;
-        let arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
         let deviation = |i: usize| {
             let point = &prediction.points[i];
             Deviation {
@@ -193,8 +192,13 @@ impl Request {
             }
         };
         let tolerance = self.path.tolerance_mm.map(mm_to_m);
-        let features = features(&arm, &loaded.postures, deviation, tolerance);
-        prediction.findings.extend(out_of_tolerance(&features));
+        let (features, finding) = features(
+            (&loaded.cell, &saved.predictor),
+            &loaded.postures,
+            tolerance,
+            deviation,
+        )?;
+        prediction.findings.extend(finding);
         Ok(Predicted {
             prediction,
             postures: loaded.summary.clone(),

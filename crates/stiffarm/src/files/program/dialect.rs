@@ -181,14 +181,14 @@ pub struct PoseForm {
 /// A program of linear moves.
 #[derive(Debug, Clone, Copy)]
 pub struct Moves {
-    /// What stands in its file, as in [`Syntax::files`]; `{base}` is the base, `{speed_m_s}` the speed in m/s.
+    /// What stands in its file, as in [`Syntax::files`]; `{base}` is the base.
     pub template: &'static str,
     /// Tool and base where none are given.
     pub frames: [&'static str; 2],
     /// Most moves.
     pub most: usize,
-    /// The move.
-    pub line: fn(&Leads) -> String,
+    /// The move; the first with what is set before it.
+    pub lines: fn(&Leads) -> Vec<String>,
     /// The point that it goes to, where points stand apart.
     pub point: fn(&Leads) -> Vec<String>,
 }

@@ -15,6 +15,7 @@ use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Leads, Moves, PoseForm, Syntax, Tool};
 use super::reader::{Aim, Motion, Reader};
+use super::text::fixed;
 use crate::error::Result;
 use crate::model::pose::Convention;
 use crate::model::robot::Controller;
@@ -78,15 +79,24 @@ pub const KRL: Dialect = Dialect {
             decimals: [4, 5],
             in_base: false,
             moves: Moves {
-                template: PATH,
+                template: SRC,
                 frames: ["1", "1"],
                 most: usize::MAX,
-                line: |to| match to.number {
-                    1 => format!(
-                        "PTP {{{}}}",
-                        Leads::named(&["A1", "A2", "A3", "A4", "A5", "A6"], &to.angles, " ")
-                    ),
-                    _ => format!("LIN {{{}}} C_DIS", Leads::named(&POSE, &to.pose, " ")),
+                lines: |to| match to.number {
+                    1 => {
+                        let axes = ["A1", "A2", "A3", "A4", "A5", "A6"];
+                        vec![
+                            format!("BAS (#BASE,{})", to.base),
+                            "BAS (#VEL_PTP,10)".to_string(),
+                            format!("$VEL.CP={}", fixed(to.speed_mm_s / 1e3, 5)),
+                            "$APO.CDIS=0.5".to_string(),
+                            format!("PTP {{{}}}", Leads::named(&axes, &to.angles, " ")),
+                        ]
+                    }
+                    _ => vec![format!(
+                        "LIN {{{}}} C_DIS",
+                        Leads::named(&POSE, &to.pose, " ")
+                    )],
                 },
                 point: |_| Vec::new(),
             },
@@ -114,27 +124,6 @@ BAS (#INITMOV,0)
 ;ENDFOLD (BASISTECH INI)
 ;ENDFOLD (INI)
 BAS (#TOOL,{tool})
-{body}
-END
-";
-
-const PATH: &str = "\
-&ACCESS RVP
-&REL 1
-DEF {name} ( )
-; {header}
-;FOLD INI
-;FOLD BASISTECH INI
-GLOBAL INTERRUPT DECL 3 WHEN $STOPMESS==TRUE DO IR_STOPM ( )
-INTERRUPT ON 3
-BAS (#INITMOV,0)
-;ENDFOLD (BASISTECH INI)
-;ENDFOLD (INI)
-BAS (#TOOL,{tool})
-BAS (#BASE,{base})
-BAS (#VEL_PTP,10)
-$VEL.CP={speed_m_s}
-$APO.CDIS=0.5
 {body}
 END
 ";
@@ -176,9 +165,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         } else if reader.is_path && (line.clone().passes("#BASE") || line.clone().passes("#TOOL")) {
             let number = usize::from(line.clone().passes("#BASE"));
             let name = line.rest().trim().to_string();
-            reader.used[number]
-                .entry(name)
-                .or_insert(line.line_number());
+            reader.uses(number, name, line.line_number());
         }
     } else if line.word("MsgNotify") {
         line.expect("(")?;
@@ -209,9 +196,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         let number = usize::from(name == "$BASE");
         if !line.clone().passes("{") {
             let other = format!("{name}={}", line.rest().trim());
-            reader.used[number]
-                .entry(other)
-                .or_insert(line.line_number());
+            reader.uses(number, other, line.line_number());
         } else if let Aim::Pose(pose) = aggregate(line, reader)? {
             let mut own = name.clone();
             // Another value is another frame.
@@ -222,9 +207,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             {
                 own += "'";
             }
-            reader.used[number]
-                .entry(own.clone())
-                .or_insert(line.line_number());
+            reader.uses(number, own.clone(), line.line_number());
             reader.frames.insert(own, pose);
         }
     } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {

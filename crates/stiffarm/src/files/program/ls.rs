@@ -76,13 +76,15 @@ pub const LS: Dialect = Dialect {
             decimals: [3, 3],
             in_base: false,
             moves: Moves {
-                template: PATH,
+                template: LISTING,
                 frames: ["1", "1"],
                 // Lines of a program are numbered with 15 bits.
                 most: 32_000,
-                line: |to| match to.number {
-                    1 => "{n}J P[1] 10% FINE ;".to_string(),
-                    number => format!("{{n}}L P[{number}] {}mm/sec CNT10 ;", to.speed_mm_s),
+                lines: |to| {
+                    vec![match to.number {
+                        1 => "J P[1] 10% FINE ;".to_string(),
+                        number => format!("L P[{number}] {}mm/sec CNT10 ;", to.speed_mm_s),
+                    }]
                 },
                 point: |to| {
                     let [first, second] = match to.number {
@@ -146,38 +148,7 @@ const LISTING: &str = "\
 /PROG  {name}
 /ATTR
 OWNER\t\t= MNEDITOR;
-COMMENT\t\t= \"stiffarm plan\";
-PROG_SIZE\t= 0;
-CREATE\t\t= DATE 00-01-01  TIME 00:00:00;
-MODIFIED\t= DATE 00-01-01  TIME 00:00:00;
-FILE_NAME\t= ;
-VERSION\t\t= 0;
-LINE_COUNT\t= {count};
-MEMORY_SIZE\t= 0;
-PROTECT\t\t= READ_WRITE;
-TCD:  STACK_SIZE\t= 0,
-      TASK_PRIORITY\t= 50,
-      TIME_SLICE\t= 0,
-      BUSY_LAMP_OFF\t= 0,
-      ABORT_REQUEST\t= 0,
-      PAUSE_REQUEST\t= 0;
-DEFAULT_GROUP\t= 1,*,*,*,*;
-CONTROL_CODE\t= 00000000 00000000;
-/MN
-{n}  !{header} ;
-{n}  UFRAME_NUM=0 ;
-{n}  UTOOL_NUM={tool} ;
-{n}{body}
-/POS
-{points}
-/END
-";
-
-const PATH: &str = "\
-/PROG  {name}
-/ATTR
-OWNER\t\t= MNEDITOR;
-COMMENT\t\t= \"stiffarm path\";
+COMMENT\t\t= \"stiffarm {what}\";
 PROG_SIZE\t= 0;
 CREATE\t\t= DATE 00-01-01  TIME 00:00:00;
 MODIFIED\t= DATE 00-01-01  TIME 00:00:00;
@@ -198,7 +169,7 @@ CONTROL_CODE\t= 00000000 00000000;
 {n}  !{header} ;
 {n}  UFRAME_NUM={base} ;
 {n}  UTOOL_NUM={tool} ;
-{body}
+{n}{body}
 /POS
 {points}
 /END
@@ -239,9 +210,7 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     {
         let number = usize::from(line.identifier()?.eq_ignore_ascii_case("UFRAME_NUM"));
         let name = line.rest().trim().trim_end_matches(';').trim().to_string();
-        reader.used[number]
-            .entry(name)
-            .or_insert(line.line_number());
+        reader.uses(number, name, line.line_number());
     } else if reader.is_path {
         return path_move(line, reader);
     } else if line.word("J") {

@@ -90,10 +90,10 @@ pub const RAPID: Dialect = Dialect {
                 template: PATH,
                 frames: ["tool1", "wobj1"],
                 most: usize::MAX,
-                line: |to| {
+                lines: |to| {
                     let (tool, base) = (to.tool, to.base);
                     const NONE: &str = "[9E9,9E9,9E9,9E9,9E9,9E9]";
-                    match to.number {
+                    vec![match to.number {
                         1 => format!(
                             "    MoveAbsJ [[{}],{NONE}],v100,fine,{tool}\\WObj:={base};",
                             to.angles.join(",")
@@ -105,7 +105,7 @@ pub const RAPID: Dialect = Dialect {
                                 "    MoveL [[{place}],[{turn}],[0,0,0,0],{NONE}],[{speed},500,5000,1000],z1,{tool}\\WObj:={base};"
                             )
                         }
-                    }
+                    }]
                 },
                 point: |_| Vec::new(),
             },
@@ -313,15 +313,13 @@ fn frames_of_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<
     if tool.is_empty() || parts.len() < 3 {
         return Err(line.wrong_here("A speed, a zone and a tool are missing here."));
     }
-    reader.used[0]
-        .entry(tool.to_ascii_uppercase())
-        .or_insert(number);
+    reader.uses(0, tool.to_ascii_uppercase(), number);
     let object = words.find_map(|word| {
         let (key, name) = word.split_once(":=")?;
         key.trim().eq_ignore_ascii_case("WObj").then(|| name.trim())
     });
     let object = object.unwrap_or("wobj0").to_ascii_uppercase();
-    reader.used[1].entry(object).or_insert(number);
+    reader.uses(1, object, number);
     Ok(())
 }
 

@@ -263,6 +263,11 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
+    /// A move or a line takes the tool (0) or the base (1) of this name; the first line counts.
+    pub fn uses(&mut self, number: usize, name: String, line: usize) {
+        self.used[number].entry(name).or_insert(line);
+    }
+
     /// A point.
     pub fn point(&mut self, label: &str, aim: Aim<'a>) {
         self.points.insert(label.to_ascii_uppercase(), aim);

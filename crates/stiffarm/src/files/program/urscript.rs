@@ -70,20 +70,23 @@ pub const URSCRIPT: Dialect = Dialect {
                 template: FUNCTION,
                 frames: ["", ""],
                 most: usize::MAX,
-                line: |to| match to.number {
-                    1 => {
-                        let radians = to
-                            .angles
-                            .iter()
-                            .map(|angle| deg_to_rad(angle.parse().unwrap_or(f64::NAN)));
-                        let radians: Vec<String> = radians.map(|angle| fixed(angle, 8)).collect();
-                        format!("  movej([{}], a={ACCELERATION}, v=0.1)", radians.join(", "))
-                    }
-                    _ => format!(
-                        "  movel(p[{}], a={ACCELERATION}, v={}, r=0.0005)",
-                        to.pose.join(", "),
-                        fixed(to.speed_mm_s / 1e3, 5)
-                    ),
+                lines: |to| {
+                    vec![match to.number {
+                        1 => {
+                            let radians = to
+                                .angles
+                                .iter()
+                                .map(|angle| deg_to_rad(angle.parse().unwrap_or(f64::NAN)));
+                            let radians: Vec<String> =
+                                radians.map(|angle| fixed(angle, 8)).collect();
+                            format!("  movej([{}], a={ACCELERATION}, v=0.1)", radians.join(", "))
+                        }
+                        _ => format!(
+                            "  movel(p[{}], a={ACCELERATION}, v={}, r=0.0005)",
+                            to.pose.join(", "),
+                            fixed(to.speed_mm_s / 1e3, 5)
+                        ),
+                    }]
                 },
                 point: |_| Vec::new(),
             },
@@ -129,9 +132,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if reader.is_path && line.word("set_tcp") {
         line.expect("(")?;
         if let Aim::Pose(pose) = aim(line, reader)? {
-            reader.used[0]
-                .entry("TCP".to_string())
-                .or_insert(line.line_number());
+            reader.uses(0, "TCP".to_string(), line.line_number());
             reader.frames.insert("TCP".to_string(), pose);
         }
     } else if reader.is_path && assigns(line, reader)? {

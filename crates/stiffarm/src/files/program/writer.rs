@@ -1,7 +1,7 @@
 //! A program as the files of a language.
 //!
 //! What stands in a file is a text with places in braces. `{name}` is the program's name, `{moves}` the
-//! number of moves. A line with `{header}`, `{scales}`, `{tool}`, `{points}` or `{body}` is written once
+//! number of moves, `{what}` what it is, `{base}` the number of the base. A line with `{header}`, `{scales}`, `{tool}`, `{points}` or `{body}` is written once
 //! for each line of it, and so not at all where there is none. Lines that begin with `{n}` are numbered;
 //! `{count}` is how many they are.
 
@@ -32,7 +32,12 @@ pub fn write(
     let files = syntax.files.iter();
     files
         .map(|(extension, template)| {
-            let words = [("{name}", program.name.as_str()), ("{moves}", &moves)];
+            let words = [
+                ("{name}", program.name.as_str()),
+                ("{moves}", &moves),
+                ("{what}", "plan"),
+                ("{base}", "0"),
+            ];
             let name = if syntax.small_file_names {
                 program.name.to_ascii_lowercase()
             } else {

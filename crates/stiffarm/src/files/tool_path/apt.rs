@@ -75,7 +75,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
                 if let Some(name) = feature(&word, line.rest()) {
                     state.builder.named(name);
                 }
-                if QUIET.split_whitespace().any(|quiet| quiet == word) {
+                if !is_point(&word) && QUIET.split_whitespace().any(|quiet| quiet == word) {
                     continue;
                 }
                 line.passes("/");
@@ -184,19 +184,11 @@ impl State<'_, '_> {
             "RAPID" => self.rapid = true,
             "UNITS" => {
                 self.has_units = true;
-                let unit = match ["INCH", "INCHES", "IN"]
+                let inches = ["INCH", "INCHES", "IN"]
                     .iter()
-                    .any(|inch| has(&statement, inch))
-                {
-                    true => 25.4e-3,
-                    false => 1e-3,
-                };
-                if unit != self.builder.form.unit && self.position.is_some() {
+                    .any(|inch| has(&statement, inch));
+                if !self.builder.measures(inches) {
                     return wrong(&mut statement, "The units change within the path.");
-                }
-                self.builder.form.unit = unit;
-                if unit > 1e-3 {
-                    self.builder.form.decimals[0] = 6;
                 }
             }
             "CIRCLE" => {
@@ -373,9 +365,8 @@ impl State<'_, '_> {
             points: first..self.builder.points.len() + usize::from(!is_arc),
             is_arc,
             text,
-            first: String::new(),
             begin: "GOTO/".to_string(),
-            end: String::new(),
+            ..Divided::default()
         });
     }
 

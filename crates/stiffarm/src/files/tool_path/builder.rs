@@ -7,7 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::path::{PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use crate::units::rad_to_deg;
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
+use nalgebra::{Isometry3, UnitVector3, Vector3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -24,15 +24,6 @@ pub(super) enum Place {
 }
 
 impl Place {
-    pub fn pose(&self) -> Isometry3<f64> {
-        match self {
-            Place::Pose(pose) => *pose,
-            Place::Axis(position, _) => {
-                Isometry3::from_parts((*position).into(), UnitQuaternion::identity())
-            }
-        }
-    }
-
     pub fn position(&self) -> Vector3<f64> {
         match self {
             Place::Pose(pose) => pose.translation.vector,
@@ -110,6 +101,17 @@ impl<'c> Builder<'c> {
             remarks: BTreeMap::new(),
             frames: Vec::new(),
         }
+    }
+
+    /// The program is in inches or in millimetres; false where that changes behind its first point.
+    pub fn measures(&mut self, in_inches: bool) -> bool {
+        let (unit, decimals) = if in_inches { (25.4e-3, 6) } else { (1e-3, 4) };
+        if unit != self.form.unit && !self.points.is_empty() {
+            return false;
+        }
+        self.form.unit = unit;
+        self.form.decimals[0] = decimals;
+        true
     }
 
     /// The points that follow belong to the feature of this name, if it is one.
@@ -249,12 +251,4 @@ impl<'c> Builder<'c> {
         all.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
         all
     }
-}
-
-/// A pose from position \[m\] and rotation.
-pub(super) fn pose(position: Vector3<f64>, rotation: UnitQuaternion<f64>) -> Place {
-    Place::Pose(Isometry3::from_parts(
-        Translation3::from(position),
-        rotation,
-    ))
 }

@@ -152,7 +152,7 @@ struct Slot {
 }
 
 /// An arc or a long move as it stands in a program, and the straight moves that may stand for it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 struct Divided {
     /// Its points; the last one is its end.
     points: std::ops::Range<usize>,

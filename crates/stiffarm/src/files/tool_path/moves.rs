@@ -97,7 +97,7 @@ pub fn write_moves(
     });
     let (mut body, mut list) = (Vec::with_capacity(points.len()), Vec::new());
     for leads in leads {
-        body.push((moves.line)(&leads));
+        body.extend((moves.lines)(&leads));
         list.extend((moves.point)(&leads));
     }
     let header = options
@@ -112,12 +112,11 @@ pub fn write_moves(
             .flat_map(|line| wrapped(&line, HEADER_WIDTH))
             .collect(),
     };
-    let speed = fixed(options.speed_mm_s / 1e3, 5);
     let words = [
         ("{name}", options.name.as_str()),
         ("{tool}", tool),
         ("{base}", base),
-        ("{speed_m_s}", &speed),
+        ("{what}", "path"),
     ];
     let lists = [("{header}", header), ("{body}", body), ("{points}", list)];
     Ok(filled(moves.template, &words, &lists, language.line_end()))

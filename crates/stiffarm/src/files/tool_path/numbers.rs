@@ -112,14 +112,3 @@ pub(super) fn decimals_of(text: &str) -> Option<usize> {
         ),
     }
 }
-
-/// A number with fixed decimals; never `-0.000`.
-pub(super) fn fixed(value: f64, decimals: usize) -> String {
-    let text = format!("{value:.decimals$}");
-    match text.strip_prefix('-') {
-        Some(digits) if digits.bytes().all(|byte| matches!(byte, b'0' | b'.')) => {
-            digits.to_string()
-        }
-        _ => text,
-    }
-}

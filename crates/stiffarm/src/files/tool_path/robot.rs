@@ -5,7 +5,7 @@
 //! the program says them.
 
 use super::arc::Circle;
-use super::builder::{Builder, Place, pose};
+use super::builder::{Builder, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Form, Orientation};
 use crate::error::Result;
 use crate::files::program::{
@@ -99,10 +99,10 @@ struct Walk<'b, 'c> {
 
 impl Walk<'_, '_> {
     fn place(&mut self, to: &Pose) -> Result<Place> {
-        for (own, number) in self.numbers.iter_mut().zip(&to.numbers) {
-            *own = number.map(|number| number.value).or(*own);
+        for (own, number) in self.numbers.iter_mut().zip(to.values()) {
+            *own = number.or(*own);
         }
-        placed(&self.poses, &self.numbers)
+        placed(&self.poses, &self.numbers).map(Place::Pose)
     }
 
     fn go(&mut self, line: usize, to: &Pose, rapid: bool) -> Result<()> {
@@ -112,23 +112,19 @@ impl Walk<'_, '_> {
         if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
             self.builder.divided.push(Divided {
                 points: first..self.builder.points.len() + 1,
-                is_arc: false,
-                text: 0..0,
-                first: String::new(),
-                begin: String::new(),
-                end: String::new(),
+                ..Divided::default()
             });
         }
         self.builder.point(line, &place, rapid);
-        self.slots(to);
+        self.slots(to, self.numbers);
         self.last = Some(place);
         Ok(())
     }
 
-    /// The places of the numbers of the point given last.
-    fn slots(&mut self, to: &Pose) {
+    /// The places of the numbers of the point given last, which are `values` where they are left out.
+    fn slots(&mut self, to: &Pose, values: [Option<f64>; 7]) {
         let count = self.poses.convention.columns().len() + 3;
-        let numbers = to.numbers.iter().zip(self.numbers).take(count);
+        let numbers = to.numbers.iter().zip(values).take(count);
         for (component, (number, value)) in numbers.enumerate() {
             let left_out = Number {
                 value: value.unwrap_or_default(),
@@ -140,50 +136,44 @@ impl Walk<'_, '_> {
         }
     }
 
-    /// Of an arc the points on the way and the end are corrected; those between are there for their loads.
+    /// Of an arc the point on the way and the end are corrected; those between are there for their loads.
     fn arc(&mut self, line: usize, via: &Pose, to: &Pose) -> Result<()> {
         let start = self.last;
         let middle = self.place(via)?;
-        let before = self.numbers;
+        let of_middle = self.numbers;
         let end = self.place(to)?;
         let circle = start.and_then(|start| {
             let circle = Circle::through(start.position(), middle.position(), end.position())?;
             Some((start, circle))
         });
-        let Some((start, circle)) = circle else {
-            let after = std::mem::replace(&mut self.numbers, before);
-            self.builder.point(line, &middle, false);
-            self.slots(via);
-            self.numbers = after;
-            self.builder.point(line, &end, false);
-            self.slots(to);
-            self.last = Some(end);
-            return Ok(());
-        };
-        let half = circle.share_at(middle.position());
-        let mut passed = false;
-        for (share, point) in circle.points() {
-            if share >= half && !passed {
-                let after = std::mem::replace(&mut self.numbers, before);
-                self.builder.point(line, &middle, false);
-                self.slots(via);
-                self.numbers = after;
-                passed = true;
-            }
-            if share < 1.0 {
-                let between = start.towards(&end, share, point);
-                self.builder.point(line, &between, false);
+        let mut between = Vec::new();
+        let mut before = 0;
+        if let Some((start, circle)) = circle {
+            let half = circle.share_at(middle.position());
+            let inner = circle.points().filter(|(share, _)| *share < 1.0);
+            for (share, point) in inner {
+                before += usize::from(share < half);
+                between.push(start.towards(&end, share, point));
             }
         }
+        let (first, second) = between.split_at(before);
+        for place in first {
+            self.builder.point(line, place, false);
+        }
+        self.builder.point(line, &middle, false);
+        self.slots(via, of_middle);
+        for place in second {
+            self.builder.point(line, place, false);
+        }
         self.builder.point(line, &end, false);
-        self.slots(to);
+        self.slots(to, self.numbers);
         self.last = Some(end);
         Ok(())
     }
 }
 
 /// Numbers of a program as a pose, SI.
-fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Place> {
+fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Isometry3<f64>> {
     let count = poses.convention.columns().len() + 3;
     let numbers: Option<Vec<f64>> = numbers[..count].iter().copied().collect();
     let Some(numbers) = numbers else {
@@ -205,7 +195,10 @@ fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Place> {
             turns.iter_mut().for_each(|q| *q /= length);
         }
     }
-    Ok(pose(position, poses.convention.rotation(&turns)?))
+    Ok(Isometry3::from_parts(
+        position.into(),
+        poses.convention.rotation(&turns)?,
+    ))
 }
 
 /// Holds the frames that the program says against those of the cell.
@@ -229,11 +222,7 @@ fn frames(
         for (name, line) in used {
             let given = match (reader.frames.get(name), name.as_str()) {
                 (Some(given), _) => {
-                    let numbers = given.numbers;
-                    let numbers = numbers.map(|number| number.map(|number| number.value));
-                    let given =
-                        placed(poses, &numbers).map_err(|error| error.line(given.line, None));
-                    given?.pose()
+                    placed(poses, &given.values()).map_err(|error| error.line(given.line, None))?
                 }
                 // RAPID's names of the base and of the flange.
                 (None, "WOBJ0" | "TOOL0") => Isometry3::identity(),

@@ -1,9 +1,10 @@
 //! The same program with other numbers.
 
-use super::numbers::{bends, decimals_of, fixed, near};
-use super::targets::{SAME, SAME_PLACE, is_same, placed};
+use super::numbers::{bends, decimals_of, near};
+use super::targets::{SAME, SAME_PLACE, Turned, is_same, placed};
 use super::{Divided, Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::error::{Code, Error, Result};
+use crate::files::program::fixed;
 use crate::findings::{Finding, Severity, length};
 use crate::model::path::PathPoint;
 use crate::units::rad_to_deg;
@@ -124,8 +125,9 @@ impl ToolPath {
             let first = i.checked_sub(1).map_or(0, |before| self.ends[before]);
             let slots = first..self.ends[i];
             let before = writer.numbers;
-            let last = std::mem::replace(&mut place, placed(&self.form, nominal)?.0);
-            writer.aim(slots.clone(), nominal, commanded)?;
+            let (from, was) = placed(&self.form, nominal)?;
+            let last = std::mem::replace(&mut place, from);
+            writer.aim(slots.clone(), (from, was), commanded)?;
             while divided.next_if(|one| one.points.end <= i).is_some() {}
             let Some(own) = divided.peek().filter(|own| own.points.contains(&i)) else {
                 writer.edit(slots, nominal.rapid);
@@ -257,15 +259,14 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// Takes the numbers of a point.
+    /// Takes the numbers of a point, which was at `from`, turned as `was`.
     fn aim(
         &mut self,
         slots: std::ops::Range<usize>,
-        nominal: &PathPoint,
+        (from, was): (Vector3<f64>, Turned),
         commanded: &PathPoint,
     ) -> Result<()> {
         let form = &self.path.form;
-        let (from, was) = placed(form, nominal)?;
         let (position, is) = placed(form, commanded)?;
         let moved = match (position - from).norm() < SAME_PLACE {
             true => Vector3::zeros(),
@@ -352,13 +353,14 @@ impl Writer<'_> {
         let is_written = |slot: &usize| {
             path.slots[*slot].component < 3 || path.form.orientation != Orientation::Kept
         };
+        let texts = slots.filter(is_written).map(|slot| (slot, self.text(slot)));
+        let texts: Vec<(usize, (String, bool))> = texts.collect();
         let turns = |slot: usize| path.slots[slot].length == 0 && path.slots[slot].component >= 3;
         // Of an orientation that a line leaves out all numbers are written, or none.
-        let has_turned = slots
-            .clone()
-            .filter(is_written)
-            .any(|slot| turns(slot) && !self.text(slot).1);
-        for slot in slots.filter(is_written) {
+        let has_turned = texts
+            .iter()
+            .any(|(slot, (_, is_same))| turns(*slot) && !is_same);
+        for (slot, (mut text, is_same)) in texts {
             let Slot {
                 at,
                 length,
@@ -367,7 +369,6 @@ impl Writer<'_> {
                 ..
             } = path.slots[slot];
             let component = usize::from(component);
-            let (mut text, is_same) = self.text(slot);
             if length == 0 {
                 if rapid || is_same && !(turns(slot) && has_turned) {
                     continue;
@@ -375,6 +376,11 @@ impl Writer<'_> {
                 text = format!("{}{text}", path.form.before[component]);
             }
             self.last[component] = self.numbers[component];
+            // Only a point with a name can be that of two moves, which have to agree on its text.
+            let may_be_shared = matches!(path.form.orientation, Orientation::Full { .. });
+            if length > 0 && is_same && !may_be_shared {
+                continue;
+            }
             self.push(file, at, length, text);
         }
     }

@@ -7,30 +7,23 @@
 //! They maximise the volume of a stiffness ellipsoid point by point; here the
 //! deflection under the load of each point is minimised along the whole path.
 
+mod findings;
 mod free_turn;
 mod tracks;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
-use crate::findings::{Finding, Severity, length, percent};
-use crate::model::dexterity::condition_number;
+use crate::findings::Finding;
 use crate::model::inverse::{InverseKinematics, Method, Outcome};
-use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
-use crate::model::path::{LoadedPosture, PathPoint, PathTarget, feed_axes, tip_wrenches};
-use crate::model::process::{ForceAxes, TipLoad};
+use crate::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
+use crate::model::process::TipLoad;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::deg_to_rad;
 use crate::work::predict::LoadedArm;
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, UnitVector3, Vector3};
 use serde::{Deserialize, Serialize};
-
-/// k(J_N), Eq. (21) at a length of 1 m, above which a posture is called singular:
-/// the wrist is within about a degree of straight then.
-const NEARLY_SINGULAR: f64 = 60.0;
-/// Points named in a sentence about several.
-const NAMED: usize = 5;
 
 /// How to find the postures of a path.
 #[derive(Debug, Clone, PartialEq)]
@@ -191,7 +184,7 @@ pub fn posture_path(
             if let Some(q) = &as_given {
                 let wrenches = search.wrenches(&poses)?;
                 let sizes = search.deflections(q, &wrenches)?;
-                given_rms = Some(rms(&sizes));
+                given_rms = Some(search.rms(&sizes));
             }
             let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
             let tips: Vec<Isometry3<f64>> = found.q.iter().map(|q| arm.tip_pose(q)).collect();
@@ -199,7 +192,7 @@ pub fn posture_path(
             match as_given {
                 // A price on joint motion, or the interpolation between knots, may cost
                 // more than the turn gains.
-                Some(q) if given_rms.is_some_and(|given| rms(&sizes) >= given) => {
+                Some(q) if given_rms.is_some_and(|given| search.rms(&sizes) >= given) => {
                     turn = Some(vec![0.0; q.len()]);
                     q
                 }
@@ -213,21 +206,15 @@ pub fn posture_path(
     let tips: Vec<Isometry3<f64>> = q.iter().map(|q| arm.tip_pose(q)).collect();
     let wrenches = search.wrenches(&tips)?;
     let sizes = search.deflections(&q, &wrenches)?;
-    // Rapid moves, which carry no load, do not dilute the path.
-    let sizes = sizes
-        .into_iter()
-        .zip(points)
-        .filter(|(_, point)| !point.rapid);
-    let sizes: Vec<f64> = sizes.map(|(size, _)| size).collect();
     let mut summary = PosturePathSummary {
         origin,
         largest_step: largest_step(&q, points),
-        deflection_rms_m: rms(&sizes),
+        deflection_rms_m: search.rms(&sizes),
         given_rms_m: given_rms,
         turn,
         findings: Vec::new(),
     };
-    summary.findings = findings(&search, &q, &summary);
+    summary.findings = findings::findings(&search, &q, &tips, &summary);
     let postures = points
         .iter()
         .zip(q)
@@ -320,6 +307,13 @@ impl Search<'_> {
         )
     }
 
+    /// RMS of deflections; rapid moves, which carry no load, do not dilute it.
+    fn rms(&self, sizes: &[f64]) -> f64 {
+        let sizes = sizes.iter().zip(self.points);
+        let sizes = sizes.filter(|(_, point)| !point.rapid);
+        rms(&sizes.map(|(size, _)| *size).collect::<Vec<f64>>())
+    }
+
     /// Sizes of the deflections by the linear model \[m\].
     fn deflections(&self, q: &[Vec<f64>], wrenches: &[Wrench]) -> Result<Vec<f64>> {
         let jobs: Vec<(&Vec<f64>, &Wrench)> = q.iter().zip(wrenches).collect();
@@ -371,79 +365,4 @@ impl Search<'_> {
         };
         self.at(i, named)
     }
-}
-
-fn findings(search: &Search<'_>, q: &[Vec<f64>], summary: &PosturePathSummary) -> Vec<Finding> {
-    let mut out = Vec::new();
-    let tips: Vec<Isometry3<f64>> = q.iter().map(|q| search.arm.tip_pose(q)).collect();
-    let process = search.options.process.as_ref();
-    let feeds = feed_axes(&tips);
-    let pairs = search.points.iter().zip(&feeds);
-    let mut borrowed = pairs.filter(|(point, feed)| {
-        let load = point.load.as_ref().or(process);
-        feed.is_none() && load.is_some_and(|load| load.axes == ForceAxes::Path)
-    });
-    if let Some((first, _)) = borrowed.next() {
-        let more = match borrowed.count() {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        out.push(Finding::new(
-            "feed-of-the-next",
-            Severity::Note,
-            "path",
-            format!(
-                "At point {}{more} the path does not move across the tool axis, as in a plunge: the load there has the \
-                 path axes of the next move.",
-                first.name
-            ),
-        ));
-    }
-    let singular: Vec<String> = q
-        .iter()
-        .zip(search.points)
-        .filter(|(q, _)| {
-            let frames = Frames::new(search.arm.robot(), q);
-            let tip = frames.point(&search.arm.tip().translation.vector);
-            condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR)
-        })
-        .map(|(_, point)| match point.line {
-            Some(line) => format!("{} (line {line})", point.name),
-            None => point.name.to_string(),
-        })
-        .collect();
-    if !singular.is_empty() {
-        let shown = singular[..singular.len().min(NAMED)].join(", ");
-        let more = match singular.len().saturating_sub(NAMED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        let (postures, are) = match singular.len() {
-            1 => ("posture at point", "is"),
-            _ => ("postures at points", "are"),
-        };
-        out.push(Finding::new(
-            "singular-posture",
-            Severity::Caution,
-            "path",
-            format!(
-                "The {postures} {shown}{more} {are} singular or nearly so: in one direction the tool hardly moves, \
-                 whatever the joints do, and a controller may stop there."
-            ),
-        ));
-    }
-    if let Some(given) = summary.given_rms_m {
-        let gain = 1.0 - summary.deflection_rms_m / given;
-        let sentence = match given > 0.0 && gain > 0.0 {
-            true => format!(
-                "Turning about the tool axis lowers the RMS deflection by {}, from {} to {}.",
-                percent(gain),
-                length(given),
-                length(summary.deflection_rms_m)
-            ),
-            false => "Turning about the tool axis does not lower the deflection.".to_string(),
-        };
-        out.push(Finding::new("free-turn", Severity::Note, "path", sentence));
-    }
-    out
 }

@@ -129,23 +129,10 @@ proptest! {
 
 #[test]
 fn lines_comments_and_columns_stay() -> Check {
-    let shift = |path: &ReadPath, x: f64| -> Vec<PathPoint> {
-        let points = path.points.iter();
-        points
-            .map(|point| match point.rapid {
-                true => point.clone(),
-                false => moved(
-                    point,
-                    cell_with("").work.workpiece.rotation * Vector3::new(x, 0.0, 0.0),
-                    Vector3::zeros(),
-                ),
-            })
-            .collect()
-    };
     let mut shown = String::new();
     for (name, program) in PROGRAMS {
         let path = read(name, program)?;
-        let written = text(&write(&path, &shift(&path, 0.25))?);
+        let written = text(&write(&path, &corrected(&path, Vector3::x(), |_| 0.25))?);
         let lines = written.lines().zip(1..);
         let long = lines.filter(|(line, number)| *number < 12 || line.len() > 60);
         shown += &format!("== {name}\n");
@@ -245,20 +232,22 @@ fn steps_and_other_paths_are_not_written() -> Check {
     Ok(())
 }
 
-/// Corrections along z of the workpiece \[mm\] by x of the point \[mm\].
-fn bent(path: &ReadPath, correction: impl Fn(f64) -> f64) -> Vec<PathPoint> {
-    let up = cell_with("").work.workpiece.rotation * Vector3::z();
-    let points = path.points.iter();
-    points
-        .map(|point| match point.rapid {
-            true => point.clone(),
-            false => moved(
-                point,
-                up * correction(on_workpiece(point).0.x),
-                Vector3::zeros(),
-            ),
-        })
-        .collect()
+/// Corrections \[mm\] along a direction of the workpiece, by x of the point \[mm\].
+fn corrected(
+    path: &ReadPath,
+    along: Vector3<f64>,
+    correction: impl Fn(f64) -> f64,
+) -> Vec<PathPoint> {
+    let along = cell_with("").work.workpiece.rotation * along;
+    let points = path.points.iter().map(|point| match point.rapid {
+        true => point.clone(),
+        false => moved(
+            point,
+            along * correction(on_workpiece(point).0.x),
+            Vector3::zeros(),
+        ),
+    });
+    points.collect()
 }
 
 #[test]
@@ -267,12 +256,12 @@ fn long_moves_get_points_where_their_correction_bends() -> Check {
     let path = read("a.nc", program)?;
     // In parts of 50 mm at most, and a millimetre from the ends.
     assert_eq!(path.points.len(), 25);
-    let line = bent(&path, |x| 0.1 + 3e-4 * x);
+    let line = corrected(&path, Vector3::z(), |x| 0.1 + 3e-4 * x);
     let expected =
         "N1 G90 G0 X0 Y0 Z5\nN2 G1 Z0.1000 F100\nN3 X1000 Z0.4000 F200 (along)\nN4 G0 Z5\n";
     assert_eq!(text(&write(&path, &line)?), expected);
     let parabola = |x: f64| 0.4 * (1.0 - (x / 500.0 - 1.0).powi(2));
-    let written = text(&write(&path, &bent(&path, parabola))?);
+    let written = text(&write(&path, &corrected(&path, Vector3::z(), parabola))?);
     let again = read("a.nc", &written)?;
     let added = written.lines().count() - program.lines().count();
     assert!((3..10).contains(&added), "{written}");
@@ -293,12 +282,12 @@ fn robots_say_where_a_long_move_would_need_points() -> Check {
     let path = read("a.src", program)?;
     assert_eq!(path.points.len(), 23);
     let parabola = |x: f64| 0.4 * (1.0 - (x / 500.0 - 1.0).powi(2));
-    let written = write(&path, &bent(&path, parabola))?;
+    let written = write(&path, &corrected(&path, Vector3::z(), parabola))?;
     assert_eq!(text(&written), program);
     assert!((written.bend_left - 0.4e-3).abs() < 1e-9);
     assert_eq!(written.findings()[0].code, "bend-left");
     assert!(
-        write(&path, &bent(&path, |x| 1e-3 * x))?
+        write(&path, &corrected(&path, Vector3::z(), |x| 1e-3 * x))?
             .findings()
             .is_empty()
     );

@@ -18,7 +18,7 @@ use words::{Word, axis_component, is_target, words_of};
 
 /// G-words, times ten, that change no point: offsets of tools, feed, exact stop, returns of cycles.
 const QUIET: &[u16] = &[
-    40, 50, 80, 90, 150, 230, 400, 430, 434, 435, 440, 490, 500, 501, 600, 601, 602, 610, 611, 620,
+    50, 80, 90, 150, 230, 400, 430, 434, 435, 440, 490, 500, 501, 600, 601, 602, 610, 611, 620,
     630, 640, 641, 642, 690, 800, 930, 940, 950, 960, 970, 980, 990, 1500, 1600, 6410, 6420, 6430,
     6440, 6450,
 ];
@@ -54,7 +54,6 @@ struct State<'b, 'c> {
     axis: UnitVector3<f64>,
     /// As it was stated last.
     stated: [f64; 3],
-    has_moved: bool,
 }
 
 pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> {
@@ -71,7 +70,6 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         rotary: [0.0; 3],
         axis: Vector3::z_axis(),
         stated: [0.0, 0.0, 1.0],
-        has_moved: false,
     };
     let mut words = Vec::new();
     for mut line in lines(file) {
@@ -152,7 +150,6 @@ impl State<'_, '_> {
         if (end * self.builder.form.unit).amax() > FARTHEST {
             return Err(last.place.wrong(FAR_AWAY));
         }
-        self.has_moved = true;
         if self.steps {
             self.builder
                 .fixed
@@ -238,16 +235,9 @@ impl State<'_, '_> {
             20 | 30 => self.mode = Some(Mode::Arc(code == 30)),
             170 | 180 | 190 => self.plane = [2, 1, 0][usize::from(code / 10 - 17)],
             200 | 700 | 7000 | 210 | 710 | 7100 => {
-                let unit = if matches!(code, 200 | 700 | 7000) {
-                    25.4e-3
-                } else {
-                    1e-3
-                };
-                if self.has_moved && unit != self.builder.form.unit {
+                if !self.builder.measures(matches!(code, 200 | 700 | 7000)) {
                     return Err(place.wrong_here("The units change within the path."));
                 }
-                self.builder.form.unit = unit;
-                self.builder.form.decimals[0] = if unit > 1e-3 { 6 } else { 4 };
             }
             900 => self.steps = false,
             910 => self.steps = true,
@@ -264,8 +254,7 @@ impl State<'_, '_> {
                     });
                 }
             }
-            281 | 40 => return Ok(true),
-            280 | 300 | 530 | 750 => return Ok(true),
+            40 | 280 | 281 | 300 | 530 | 750 => return Ok(true),
             730 | 740 | 760 | 810..=890 => {
                 self.mode = None;
                 self.builder

@@ -1,0 +1,103 @@
+//! What is to be known about the postures of a path, in sentences.
+
+use super::{PosturePathSummary, Search};
+use crate::findings::{Finding, Severity, length, percent};
+use crate::model::dexterity::condition_number;
+use crate::model::kinematics::Frames;
+use crate::model::path::{PathPoint, feed_axes};
+use crate::model::process::ForceAxes;
+use nalgebra::Isometry3;
+
+/// k(J_N), Eq. (21) at a length of 1 m, above which a posture is called singular:
+/// the wrist is within about a degree of straight then.
+const NEARLY_SINGULAR: f64 = 60.0;
+/// Points named in a sentence about several.
+const NAMED: usize = 5;
+
+/// That some loads in path axes have those of another point.
+fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding> {
+    let process = search.options.process.as_ref();
+    let is_along = |point: &PathPoint| {
+        let load = point.load.as_ref().or(process);
+        load.is_some_and(|load| load.axes == ForceAxes::Path)
+    };
+    if !search.points.iter().any(is_along) {
+        return None;
+    }
+    let feeds = feed_axes(tips);
+    let pairs = search.points.iter().zip(&feeds);
+    let mut borrowed = pairs.filter(|(point, feed)| feed.is_none() && is_along(point));
+    let (first, _) = borrowed.next()?;
+    let more = match borrowed.count() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let sentence = format!(
+        "At point {}{more} the path does not move across the tool axis, as in a plunge: the load there has the \
+         path axes of the next move.",
+        first.name
+    );
+    Some(Finding::new(
+        "feed-of-the-next",
+        Severity::Note,
+        "path",
+        sentence,
+    ))
+}
+
+/// All of them, for the postures `q` with the tip at `tips`.
+pub(super) fn findings(
+    search: &Search<'_>,
+    q: &[Vec<f64>],
+    tips: &[Isometry3<f64>],
+    summary: &PosturePathSummary,
+) -> Vec<Finding> {
+    let mut out: Vec<Finding> = borrowed_feed(search, tips).into_iter().collect();
+    let singular: Vec<String> = q
+        .iter()
+        .zip(search.points)
+        .filter(|(q, _)| {
+            let frames = Frames::new(search.arm.robot(), q);
+            let tip = frames.point(&search.arm.tip().translation.vector);
+            condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR)
+        })
+        .map(|(_, point)| match point.line {
+            Some(line) => format!("{} (line {line})", point.name),
+            None => point.name.to_string(),
+        })
+        .collect();
+    if !singular.is_empty() {
+        let shown = singular[..singular.len().min(NAMED)].join(", ");
+        let more = match singular.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let (postures, are) = match singular.len() {
+            1 => ("posture at point", "is"),
+            _ => ("postures at points", "are"),
+        };
+        out.push(Finding::new(
+            "singular-posture",
+            Severity::Caution,
+            "path",
+            format!(
+                "The {postures} {shown}{more} {are} singular or nearly so: in one direction the tool hardly moves, \
+                 whatever the joints do, and a controller may stop there."
+            ),
+        ));
+    }
+    if let Some(given) = summary.given_rms_m {
+        let gain = 1.0 - summary.deflection_rms_m / given;
+        let sentence = match given > 0.0 && gain > 0.0 {
+            true => format!(
+                "Turning about the tool axis lowers the RMS deflection by {}, from {} to {}.",
+                percent(gain),
+                length(given),
+                length(summary.deflection_rms_m)
+            ),
+            false => "Turning about the tool axis does not lower the deflection.".to_string(),
+        };
+        out.push(Finding::new("free-turn", Severity::Note, "path", sentence));
+    }
+    out
+}
