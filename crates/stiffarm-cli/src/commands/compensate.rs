@@ -46,7 +46,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {
         let new = language.map(Kind::Robot);
-        check_ending(output, new.or(kept.map(ToolPath::kind)))?;
+        check_ending(output, new.or(kept.map(ToolPath::kind)), new.is_some())?;
         if let Some(ending) = kept.and_then(ToolPath::companion) {
             outputs.beside(session, output, ending, args.force)?;
         }
@@ -153,16 +153,18 @@ fn moves(
         .map_err(|error| of_usage(error, &["speed_mm_s", "write"]))
 }
 
-/// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table.
-fn check_ending(output: &str, kind: Option<Kind>) -> Result<()> {
+/// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program is new or the one that was read.
+fn check_ending(output: &str, kind: Option<Kind>, is_new: bool) -> Result<()> {
     if output == "-" || Kind::of(output) == kind {
         return Ok(());
     }
     let message = match kind {
+        Some(kind) if is_new => format!("This writes a new program, {}.", kind.title()),
         Some(kind) => format!("This writes the program that was read, {}.", kind.title()),
         None => "This writes a table of the path (CSV).".to_string(),
     };
     let hint = match kind {
+        Some(_) if is_new => "give it the ending of such a program",
         Some(_) => {
             "give it the ending of the path, or write a table with `--write poses` or `--write angles`"
         }

@@ -215,11 +215,12 @@ pub trait Source {
     fn read_path(&self, from: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<NamedPath> {
         let (name, bytes) = self.read("path", from)?;
         let Some(kind) = Kind::of(&name) else {
-            let table = read_path(&bytes, &name, cell, axes)?;
+            let mut table = read_path(&bytes, &name, cell, axes)?;
+            let findings = cell.work.put_on(&mut table.points).into_iter().collect();
             return Ok(NamedPath {
                 table,
                 program: None,
-                findings: Vec::new(),
+                findings,
                 name,
             });
         };
@@ -231,7 +232,8 @@ pub trait Source {
         let beside = beside
             .as_ref()
             .map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-        let read = read_tool_path(kind, (&name, &bytes), beside, cell)?;
+        let mut read = read_tool_path(kind, (&name, &bytes), beside, cell)?;
+        read.findings.extend(cell.work.put_on(&mut read.points));
         let axes_only = read
             .points
             .iter()

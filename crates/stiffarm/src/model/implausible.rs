@@ -87,27 +87,30 @@ pub fn load<'a>(
 /// What of the cell's process can hardly be meant.
 pub fn process(cell: &Cell) -> Vec<Finding> {
     let mut out = Vec::new();
-    let Some(process) = &cell.work.process else {
-        return out;
-    };
-    let (key, given) = match process {
-        Process::Constant(given) => ("work.force", *given),
-        Process::Milling(cut) => {
-            milling(cut, &mut out);
-            ("work.milling", cut.mean_load())
-        }
-    };
-    let wrench = Wrench {
-        force: given.force,
-        moment: given.moment,
-    };
-    out.extend(load(&cell.setup.robot, [(key, &wrench)]));
+    let own = cell.work.process.iter().map(|own| ("work", own));
+    let features = cell.work.features.iter();
+    let of_features = features.filter_map(|own| Some(("work.feature", own.process.as_ref()?)));
+    for (table, process) in own.chain(of_features) {
+        let (kind, given) = match process {
+            Process::Constant(given) => ("force", *given),
+            Process::Milling(cut) => {
+                milling(cut, table, &mut out);
+                ("milling", cut.mean_load())
+            }
+        };
+        let wrench = Wrench {
+            force: given.force,
+            moment: given.moment,
+        };
+        let key = format!("{table}.{kind}");
+        out.extend(load(&cell.setup.robot, [(key.as_str(), &wrench)]));
+    }
     out
 }
 
-fn milling(cut: &Milling, out: &mut Vec<Finding>) {
+fn milling(cut: &Milling, table: &str, out: &mut Vec<Finding>) {
     let mut add = |key: &str, sentence: String| {
-        let key = format!("work.milling.{key}");
+        let key = format!("{table}.milling.{key}");
         out.push(Finding::new(
             "implausible-cut",
             Severity::Serious,

@@ -1,10 +1,12 @@
 //! What the robot works with: the tool tip, the workpiece and the process.
 
 use crate::findings::{Finding, Severity};
-use crate::model::process::Process;
+use crate::model::path::PathPoint;
+use crate::model::process::{Process, TipLoad};
 use crate::model::tool::Tool;
 use crate::units::deg_to_rad;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::sync::Arc;
 
 /// Tip, workpiece and process of a cell.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -15,8 +17,21 @@ pub struct Work {
     pub workpiece: Isometry3<f64>,
     /// The load where a path's rows do not give it.
     pub process: Option<Process>,
+    /// Features of the part with a load or a tolerance of their own.
+    pub features: Vec<FeatureWork>,
     /// Rotary axes of the machine that G-code is for, from the workpiece to the tool.
     pub rotary: Vec<RotaryAxis>,
+}
+
+/// What differs at a feature of the part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeatureWork {
+    /// Its name as a path gives it.
+    pub name: String,
+    /// Its load; `None` is that of the whole path.
+    pub process: Option<Process>,
+    /// How far it may come out beside where it should be \[m\].
+    pub tolerance: Option<f64>,
 }
 
 /// A rotary axis of a machine tool: A turns about x, B about y, C about z.
@@ -68,6 +83,51 @@ impl Work {
     pub fn tip_point(&self, tool: &Tool) -> Option<String> {
         let first = tool.measuring_points.first().filter(|_| self.tip.is_none());
         first.map(|point| point.name.clone())
+    }
+
+    /// What differs at the feature `name`, if anything does.
+    pub fn feature(&self, name: &str) -> Option<&FeatureWork> {
+        let mut features = self.features.iter();
+        features.find(|own| own.name == name)
+    }
+
+    /// Gives the points of a path that have no load the load of their feature, and says which features of the
+    /// cell the path does not name.
+    pub fn put_on(&self, points: &mut [PathPoint]) -> Option<Finding> {
+        let mut unmet: Vec<&FeatureWork> = self.features.iter().collect();
+        // Points of a feature mostly follow one another.
+        let mut last: Option<(Arc<str>, Option<TipLoad>)> = None;
+        for point in points.iter_mut().filter(|_| !self.features.is_empty()) {
+            let Some(name) = &point.feature else {
+                continue;
+            };
+            if last.as_ref().is_none_or(|(known, _)| known != name) {
+                let own = self.feature(name);
+                unmet.retain(|feature| own.is_none_or(|own| own.name != feature.name));
+                let load = own.and_then(|own| own.process.as_ref());
+                last = Some((name.clone(), load.map(Process::load)));
+            }
+            point.load = point.load.or(last.as_ref().and_then(|(_, load)| *load));
+        }
+        let names: Vec<String> = unmet
+            .iter()
+            .map(|own| format!("\"{}\"", own.name))
+            .collect();
+        let (first, are) = match names.len() {
+            0 => return None,
+            1 => ("The feature", "is"),
+            _ => ("The features", "are"),
+        };
+        let sentence = format!(
+            "{first} {} of the cell {are} not in the path: no point has that load or tolerance.",
+            names.join(", ")
+        );
+        Some(Finding::new(
+            "feature-not-in-path",
+            Severity::Caution,
+            "work.feature",
+            sentence,
+        ))
     }
 
     /// Says that a measuring point stands for the tip.

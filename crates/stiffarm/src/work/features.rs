@@ -90,18 +90,18 @@ impl Verdict {
     }
 }
 
-/// The features of a path, with what is to be said about a `tolerance` \[m\]; none where the path names none and no
-/// tolerance is given.
+/// The features of a path, with what is to be said about their tolerances \[m\], the cell's or else the one that is
+/// `given`; none where the path names none and no tolerance is given.
 ///
 /// # Errors
 /// As [`LoadedArm::new`].
 pub(super) fn features(
     (cell, predictor): (&Cell, &IdentifiedCompliance),
     postures: &[LoadedPosture],
-    tolerance: Option<f64>,
+    given: Option<f64>,
     deviation: impl Fn(usize) -> Deviation,
 ) -> Result<(Vec<Feature>, Option<Finding>)> {
-    if tolerance.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
+    if given.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
         return Ok((Vec::new(), None));
     }
     let arm = LoadedArm::new(cell, predictor)?;
@@ -149,6 +149,8 @@ pub(super) fn features(
         });
         let left = left.reduce(|a, b| Some(a?.max(b?))).flatten();
         let across_max_m = across(worst);
+        let tolerance = cell.work.feature(&name).and_then(|own| own.tolerance);
+        let tolerance = tolerance.or(given);
         Feature {
             name: name.to_string(),
             points: points.len(),
@@ -192,19 +194,24 @@ fn judged(features: &[Feature]) -> Option<Finding> {
     let count = features.len();
     let sentence = match (out.len(), count) {
         (0, _) => {
-            let tolerance = features.first()?.tolerance_m?;
+            let tolerances = features.iter().filter_map(|feature| feature.tolerance_m);
+            let (low, high) = (
+                tolerances.clone().reduce(f64::min)?,
+                tolerances.reduce(f64::max)?,
+            );
+            let tolerance = match low == high {
+                true => format!("tolerance of {}", length(low)),
+                false => format!("tolerances of {} to {}", length(low), length(high)),
+            };
             let compensated = features
                 .iter()
-                .all(|feature| feature.compensated_verdict.is_some());
+                .all(|own| own.tolerance_m.is_none() || own.compensated_verdict.is_some());
             let words = if compensated {
                 "Compensated, the"
             } else {
                 "The"
             };
-            let sentence = format!(
-                "{words} path keeps to its tolerance of {}.",
-                length(tolerance)
-            );
+            let sentence = format!("{words} path keeps to its {tolerance}.");
             return Some(Finding::new("tolerance", Severity::Note, "path", sentence));
         }
         (1, 1) => format!(

@@ -5,6 +5,8 @@ use stiffarm::estimate::saved::Saved;
 use stiffarm::files::cell::parse_cell;
 use stiffarm::files::tool_path::{Kind, read_tool_path};
 use stiffarm::model::cell::Cell;
+use stiffarm::model::process::{ForceAxes, Process, TipLoad};
+use stiffarm::model::work::FeatureWork;
 use stiffarm::work::along::PathOptions;
 use stiffarm::work::compensated::Options;
 use stiffarm::work::features::Verdict;
@@ -140,5 +142,56 @@ fn a_tolerance_is_judged_as_it_is_and_compensated() -> Result<()> {
             .all(|feature| feature.compensated_m.is_none())
     );
     assert!((compensated.features[0].across_max_m - found.features[0].across_max_m).abs() < 1e-15);
+    Ok(())
+}
+
+#[test]
+fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
+    let plain = predicted(None)?;
+    let across: Vec<f64> = plain.features.iter().map(|own| own.across_max_m).collect();
+    // The edge under half the load keeps to a tolerance that it would not keep to under the whole one.
+    let of_cell = |name: &str| {
+        let mut cell = cell();
+        cell.work.features = vec![FeatureWork {
+            name: name.to_string(),
+            process: Some(Process::Constant(TipLoad {
+                force: Vector3::new(-100.0, 75.0, 50.0),
+                moment: Vector3::zeros(),
+                axes: ForceAxes::Base,
+            })),
+            tolerance: Some(0.75 * across[1]),
+        }];
+        cell
+    };
+    let cell = of_cell("EDGE");
+    let mut read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
+    assert_eq!(cell.work.put_on(&mut read.points), None);
+    let request = Request::default();
+    let saved = saved(&cell);
+    let loaded = request.loaded(
+        cell,
+        &saved.predictor,
+        Some(&read.points),
+        Control::default(),
+    )?;
+    let found = request.predict(&loaded, &saved, Control::default())?;
+    let [slot, edge] = [0, 1].map(|i| &found.features[i]);
+    assert_eq!((slot.across_max_m, slot.verdict), (across[0], None));
+    assert!(
+        (edge.across_max_m / across[1] - 0.5).abs() < 0.01,
+        "{edge:?}"
+    );
+    assert_eq!(edge.verdict, Some(Verdict::Passes));
+    // Rapid moves stay without load.
+    let idle = loaded.postures.iter().filter(|own| own.wrench.is_zero());
+    let rapid = read.points.iter().filter(|own| own.rapid);
+    assert_eq!(idle.count(), rapid.count());
+
+    let other = of_cell("Egde").work.put_on(&mut read.points);
+    let sentence = other.map(|finding| finding.sentence).unwrap_or_default();
+    assert!(
+        sentence.contains("\"Egde\" of the cell is not in the path"),
+        "{sentence}"
+    );
     Ok(())
 }

@@ -102,6 +102,37 @@ const SLIPS: &[(&str, &str, &str)] = &[
         "axes = \"path\"\n",
         "axes = \"path\"\n[work.milling]\nteeth = 2\n",
     ),
+    // Features.
+    (
+        FORCE,
+        "[work.force]",
+        "feature = [{ name = 'A' }]\n[work.force]",
+    ),
+    (
+        FORCE,
+        "[work.force]",
+        "[[work.feature]]\ntolerance_mm = 0.1\n[work.force]",
+    ),
+    (
+        FORCE,
+        "[work.force]",
+        "[[work.feature]]\nname = 'A'\ntolerance_mm = 0\n[work.force]",
+    ),
+    (
+        FORCE,
+        "[work.force]",
+        "feature = [{ name = 'A', tolerance_mm = 1 }, { name = 'A', tolerance_mm = 2 }]\n[work.force]",
+    ),
+    (
+        FORCE,
+        "[work.force]",
+        "[[work.feature]]\nname = 'A'\n[work.feature.force]\nforce_n = [1, 2, 3]\n[work.force]",
+    ),
+    (
+        FORCE,
+        "[work.force]",
+        "[[work.feature]]\nname = 'A'\nforce = { force_n = [1, 2, 3], axes = 'tool' }\nmilling = { teeth = 2 }\n[work.force]",
+    ),
     // Milling.
     (MILLING, "teeth = 2\n", ""),
     (MILLING, "teeth = 2", "teeth = 0"),

@@ -1,13 +1,15 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::raw::{At, Deg, Fixed, Mm, Number, Placed, RawForce, RawMilling, RawWork, Text, Unit};
+use super::raw::{
+    At, Deg, Fixed, Mm, Number, Placed, RawFeature, RawForce, RawMilling, RawWork, Text, Unit,
+};
 use super::source::Source;
 use crate::error::{Code, Result};
 use crate::model::process::{
     CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
 };
 use crate::model::tool::Tool;
-use crate::model::work::{RotaryAxis, Work};
+use crate::model::work::{FeatureWork, RotaryAxis, Work};
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 /// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
@@ -20,27 +22,18 @@ const DIRECTIONS: [(&str, MillingDirection); 2] = [
 
 /// What the robot works with, as far as the cell says.
 pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool) -> Result<Work> {
-    let Some(raw) = table.map(At::get) else {
+    let Some(table) = table else {
         return Ok(Work::default());
     };
+    let raw = table.get();
     let tip = frame(source, &raw.tip_mm, &raw.tip_rpy_deg, tool.tcp())?;
     let zero = Vector3::zeros();
     let workpiece = frame(source, &raw.workpiece_mm, &raw.workpiece_rpy_deg, zero)?;
-    let process = match (&raw.force, &raw.milling) {
-        (Some(force), Some(milling)) => {
-            let mut given = [("force", force.span()), ("milling", milling.span())];
-            given.sort_by_key(|(_, span)| span.start);
-            let [(first, _), (second, span)] = given;
-            let message =
-                format!("The load of the process is given twice: work.{first} is there already.");
-            let key = format!("work.{second}");
-            let error = source.error_at(Code::Conflict, &key, span, message);
-            return Err(error.hint("keep one of [work.force], [work.milling]"));
-        }
-        (Some(force), None) => Some(Process::Constant(constant(source, force)?)),
-        (None, Some(cut)) => Some(Process::Milling(milling(source, cut)?)),
-        (None, None) => None,
-    };
+    let mut features: Vec<FeatureWork> = Vec::new();
+    for entry in raw.feature.iter().flat_map(At::get) {
+        let feature = feature(source, entry, &features)?;
+        features.push(feature);
+    }
     let rotary = raw.rotary_axes.as_ref();
     let rotary = rotary
         .map(|names| source.each(names, rotary_axis))
@@ -48,8 +41,57 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
     Ok(Work {
         tip,
         workpiece: workpiece.unwrap_or_default(),
-        process,
+        process: process(source, table, (&raw.force, &raw.milling))?,
+        features,
         rotary: rotary.unwrap_or_default(),
+    })
+}
+
+/// The load of `table`.
+fn process(
+    source: &Source<'_>,
+    table: &At<impl Sized>,
+    given: (&Option<At<RawForce>>, &Option<At<RawMilling>>),
+) -> Result<Option<Process>> {
+    Ok(match given {
+        (Some(force), Some(milling)) => {
+            let mut given = [("force", force.span()), ("milling", milling.span())];
+            given.sort_by_key(|(_, span)| span.start);
+            let [(first, _), (second, span)] = given;
+            let [first, second] = [first, second].map(|name| source.path_in(table, name));
+            let message =
+                format!("The load of the process is given twice: {first} is there already.");
+            let error = source.error_at(Code::Conflict, &second, span, message);
+            return Err(error.hint(format!("keep one of {first}, {second}")));
+        }
+        (Some(force), None) => Some(Process::Constant(constant(source, force)?)),
+        (None, Some(cut)) => Some(Process::Milling(milling(source, cut)?)),
+        (None, None) => None,
+    })
+}
+
+/// A feature with a load or a tolerance of its own; `before` are those above it.
+fn feature(
+    source: &Source<'_>,
+    table: &At<RawFeature>,
+    before: &[FeatureWork],
+) -> Result<FeatureWork> {
+    let raw = table.get();
+    let hint = "give the name that the path has: that of its operation, layer or tool path";
+    let name = source.required(table, &raw.name, "name", hint)?;
+    let others = before.iter().map(|feature| feature.name.as_str());
+    let name = source.unique_name(name, others)?;
+    let tolerance = source.optional(&raw.tolerance_mm, Source::positive)?;
+    let process = process(source, table, (&raw.force, &raw.milling))?;
+    if tolerance.is_none() && process.is_none() {
+        let message = "This feature has neither a load nor a tolerance of its own.";
+        let error = source.error(Code::InvalidValue, table, message);
+        return Err(error.hint("give tolerance_mm, [work.feature.force] or [work.feature.milling]"));
+    }
+    Ok(FeatureWork {
+        name,
+        process,
+        tolerance,
     })
 }
 
@@ -87,14 +129,14 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     if force == Vector3::zeros() && moment == Vector3::zeros() {
         let message = "Force and moment are zero: the process bends nothing.";
         let error = source.error(Code::InvalidValue, given, message);
-        return Err(error.hint("give the process force, or remove [work.force]"));
+        return Err(error.hint("give the process force, or remove this table"));
     }
     let hint = "axes = \"base\", \"tool\" (the tip frame), \"workpiece\" or \"path\" (x the feed, z the tool axis)";
     // The frame is never guessed: a wrong one bends the robot another way.
     let Some(axes) = &raw.axes else {
         let message = "The axes of the force are not given.";
-        let key = "work.force.axes";
-        let error = source.error_at(Code::MissingKey, key, given.span(), message);
+        let key = source.path_in(table, "axes");
+        let error = source.error_at(Code::MissingKey, &key, given.span(), message);
         return Err(error.hint(hint));
     };
     Ok(TipLoad {

@@ -3,7 +3,7 @@
 use super::{cell_with, read_with};
 
 /// A file that cannot be read as a path, by its name and text.
-const SLIPS: [(&str, &str); 43] = [
+const SLIPS: [(&str, &str); 44] = [
     ("a.nc", "G90 G0 X0 Y0 Z5\nG41 D1\nG1 X5\n"),
     ("a.nc", "G90 G0 X0 Y0 Z5\nG1 X5 B30\n"),
     ("a.nc", "G1 X#100 Y0 Z0\n"),
@@ -52,6 +52,7 @@ const SLIPS: [(&str, &str); 43] = [
     ("a.cls", "GOTO/1,2,3\nCIRCLE/0,0,0,0,0,1,5\n"),
     ("a.cls", "GOTO/10,5,0,0,2,9\n"),
     ("a.nc", "G90 G0 X0 Y0 Z5\nG51.1 X0\nG1 X5\n"),
+    ("a.nc", "G90 G0 X0 Y0 Z5\nG5 P10000\nG5 I1 J1 P1 Q1 X5 Y5\n"),
     ("a.mpf", "G1 X0 Y0 Z0\nG1 AP=45 RP=20\n"),
     ("a.src", "LIN XP3:{X 10}\n"),
     ("a.mod", "PDispSet [[10,0,0],[1,0,0,0]];\n"),

@@ -20,7 +20,7 @@ pub(super) use columns::{RawColumn, RawColumns};
 pub(super) use instruments::{RawSensor, RawTracker, RawUncertainty};
 pub(super) use route::RawRoute;
 pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
-pub(super) use work::{RawForce, RawMilling, RawWork};
+pub(super) use work::{RawFeature, RawForce, RawMilling, RawWork};
 
 pub(super) use value::{At, Deg, Fixed, List, Mm, Number, Placed, Text, Unit};
 

@@ -27,6 +27,21 @@ tables! {
         force: At<RawForce>,
         /// The mean load of a milling cut.
         milling: At<RawMilling>,
+        /// What differs at features of the part that a path names: operations, layers, tool paths.
+        feature: At<Vec<At<RawFeature>>>,
+    }
+
+    /// Load and tolerance of a feature of the part, where they are not those of the whole path.
+    struct RawFeature as "Feature" {
+        /// Its name as the path gives it.
+        name: Text [required],
+        /// How far it may come out beside where it should be, across the feed, mm (default: that of
+        /// --tolerance-mm).
+        tolerance_mm: Number<Mm>,
+        /// Its load, the same all along.
+        force: At<RawForce>,
+        /// Its load, the mean of a milling cut.
+        milling: At<RawMilling>,
     }
 
     /// A load that is the same all along the path.

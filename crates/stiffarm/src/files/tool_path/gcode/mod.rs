@@ -18,15 +18,15 @@ use words::{Word, axis_component, is_target, words_of};
 
 /// G-words, times ten, that change no point: offsets of tools, feed, exact stop, returns of cycles.
 const QUIET: &[u16] = &[
-    50, 80, 90, 150, 230, 400, 430, 434, 435, 440, 490, 500, 501, 600, 601, 602, 610, 611, 620,
-    630, 640, 641, 642, 690, 800, 930, 940, 950, 960, 970, 980, 990, 1500, 1600, 6410, 6420, 6430,
-    6440, 6450,
+    80, 90, 150, 230, 400, 430, 434, 435, 440, 490, 500, 501, 600, 601, 602, 610, 611, 620, 630,
+    640, 641, 642, 690, 800, 930, 940, 950, 960, 970, 980, 990, 1500, 1600, 6410, 6420, 6430, 6440,
+    6450,
 ];
 
 /// G-words, times ten, that move or turn the frame of the points, or go on a spline.
 const REFUSED: &[u16] = &[
-    51, 52, 53, 62, 100, 120, 160, 330, 332, 333, 380, 383, 410, 420, 510, 520, 680, 682, 684, 920,
-    921, 922, 923, 5100, 71, 121, 511, 650, 660, 661, 1100, 1110, 1120,
+    50, 51, 52, 53, 62, 100, 120, 160, 330, 332, 333, 380, 383, 410, 420, 510, 520, 680, 682, 684,
+    920, 921, 922, 923, 5100, 71, 121, 511, 650, 660, 661, 1100, 1110, 1120,
 ];
 
 #[derive(Clone, Copy, PartialEq)]
@@ -88,8 +88,9 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
 impl State<'_, '_> {
     fn block(&mut self, words: &[Word<'_>], beside: &str, file: &ProgramFile) -> Result<()> {
         let mut skips = false;
+        let goes = words.iter().any(|word| matches!(word.letter, b'X'..=b'Z'));
         for word in words.iter().filter(|word| word.letter == b'G') {
-            skips |= self.prepare(word)?;
+            skips |= self.prepare(word, goes)?;
         }
         for word in words.iter().filter(|word| word.letter == b'M') {
             if matches!(word.number.value as i64, 97 | 98 | 198) {
@@ -224,8 +225,9 @@ impl State<'_, '_> {
         });
     }
 
-    /// Takes a G-word; true where the points of its block are none of the path.
-    fn prepare(&mut self, word: &Word<'_>) -> Result<bool> {
+    /// Takes a G-word of a block that `goes` to a point or does not; true where the points of its block are none of
+    /// the path.
+    fn prepare(&mut self, word: &Word<'_>, goes: bool) -> Result<bool> {
         let code = (word.number.value * 10.0).round() as u16;
         let line = word.place.line_number();
         let mut place = word.place.clone();
@@ -263,6 +265,8 @@ impl State<'_, '_> {
                             .to_string()
                     });
             }
+            // FANUC's contour control, unless it goes somewhere: then it is LinuxCNC's spline.
+            50 | 51 if !goes => {}
             code if REFUSED.contains(&code) => {
                 let message =
                     "This changes where the points lie, or goes on a curve, and is not read here.";
