@@ -46,7 +46,8 @@ pub struct PathArgs {
         allow_negative_numbers = true
     )]
     pub max_step_deg: f64,
-    /// How far a feature of the path may come out beside where it should be where the cell does not say [mm]: tells of each whether it does
+    /// How far features of the path that have no tolerance in the cell may come out beside where they should be [mm]: says
+    /// of each whether it does
     #[arg(long, value_name = "X", value_parser = number("mm"), allow_negative_numbers = true)]
     pub tolerance_mm: Option<f64>,
     /// The turn about the tool axis is free: try N of them at each point and take the postures that

@@ -153,7 +153,8 @@ fn moves(
         .map_err(|error| of_usage(error, &["speed_mm_s", "write"]))
 }
 
-/// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program is new or the one that was read.
+/// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program
+/// is new or the one that was read.
 fn check_ending(output: &str, kind: Option<Kind>, is_new: bool) -> Result<()> {
     if output == "-" || Kind::of(output) == kind {
         return Ok(());

@@ -214,45 +214,56 @@ pub trait Source {
     /// A file that cannot be read, or anything wrong with it.
     fn read_path(&self, from: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<NamedPath> {
         let (name, bytes) = self.read("path", from)?;
-        let Some(kind) = Kind::of(&name) else {
-            let mut table = read_path(&bytes, &name, cell, axes)?;
-            let findings = cell.work.put_on(&mut table.points).into_iter().collect();
-            return Ok(NamedPath {
-                table,
+        let mut path = match Kind::of(&name) {
+            Some(kind) => program_path(self, kind, from, (name, &bytes), cell)?,
+            None => NamedPath {
+                table: read_path(&bytes, &name, cell, axes)?,
                 program: None,
-                findings,
+                findings: Vec::new(),
                 name,
-            });
-        };
-        let beside = kind.companion().and_then(|ending| {
-            let beside = Path::new(from).with_extension(ending);
-            // A program need not have one.
-            self.read("path_points", &beside.to_string_lossy()).ok()
-        });
-        let beside = beside
-            .as_ref()
-            .map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-        let mut read = read_tool_path(kind, (&name, &bytes), beside, cell)?;
-        read.findings.extend(cell.work.put_on(&mut read.points));
-        let axes_only = read
-            .points
-            .iter()
-            .any(|p| matches!(p.target, PathTarget::Axis { .. }));
-        let kind = if axes_only {
-            PathKind::ToolAxes
-        } else {
-            PathKind::Poses
-        };
-        Ok(NamedPath {
-            table: PathTable {
-                points: read.points,
-                format: PathFormat::new(kind, cell),
             },
-            program: Some(read.program),
-            findings: read.findings,
-            name,
-        })
+        };
+        let features = cell.work.put_on(&mut path.table.points);
+        path.findings.extend(features);
+        Ok(path)
     }
+}
+
+/// A path as a program, with the file that is beside `from` where its kind has one.
+fn program_path<S: Source + ?Sized>(
+    source: &S,
+    kind: Kind,
+    from: &str,
+    (name, bytes): (String, &[u8]),
+    cell: &Cell,
+) -> Result<NamedPath> {
+    let beside = kind.companion().and_then(|ending| {
+        let beside = Path::new(from).with_extension(ending);
+        // A program need not have one.
+        source.read("path_points", &beside.to_string_lossy()).ok()
+    });
+    let beside = beside
+        .as_ref()
+        .map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+    let read = read_tool_path(kind, (&name, bytes), beside, cell)?;
+    let axes_only = read
+        .points
+        .iter()
+        .any(|p| matches!(p.target, PathTarget::Axis { .. }));
+    let kind = if axes_only {
+        PathKind::ToolAxes
+    } else {
+        PathKind::Poses
+    };
+    Ok(NamedPath {
+        table: PathTable {
+            points: read.points,
+            format: PathFormat::new(kind, cell),
+        },
+        program: Some(read.program),
+        findings: read.findings,
+        name,
+    })
 }
 
 /// Files of measurements, and controller angles from `postures`.

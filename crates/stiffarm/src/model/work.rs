@@ -1,12 +1,11 @@
 //! What the robot works with: the tool tip, the workpiece and the process.
 
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, list};
 use crate::model::path::PathPoint;
-use crate::model::process::{Process, TipLoad};
+use crate::model::process::Process;
 use crate::model::tool::Tool;
 use crate::units::deg_to_rad;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use std::sync::Arc;
 
 /// Tip, workpiece and process of a cell.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -94,33 +93,27 @@ impl Work {
     /// Gives the points of a path that have no load the load of their feature, and says which features of the
     /// cell the path does not name.
     pub fn put_on(&self, points: &mut [PathPoint]) -> Option<Finding> {
-        let mut unmet: Vec<&FeatureWork> = self.features.iter().collect();
-        // Points of a feature mostly follow one another.
-        let mut last: Option<(Arc<str>, Option<TipLoad>)> = None;
-        for point in points.iter_mut().filter(|_| !self.features.is_empty()) {
-            let Some(name) = &point.feature else {
-                continue;
-            };
-            if last.as_ref().is_none_or(|(known, _)| known != name) {
-                let own = self.feature(name);
-                unmet.retain(|feature| own.is_none_or(|own| own.name != feature.name));
-                let load = own.and_then(|own| own.process.as_ref());
-                last = Some((name.clone(), load.map(Process::load)));
+        let mut missing: Vec<String> = Vec::new();
+        for own in &self.features {
+            let load = own.process.as_ref().map(Process::load);
+            let mut is_missing = true;
+            let is_own = |point: &&mut PathPoint| point.feature.as_deref() == Some(&own.name);
+            for point in points.iter_mut().filter(is_own) {
+                point.load = point.load.or(load);
+                is_missing = false;
             }
-            point.load = point.load.or(last.as_ref().and_then(|(_, load)| *load));
+            if is_missing {
+                missing.push(format!("\"{}\"", own.name));
+            }
         }
-        let names: Vec<String> = unmet
-            .iter()
-            .map(|own| format!("\"{}\"", own.name))
-            .collect();
-        let (first, are) = match names.len() {
+        let (first, are) = match missing.len() {
             0 => return None,
             1 => ("The feature", "is"),
             _ => ("The features", "are"),
         };
         let sentence = format!(
             "{first} {} of the cell {are} not in the path: no point has that load or tolerance.",
-            names.join(", ")
+            list(&missing)
         );
         Some(Finding::new(
             "feature-not-in-path",

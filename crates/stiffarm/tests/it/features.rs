@@ -5,6 +5,7 @@ use stiffarm::estimate::saved::Saved;
 use stiffarm::files::cell::parse_cell;
 use stiffarm::files::tool_path::{Kind, read_tool_path};
 use stiffarm::model::cell::Cell;
+use stiffarm::model::path::PathPoint;
 use stiffarm::model::process::{ForceAxes, Process, TipLoad};
 use stiffarm::model::work::FeatureWork;
 use stiffarm::work::along::PathOptions;
@@ -31,8 +32,12 @@ fn saved(cell: &Cell) -> Saved {
 }
 
 fn predicted(tolerance_mm: Option<f64>) -> Result<Predicted> {
-    let cell = cell();
-    let read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
+    Ok(predicted_in(cell(), tolerance_mm)?.1)
+}
+
+fn predicted_in(cell: Cell, tolerance_mm: Option<f64>) -> Result<(Vec<PathPoint>, Predicted)> {
+    let mut read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
+    assert_eq!(cell.work.put_on(&mut read.points), None);
     let request = Request {
         path: PathOptions {
             tolerance_mm,
@@ -47,7 +52,8 @@ fn predicted(tolerance_mm: Option<f64>) -> Result<Predicted> {
         Some(&read.points),
         Control::default(),
     )?;
-    request.predict(&loaded, &saved, Control::default())
+    let found = request.predict(&loaded, &saved, Control::default())?;
+    Ok((read.points, found))
 }
 
 #[test]
@@ -163,18 +169,7 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
         }];
         cell
     };
-    let cell = of_cell("EDGE");
-    let mut read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
-    assert_eq!(cell.work.put_on(&mut read.points), None);
-    let request = Request::default();
-    let saved = saved(&cell);
-    let loaded = request.loaded(
-        cell,
-        &saved.predictor,
-        Some(&read.points),
-        Control::default(),
-    )?;
-    let found = request.predict(&loaded, &saved, Control::default())?;
+    let (mut path, found) = predicted_in(of_cell("EDGE"), None)?;
     let [slot, edge] = [0, 1].map(|i| &found.features[i]);
     assert_eq!((slot.across_max_m, slot.verdict), (across[0], None));
     assert!(
@@ -183,11 +178,12 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
     );
     assert_eq!(edge.verdict, Some(Verdict::Passes));
     // Rapid moves stay without load.
-    let idle = loaded.postures.iter().filter(|own| own.wrench.is_zero());
-    let rapid = read.points.iter().filter(|own| own.rapid);
+    let points = found.prediction.points.iter();
+    let idle = points.filter(|own| own.force_n == [0.0; 3]);
+    let rapid = path.iter().filter(|own| own.rapid);
     assert_eq!(idle.count(), rapid.count());
 
-    let other = of_cell("Egde").work.put_on(&mut read.points);
+    let other = of_cell("Egde").work.put_on(&mut path);
     let sentence = other.map(|finding| finding.sentence).unwrap_or_default();
     assert!(
         sentence.contains("\"Egde\" of the cell is not in the path"),

@@ -41,7 +41,7 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
     Ok(Work {
         tip,
         workpiece: workpiece.unwrap_or_default(),
-        process: process(source, table, (&raw.force, &raw.milling))?,
+        process: process(source, table, &raw.force, &raw.milling)?,
         features,
         rotary: rotary.unwrap_or_default(),
     })
@@ -51,11 +51,12 @@ pub(super) fn work(source: &Source<'_>, table: Option<&At<RawWork>>, tool: &Tool
 fn process(
     source: &Source<'_>,
     table: &At<impl Sized>,
-    given: (&Option<At<RawForce>>, &Option<At<RawMilling>>),
+    force: &Option<At<RawForce>>,
+    cut: &Option<At<RawMilling>>,
 ) -> Result<Option<Process>> {
-    Ok(match given {
-        (Some(force), Some(milling)) => {
-            let mut given = [("force", force.span()), ("milling", milling.span())];
+    Ok(match (force, cut) {
+        (Some(force), Some(cut)) => {
+            let mut given = [("force", force.span()), ("milling", cut.span())];
             given.sort_by_key(|(_, span)| span.start);
             let [(first, _), (second, span)] = given;
             let [first, second] = [first, second].map(|name| source.path_in(table, name));
@@ -82,7 +83,7 @@ fn feature(
     let others = before.iter().map(|feature| feature.name.as_str());
     let name = source.unique_name(name, others)?;
     let tolerance = source.optional(&raw.tolerance_mm, Source::positive)?;
-    let process = process(source, table, (&raw.force, &raw.milling))?;
+    let process = process(source, table, &raw.force, &raw.milling)?;
     if tolerance.is_none() && process.is_none() {
         let message = "This feature has neither a load nor a tolerance of its own.";
         let error = source.error(Code::InvalidValue, table, message);
