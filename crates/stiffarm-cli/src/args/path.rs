@@ -19,6 +19,10 @@ pub struct PathArgs {
     /// Moment about the tip [N·m], with --force-n
     #[arg(long, value_name = "X,Y,Z", value_parser = triple("moment_nm"), allow_hyphen_values = true, requires = "force_n")]
     pub moment_nm: Option<Triple>,
+    /// Recorded load along the path: a table of along_mm or time_s, from the path's first point, and forces (with --axes) or
+    /// power_w of the spindle
+    #[arg(value_hint = ValueHint::FilePath, long, value_name = "log.csv", requires = "path", conflicts_with = "force_n")]
+    pub log: Option<String>,
     /// Standard uncertainty of the load at work [%]
     #[arg(
         long,
@@ -73,7 +77,7 @@ pub struct PredictArgs {
     pub along: PathArgs,
     /// The cell's own [load], acting at its loading point, instead of a load at the tip; the deflection is that of the
     /// tip all the same
-    #[arg(long, conflicts_with_all = ["force_n", "axes", "free_turn"])]
+    #[arg(long, conflicts_with_all = ["force_n", "axes", "free_turn", "log"])]
     pub cell_load: bool,
     /// With --cell-load: which of several load cases
     #[arg(long, value_name = "NAME", requires = "cell_load")]

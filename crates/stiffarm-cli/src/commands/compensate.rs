@@ -41,7 +41,8 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     wrong
         .and_then(|()| options.path.posture_options(cell))
         .map_err(of_path_usage)?;
-    let path = session.read_path(&args.path, cell, options.path.axes)?;
+    let (axes, log) = (options.path.axes, args.along.log.as_deref());
+    let path = session.read_path(&args.path, cell, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {

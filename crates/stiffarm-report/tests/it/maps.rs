@@ -194,6 +194,7 @@ fn places_are_a_panel_per_turn_with_given_and_best() {
                 Isometry3::from_parts(Translation3::new(0.03 * f64::from(i), 0.0, 0.0), down());
             PathPoint {
                 feature: None,
+                feed: None,
                 rapid: false,
                 name: i.to_string().into(),
                 line: None,

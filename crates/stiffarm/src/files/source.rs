@@ -8,7 +8,7 @@ use super::cell::parse_cell_bytes_with;
 use super::registration::read_registration;
 use super::stiffness::read_stiffness;
 use super::table::{
-    PathFormat, PathKind, PathTable, holds_measurements, read_growing_measurements,
+    PathFormat, PathKind, PathTable, holds_measurements, read_growing_measurements, read_log,
     read_measurements, read_measurements_of, read_path, read_postures,
 };
 use super::tool_path::{Kind, ToolPath, read_tool_path};
@@ -18,6 +18,7 @@ use crate::findings::Finding;
 use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
 use crate::model::cell::Cell;
+use crate::model::implausible;
 use crate::model::measurement::{Candidate, Measurements};
 use crate::model::path::PathTarget;
 use crate::model::posture::{Posture, PostureGroup};
@@ -208,11 +209,17 @@ pub trait Source {
     }
 
     /// Reads a path of the tool's tip, a table or a program as the ending of its name says
-    /// ([`Kind::of`]); `axes` are those of its forces where no column says so.
+    /// ([`Kind::of`]); `axes` are those of its forces where no column says so. `log` is a recorded load along it.
     ///
     /// # Errors
     /// A file that cannot be read, or anything wrong with it.
-    fn read_path(&self, from: &str, cell: &Cell, axes: Option<ForceAxes>) -> Result<NamedPath> {
+    fn read_path(
+        &self,
+        from: &str,
+        cell: &Cell,
+        axes: Option<ForceAxes>,
+        log: Option<&str>,
+    ) -> Result<NamedPath> {
         let (name, bytes) = self.read("path", from)?;
         let mut path = match Kind::of(&name) {
             Some(kind) => program_path(self, kind, from, (name, &bytes), cell)?,
@@ -223,8 +230,21 @@ pub trait Source {
                 name,
             },
         };
+        if let Some(log) = log {
+            let (name, bytes) = self.read("log", log)?;
+            let read = read_log(&bytes, &name, cell, axes)?;
+            let put = read.put_on(cell, &mut path.table.points);
+            let put = put.map_err(|error| match error.place().line {
+                Some(_) => error.file(path.name.as_str()),
+                None => error.file(name),
+            });
+            path.findings.extend(put?);
+        }
         let features = cell.work.put_on(&mut path.table.points);
+        let features = features.map_err(|error| error.file(path.name.as_str()))?;
         path.findings.extend(features);
+        path.findings
+            .extend(implausible::chips(&cell.work, &path.table.points));
         Ok(path)
     }
 }

@@ -4,8 +4,10 @@
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
+use crate::model::path::PathPoint;
 use crate::model::process::{Milling, Process};
 use crate::model::robot::{Robot, catalogue};
+use crate::model::work::Work;
 use crate::units::m_to_mm;
 use nalgebra::Vector3;
 
@@ -19,6 +21,8 @@ const FORCE: f64 = 1e5;
 const LEVER: f64 = 2.0;
 /// Tangential cutting coefficients that materials have, foam to nickel alloys \[Pa\].
 const COEFFICIENT: [f64; 2] = [1e6, 2e10];
+/// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
+pub(crate) const FEEDS_PER_TOOTH_MM: [f64; 2] = [5e-4, 5.0];
 /// Longest cutters \[m\].
 const CUTTER: f64 = 0.3;
 
@@ -92,10 +96,15 @@ pub fn process(cell: &Cell) -> Vec<Finding> {
     let of_features = features.filter_map(|own| Some(("work.feature", own.process.as_ref()?)));
     for (table, process) in own.chain(of_features) {
         let (kind, given) = match process {
-            Process::Constant(given) => ("force", *given),
+            Process::Constant(given, _) => ("force", *given),
             Process::Milling(cut) => {
                 milling(cut, table, &mut out);
                 ("milling", cut.mean_load())
+            }
+            // What it puts on the tip is known where there is a path.
+            Process::MillingAtFeed(cut) => {
+                milling(cut, table, &mut out);
+                continue;
             }
         };
         let wrench = Wrench {
@@ -106,6 +115,34 @@ pub fn process(cell: &Cell) -> Vec<Finding> {
         out.extend(load(&cell.setup.robot, [(key.as_str(), &wrench)]));
     }
     out
+}
+
+/// That the feed of a path cuts chips that no tooth cuts, where the cell gives the speed of the spindle.
+pub fn chips(work: &Work, points: &[PathPoint]) -> Option<Finding> {
+    let [low, high] = FEEDS_PER_TOOTH_MM;
+    let mut beyond = points.iter().filter_map(|point| {
+        let Some(Process::MillingAtFeed(cut)) = work.process_at(point) else {
+            return None;
+        };
+        let chip = m_to_mm(point.feed? * cut.feed_per_tooth);
+        (!point.rapid && !(low..=high).contains(&chip)).then_some((point, chip))
+    });
+    let (first, chip) = beyond.next()?;
+    let more = match beyond.count() {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let sentence = format!(
+        "At point {}{more} the feed is {chip:.2e} mm a tooth, and no tooth cuts that: check spindle_rpm, teeth and \
+         the unit of the feed.",
+        first.name
+    );
+    Some(Finding::new(
+        "implausible-cut",
+        Severity::Serious,
+        "work.milling.spindle_rpm",
+        sentence,
+    ))
 }
 
 fn milling(cut: &Milling, table: &str, out: &mut Vec<Finding>) {

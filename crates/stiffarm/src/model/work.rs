@@ -1,5 +1,6 @@
 //! What the robot works with: the tool tip, the workpiece and the process.
 
+use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
 use crate::model::path::PathPoint;
 use crate::model::process::Process;
@@ -92,14 +93,17 @@ impl Work {
 
     /// Gives the points of a path that have no load the load of their feature, and says which features of the
     /// cell the path does not name.
-    pub fn put_on(&self, points: &mut [PathPoint]) -> Option<Finding> {
+    ///
+    /// # Errors
+    /// A load follows from the feed, and the feed is not known.
+    pub fn put_on(&self, points: &mut [PathPoint]) -> Result<Option<Finding>> {
         let mut missing: Vec<String> = Vec::new();
         for own in &self.features {
             let load = own.process.as_ref().map(Process::load);
             let mut is_missing = true;
             let is_own = |point: &&mut PathPoint| point.feature.as_deref() == Some(&own.name);
             for point in points.iter_mut().filter(is_own) {
-                point.load = point.load.or(load);
+                point.load = point.load_by(load.as_ref())?;
                 is_missing = false;
             }
             if is_missing {
@@ -107,7 +111,7 @@ impl Work {
             }
         }
         let (first, are) = match missing.len() {
-            0 => return None,
+            0 => return Ok(None),
             1 => ("The feature", "is"),
             _ => ("The features", "are"),
         };
@@ -115,12 +119,19 @@ impl Work {
             "{first} {} of the cell {are} not in the path: no point has that load or tolerance.",
             list(&missing)
         );
-        Some(Finding::new(
+        Ok(Some(Finding::new(
             "feature-not-in-path",
             Severity::Caution,
             "work.feature",
             sentence,
-        ))
+        )))
+    }
+
+    /// The process at a point: that of its feature, else that of the whole path.
+    pub fn process_at(&self, point: &PathPoint) -> Option<&Process> {
+        let feature = point.feature.as_deref();
+        let own = feature.and_then(|name| self.feature(name)?.process.as_ref());
+        own.or(self.process.as_ref())
     }
 
     /// Says that a measuring point stands for the tip.

@@ -72,6 +72,11 @@ pub fn min_to_s(min: f64) -> f64 {
     min * 60.0
 }
 
+/// Turns per minute to turns per second.
+pub fn rpm_to_hz(rpm: f64) -> f64 {
+    rpm / 60.0
+}
+
 /// Per cent to a fraction.
 pub fn percent_to_fraction(percent: f64) -> f64 {
     percent / 1e2

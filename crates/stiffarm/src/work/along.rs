@@ -127,7 +127,7 @@ impl PathOptions {
             ));
         }
         let process = match self.load()? {
-            Some(load) => Some(load),
+            Some(load) => Some(load.into()),
             None => cell.work.process.as_ref().map(|p| p.load()),
         };
         Ok(PosturePathOptions {

@@ -111,7 +111,7 @@ impl Request {
             };
             return (Some(wrench), LoadSource::Given);
         }
-        match cell.work.process.as_ref().map(|p| p.load()) {
+        match cell.work.process.as_ref().and_then(|p| p.load().at(None)) {
             Some(load) if load.axes != ForceAxes::Path && load.force.norm() > 0.0 => {
                 let turn = match load.axes {
                     ForceAxes::Tool => *rotation,

@@ -37,7 +37,7 @@ fn predicted(tolerance_mm: Option<f64>) -> Result<Predicted> {
 
 fn predicted_in(cell: Cell, tolerance_mm: Option<f64>) -> Result<(Vec<PathPoint>, Predicted)> {
     let mut read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
-    assert_eq!(cell.work.put_on(&mut read.points), None);
+    assert_eq!(cell.work.put_on(&mut read.points).unwrap(), None);
     let request = Request {
         path: PathOptions {
             tolerance_mm,
@@ -160,11 +160,14 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
         let mut cell = cell();
         cell.work.features = vec![FeatureWork {
             name: name.to_string(),
-            process: Some(Process::Constant(TipLoad {
-                force: Vector3::new(-100.0, 75.0, 50.0),
-                moment: Vector3::zeros(),
-                axes: ForceAxes::Base,
-            })),
+            process: Some(Process::Constant(
+                TipLoad {
+                    force: Vector3::new(-100.0, 75.0, 50.0),
+                    moment: Vector3::zeros(),
+                    axes: ForceAxes::Base,
+                },
+                None,
+            )),
             tolerance: Some(0.75 * across[1]),
         }];
         cell
@@ -183,7 +186,7 @@ fn features_of_the_cell_have_their_own_load_and_tolerance() -> Result<()> {
     let rapid = path.iter().filter(|own| own.rapid);
     assert_eq!(idle.count(), rapid.count());
 
-    let other = of_cell("Egde").work.put_on(&mut path);
+    let other = of_cell("Egde").work.put_on(&mut path).unwrap();
     let sentence = other.map(|finding| finding.sentence).unwrap_or_default();
     assert!(
         sentence.contains("\"Egde\" of the cell is not in the path"),

@@ -198,7 +198,7 @@ fn signs_that_a_machinist_knows() {
     assert!(up.force.z > 0.0 && up.moment.z < 0.0 && down.moment.z < 0.0);
     assert_eq!(
         Process::Milling(cut(0.002, MillingDirection::Up)).load(),
-        up
+        up.into()
     );
 }
 

@@ -4,7 +4,7 @@
 use crate::common::prelude::*;
 use nalgebra::UnitVector3;
 use stiffarm::model::path::{PathPoint, PathTarget};
-use stiffarm::model::process::TipLoad;
+use stiffarm::model::process::{ProcessLoad, TipLoad};
 use stiffarm::work::posture_path::{Origin, PosturePathOptions, PosturePathSummary, posture_path};
 
 fn arm(cell: &Cell) -> LoadedArm {
@@ -14,6 +14,7 @@ fn arm(cell: &Cell) -> LoadedArm {
 fn point(i: usize, target: PathTarget) -> PathPoint {
     PathPoint {
         feature: None,
+        feed: None,
         rapid: false,
         name: (i + 1).to_string().into(),
         line: Some(i + 2),
@@ -39,12 +40,13 @@ fn poses(poses: &[Isometry3<f64>]) -> Vec<PathPoint> {
     targets.enumerate().map(|(i, t)| point(i, t)).collect()
 }
 
-fn milling() -> Option<TipLoad> {
-    Some(TipLoad {
+fn milling() -> Option<ProcessLoad> {
+    let load = TipLoad {
         force: Vector3::new(-180.0, 240.0, -60.0),
         moment: Vector3::zeros(),
         axes: ForceAxes::Path,
-    })
+    };
+    Some(load.into())
 }
 
 fn run(

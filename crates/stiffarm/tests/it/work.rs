@@ -46,7 +46,7 @@ fn what_may_be_left_out_of_the_work() -> Check {
     let tool = &cell.setup.tool;
     assert_eq!(cell.work.tip(tool), Isometry3::translation(0.0, 0.0, 0.35));
     assert_eq!(cell.work.workpiece, Isometry3::identity());
-    let Some(Process::Constant(load)) = cell.work.process else {
+    let Some(Process::Constant(load, None)) = cell.work.process else {
         panic!("a constant load");
     };
     assert_eq!(load.force.as_slice(), [-200.0, 150.0, 100.0]);
@@ -74,7 +74,7 @@ fn what_may_be_left_out_of_the_work() -> Check {
     for (word, axes) in ForceAxes::NAMES {
         let text = format!("{CELL}{FORCE}").replace("path", word);
         let load = parse_cell(&text, "cell.toml")?.work.process.ok_or("none")?;
-        assert_eq!(load.load().axes, axes);
+        assert_eq!(load.load().load.axes, axes);
     }
     Ok(())
 }

@@ -42,8 +42,9 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         wrong.map_err(of_path_usage)?;
     }
     let path = args.path.as_ref();
+    let (axes, log) = (request.path.axes, args.along.log.as_deref());
     let path = path
-        .map(|path| session.read_path(path, &named.cell, request.path.axes))
+        .map(|path| session.read_path(path, &named.cell, axes, log))
         .transpose()?;
     let progress = Progress::new(session, "predicting deflections");
     let points = path.as_ref().map(|path| path.table.points.as_slice());

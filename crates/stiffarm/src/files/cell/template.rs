@@ -311,7 +311,7 @@ posture_common_mm = 0
 # diameter_mm = 16
 # axial_depth_mm = 3
 # radial_depth_mm = 8
-# feed_per_tooth_mm = 0.1
+# feed_per_tooth_mm = 0.1  # or spindle_rpm: the path then gives the feed
 # direction = "down"
 # k_tc_n_per_mm2 = 800  # EDIT: of the order of aluminium alloys
 # k_rc_n_per_mm2 = 200
@@ -319,6 +319,12 @@ posture_common_mm = 0
 # k_te_n_per_mm = 20
 # k_re_n_per_mm = 20
 # k_ae_n_per_mm = 0
+
+# What differs at a feature of the part that the path names: load (also milling) and tolerance.
+# [[work.feature]]
+# name = "POCKET 1"
+# tolerance_mm = 0.3
+# force = {{ force_n = {roughing}, axes = "path" }}
 "#,
         name = start.name,
         quoted = quoted(&cell_name(start.name)),

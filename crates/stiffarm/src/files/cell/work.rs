@@ -5,15 +5,13 @@ use super::raw::{
 };
 use super::source::Source;
 use crate::error::{Code, Result};
+use crate::model::implausible::FEEDS_PER_TOOTH_MM;
 use crate::model::process::{
-    CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, TipLoad,
+    CuttingCoefficients, ForceAxes, Milling, MillingDirection, Process, SpindlePower, TipLoad,
 };
 use crate::model::tool::Tool;
 use crate::model::work::{FeatureWork, RotaryAxis, Work};
 use nalgebra::{Isometry3, Translation3, Vector3};
-
-/// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
-const FEEDS_PER_TOOTH_MM: [f64; 2] = [5e-4, 5.0];
 
 const DIRECTIONS: [(&str, MillingDirection); 2] = [
     ("up", MillingDirection::Up),
@@ -65,8 +63,11 @@ fn process(
             let error = source.error_at(Code::Conflict, &second, span, message);
             return Err(error.hint(format!("keep one of {first}, {second}")));
         }
-        (Some(force), None) => Some(Process::Constant(constant(source, force)?)),
-        (None, Some(cut)) => Some(Process::Milling(milling(source, cut)?)),
+        (Some(force), None) => Some(Process::Constant(
+            constant(source, force)?,
+            power(source, force.get())?,
+        )),
+        (None, Some(cut)) => Some(milling(source, cut)?),
         (None, None) => None,
     })
 }
@@ -120,6 +121,21 @@ fn frame(
     Ok(Some(Isometry3::from_parts(origin, rotation)))
 }
 
+/// Powers of the spindle with the force and without it.
+fn power(source: &Source<'_>, raw: &RawForce) -> Result<Option<SpindlePower>> {
+    let idle = source.optional(&raw.idle_power_w, Source::not_negative)?;
+    let loaded = source.optional(&raw.power_w, Source::positive)?;
+    if let (Some(given), true) = (&raw.idle_power_w, idle >= loaded) {
+        let message =
+            "The idling spindle must take less than power_w, which is that under the force.";
+        return Err(source.error(Code::InvalidValue, given, message));
+    }
+    Ok(loaded.map(|loaded| SpindlePower {
+        loaded,
+        idle: idle.unwrap_or_default(),
+    }))
+}
+
 fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     let raw = table.get();
     let hint = "give the force on the robot at the tip: force_n = [x, y, z] in newtons";
@@ -147,7 +163,7 @@ fn constant(source: &Source<'_>, table: &At<RawForce>) -> Result<TipLoad> {
     })
 }
 
-fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Milling> {
+fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Process> {
     let raw = table.get();
     let hint = "give the number of teeth of the cutter";
     let given = source.required(table, &raw.teeth, "teeth", hint)?;
@@ -177,8 +193,43 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Milling> {
         let error = source.error(Code::InvalidValue, width, message);
         return Err(error.hint("a full slot has radial_depth_mm = diameter_mm"));
     }
-    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm";
-    let feed = source.required(table, &raw.feed_per_tooth_mm, "feed_per_tooth_mm", hint)?;
+    let (feed_per_tooth, kind): (f64, fn(Milling) -> Process) = match (
+        &raw.feed_per_tooth_mm,
+        &raw.spindle_rpm,
+    ) {
+        (None, Some(speed)) => {
+            let teeth_per_second = source.positive(speed)? * f64::from(number);
+            (1.0 / teeth_per_second, Process::MillingAtFeed)
+        }
+        (Some(_), Some(speed)) => {
+            let message = "feed_per_tooth_mm is there already, and the feed per tooth follows from spindle_rpm.";
+            let error = source.error(Code::Conflict, speed, message);
+            return Err(error.hint("keep spindle_rpm where the path gives its feed"));
+        }
+        (feed, None) => (chip(source, table, feed, diameter_mm)?, Process::Milling),
+    };
+    let hint = "direction = \"up\" (conventional) or direction = \"down\" (climb)";
+    let given = source.required(table, &raw.direction, "direction", hint)?;
+    Ok(kind(Milling {
+        teeth: number,
+        diameter: diameter_m,
+        axial_depth: depth_m,
+        radial_depth: width_m,
+        feed_per_tooth,
+        direction: source.choice(given, &DIRECTIONS, hint)?,
+        coefficients: coefficients(source, table)?,
+    }))
+}
+
+/// The feed per tooth \[m\].
+fn chip(
+    source: &Source<'_>,
+    table: &At<RawMilling>,
+    given: &Option<Number<Mm>>,
+    diameter_mm: f64,
+) -> Result<f64> {
+    let hint = "feed per tooth = feed rate / (spindle speed · teeth), in mm; or give spindle_rpm where the path gives its feed";
+    let feed = source.required(table, given, "feed_per_tooth_mm", hint)?;
     let feed_m = source.positive(feed)?;
     let feed_mm = feed.get();
     let [low, high] = FEEDS_PER_TOOTH_MM;
@@ -196,17 +247,7 @@ fn milling(source: &Source<'_>, table: &At<RawMilling>) -> Result<Milling> {
         let error = source.error(Code::InvalidValue, feed, message);
         return Err(error.hint(hint));
     }
-    let hint = "direction = \"up\" (conventional) or direction = \"down\" (climb)";
-    let given = source.required(table, &raw.direction, "direction", hint)?;
-    Ok(Milling {
-        teeth: number,
-        diameter: diameter_m,
-        axial_depth: depth_m,
-        radial_depth: width_m,
-        feed_per_tooth: feed_m,
-        direction: source.choice(given, &DIRECTIONS, hint)?,
-        coefficients: coefficients(source, table)?,
-    })
+    Ok(feed_m)
 }
 
 fn coefficients(source: &Source<'_>, table: &At<RawMilling>) -> Result<CuttingCoefficients> {

@@ -14,7 +14,7 @@
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Leads, Moves, PoseForm, Syntax, Tool};
-use super::reader::{Aim, Motion, Reader};
+use super::reader::{Aim, Motion, Reader, leading};
 use super::text::fixed;
 use crate::error::Result;
 use crate::model::pose::Convention;
@@ -162,6 +162,9 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             line.expect(",")?;
             reader.speed = line.percent()?;
             line.expect(")")?;
+        } else if line.passes("#VEL_CP") {
+            line.expect(",")?;
+            reader.feed = line.number().ok();
         } else if reader.is_path && (line.clone().passes("#BASE") || line.clone().passes("#TOOL")) {
             let number = usize::from(line.clone().passes("#BASE"));
             let name = line.rest().trim().to_string();
@@ -180,6 +183,9 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
                 "This position is calculated by the controller: only stated positions are read.",
             ));
         }
+        if let Some((_, own)) = line.rest().split_once("$VEL.CP=") {
+            reader.at_feed(leading(own));
+        }
         if !reader.is_path {
             line.end()?;
         } else if line.clone().passes(",") {
@@ -187,6 +193,10 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
                 line.wrong_here("An arc that ends at an angle of its own (CA) is not read here.")
             );
         }
+    } else if reader.is_path && line.passes("$VEL.CP") {
+        line.expect("=")?;
+        // What is calculated is not known.
+        reader.feed = line.number().ok();
     } else if reader.is_path
         && (line.clone().passes("$BASE") || line.clone().passes("$TOOL"))
         && line.clone().assigns_whole()

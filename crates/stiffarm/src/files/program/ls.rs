@@ -12,7 +12,7 @@
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
-use super::reader::{Aim, Motion, OpenPoint, Reader, Section};
+use super::reader::{Aim, Motion, OpenPoint, Reader, Section, leading};
 use crate::error::Result;
 use crate::model::pose::Convention;
 use crate::model::robot::Controller;
@@ -248,6 +248,7 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     if let Some((start, via)) = reader.arc.take() {
         let aim = Aim::Label(place, point(line)?);
         reader.moves(start, Motion::Circular, Some(via), aim);
+        reader.at_feed(feed(line.rest()));
         return Ok(true);
     }
     let words = [
@@ -271,9 +272,26 @@ fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     }
     match motion {
         Motion::Circular => reader.arc = Some((place, aim)),
-        _ => reader.moves(place, motion, None, aim),
+        _ => {
+            reader.moves(place, motion, None, aim);
+            reader.at_feed(feed(line.rest()));
+        }
     }
     Ok(true)
+}
+
+/// The feed that stands behind the point, `100mm/sec` \[m/s\].
+fn feed(rest: &str) -> Option<f64> {
+    let units = [
+        ("mm/sec", 1e-3),
+        ("cm/min", 1e-2 / 60.0),
+        ("inch/min", 25.4e-3 / 60.0),
+    ];
+    let rest = rest.trim_start();
+    let unit = rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let mut units = units.iter();
+    let (_, unit) = units.find(|(name, _)| unit.trim_start().starts_with(name))?;
+    Some(leading(rest)? * unit)
 }
 
 /// `P[1]`, with or without a comment.

@@ -12,7 +12,7 @@
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Tool};
-use super::reader::{Aim, Motion, Pose, Reader};
+use super::reader::{Aim, Motion, Pose, Reader, leading};
 use crate::error::Result;
 use crate::model::pose::Convention;
 use crate::model::robot::Controller;
@@ -181,6 +181,12 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
             let frame = frame(line, reader)?;
             reader.frames.insert(label, frame);
         }
+    } else if declares && line.word("speeddata") {
+        let label = line.identifier()?.to_ascii_uppercase();
+        if let Some(speed) = line.rest().split_once('[') {
+            let speed = leading(speed.1).map(|mm| (label, mm * 1e-3));
+            reader.feeds.extend(speed);
+        }
     } else if line.word("VelSet") {
         reader.speed = line.percent()?;
     } else if line.word("TPWrite") {
@@ -313,6 +319,10 @@ fn frames_of_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<
     if tool.is_empty() || parts.len() < 3 {
         return Err(line.wrong_here("A speed, a zone and a tool are missing here."));
     }
+    let speed = parts[1].trim().trim_start_matches('[').to_ascii_uppercase();
+    let known = reader.feeds.get(&speed).copied();
+    let stated = leading(speed.trim_start_matches('V')).map(|mm| mm * 1e-3);
+    reader.at_feed(known.or(stated));
     reader.uses(0, tool.to_ascii_uppercase(), number);
     let object = words.find_map(|word| {
         let (key, name) = word.split_once(":=")?;

@@ -101,6 +101,8 @@ pub struct Leg<'a> {
     pub aim: Aim<'a>,
     /// Name of the procedure that it stands in.
     pub feature: Option<Arc<str>>,
+    /// Feed \[m/s\], where the program states it.
+    pub feed: Option<f64>,
     speed: u8,
     marked: Option<(MoveKind, String)>,
 }
@@ -119,6 +121,10 @@ pub struct Reader<'a> {
     pub is_path: bool,
     /// Speed of the moves that come, in per cent.
     pub speed: u8,
+    /// Feed of the moves that come \[m/s\].
+    pub feed: Option<f64>,
+    /// Feeds that the program gives \[m/s\], by their names in capital letters.
+    pub feeds: HashMap<String, f64>,
     pub section: Section,
     pub open: Option<OpenPoint<'a>>,
     /// An arc whose end is still to come: where its word stands, and its point on the way.
@@ -149,6 +155,13 @@ pub struct Reader<'a> {
     said: Vec<String>,
 }
 
+/// The number that a text begins with.
+pub fn leading(text: &str) -> Option<f64> {
+    let text = text.trim_start();
+    let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.'));
+    text[..end.unwrap_or(text.len())].parse().ok()
+}
+
 /// The one file of most languages.
 pub fn only<'a>(files: &'a [ProgramFile], title: &str) -> Result<&'a ProgramFile> {
     match files {
@@ -175,6 +188,8 @@ impl<'a> Reader<'a> {
             joints,
             is_path: false,
             speed: 100,
+            feed: None,
+            feeds: HashMap::new(),
             section: Section::Head,
             open: None,
             arc: None,
@@ -237,9 +252,17 @@ impl<'a> Reader<'a> {
             via: via.map(Box::new),
             aim,
             feature: self.feature.clone(),
+            feed: self.feed,
             speed: self.speed,
             marked: self.next.take(),
         }));
+    }
+
+    /// The feed of the move given last \[m/s\].
+    pub fn at_feed(&mut self, feed: Option<f64>) {
+        if let Some(Read::Leg(leg)) = self.steps.last_mut() {
+            leg.feed = feed;
+        }
     }
 
     /// A move whose word has been read: to the aims that stand next.

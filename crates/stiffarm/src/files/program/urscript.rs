@@ -129,6 +129,7 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
         line.expect("(")?;
         reader.move_to(line, motion, aim)?;
+        reader.at_feed(feed(line.rest()));
     } else if reader.is_path && line.word("set_tcp") {
         line.expect("(")?;
         if let Aim::Pose(pose) = aim(line, reader)? {
@@ -163,6 +164,24 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         return Ok(false);
     }
     Ok(true)
+}
+
+/// The feed behind the pose of `movel(p[…], a, v, t)` \[m/s\]; a time takes its place.
+fn feed(rest: &str) -> Option<f64> {
+    let end = rest.find([')', '#']).unwrap_or(rest.len());
+    let parts = rest[..end].split(',').map(str::trim).skip(1);
+    let mut given = [None; 3];
+    for (at, part) in parts.enumerate() {
+        let (name, value) = part.split_once('=').unwrap_or(("", part));
+        let named = ["a", "v", "t"].iter().position(|own| *own == name.trim());
+        if let Some(own) = given
+            .get_mut(named.unwrap_or(at))
+            .filter(|_| named.is_some() || name.is_empty())
+        {
+            *own = value.trim().parse::<f64>().ok();
+        }
+    }
+    given[1].filter(|_| given[2].is_none_or(|time| time == 0.0))
 }
 
 /// `name = p[…]`, with or without `global`.

@@ -33,6 +33,7 @@ mod foreign;
 mod grid;
 mod heading;
 mod loads;
+mod log;
 mod measurements;
 mod naming;
 mod pairs;
@@ -53,6 +54,7 @@ pub(crate) use columns::own_heading;
 pub(crate) use columns::own_headings;
 pub use dh::read_dh_rows;
 pub use displacements::read_displacements;
+pub use log::read_log;
 pub use measurements::{
     holds_measurements, read_growing_measurements, read_measurements, read_measurements_of,
 };

@@ -17,6 +17,8 @@ pub(super) enum Quantity {
     Moment,
     Angle,
     Time,
+    Feed,
+    Power,
 }
 
 /// A unit: how it stands at the end of a heading, and its way to SI and back.
@@ -37,6 +39,8 @@ impl Unit {
             Quantity::Moment,
             Quantity::Angle,
             Quantity::Time,
+            Quantity::Feed,
+            Quantity::Power,
         ];
         let mut units = quantities.into_iter().map(Quantity::units);
         let own = units.find(|units| units.iter().any(|unit| unit == self))?;
@@ -113,6 +117,13 @@ mod units {
         unit("min", min_to_s, |s| s / 60.0),
         unit("d", |d| d * 86400.0, |s| s / 86400.0),
     ];
+    pub(super) static FEED: [Unit; 4] = [
+        unit("mm_per_min", |mm| mm / 60e3, |m| m * 60e3),
+        unit("m_per_min", |m| m / 60.0, |m| m * 60.0),
+        unit("mm_per_s", mm_to_m, m_to_mm),
+        unit("in_per_min", |inches| inches * 0.0254 / 60.0, |m| m / 0.0254 * 60.0),
+    ];
+    pub(super) static POWER: [Unit; 2] = [unit("w", same, same), unit("kw", |kw| kw * 1e3, |w| w / 1e3)];
 }
 
 impl Quantity {
@@ -125,6 +136,8 @@ impl Quantity {
             Quantity::Moment => &units::MOMENT,
             Quantity::Angle => &units::ANGLE,
             Quantity::Time => &units::TIME,
+            Quantity::Feed => &units::FEED,
+            Quantity::Power => &units::POWER,
         }
     }
 
@@ -138,6 +151,8 @@ impl Quantity {
             Quantity::Moment => "moments",
             Quantity::Angle => "angles",
             Quantity::Time => "times",
+            Quantity::Feed => "feeds",
+            Quantity::Power => "powers",
         }
     }
 }

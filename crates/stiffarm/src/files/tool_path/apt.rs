@@ -75,6 +75,9 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
                 if let Some(name) = feature(&word, line.rest()) {
                     state.builder.named(name);
                 }
+                if word == "FEDRAT" {
+                    feed(line.rest(), line.line_number(), state.builder);
+                }
                 if !is_point(&word) && QUIET.split_whitespace().any(|quiet| quiet == word) {
                     continue;
                 }
@@ -122,6 +125,28 @@ fn feature<'a>(word: &str, rest: &'a str) -> Option<&'a str> {
         _ => return None,
     };
     names.trim_start().strip_prefix('/')?.split(',').next()
+}
+
+/// `FEDRAT/2500,MMPM`, in either order; without a unit it is that of the file, per minute.
+fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
+    let end = rest.find('$').unwrap_or(rest.len());
+    let parts = rest[..end].split([',', '/']).map(str::trim);
+    let mut unit = builder.form.unit;
+    let mut number = None;
+    for part in parts {
+        match part.to_ascii_uppercase().as_str() {
+            "MMPM" => unit = 1e-3,
+            "IPM" => unit = 25.4e-3,
+            word @ ("MMPR" | "IPR" | "PERREV" | "INVERS" | "INVERSE") => {
+                let word = format!("FEDRAT/{word}");
+                builder.not_followed(&word, line, Severity::Note);
+                builder.feed = None;
+                return;
+            }
+            _ => number = number.or(part.parse::<f64>().ok()),
+        }
+    }
+    builder.feed = number.filter(|own| *own > 0.0).map(|own| own * unit / 60.0);
 }
 
 /// Numbers and words with commas between them; true where the next line goes on.

@@ -63,6 +63,12 @@ impl Circle {
         Circle::about(start + centre, axis, start, end)
     }
 
+    /// Its length \[m\].
+    pub fn length(&self) -> f64 {
+        let rise = self.axis.dot(&(self.end - self.start));
+        (self.sweep * (self.start - self.centre).norm()).hypot(rise)
+    }
+
     /// Share of the arc at which it passes nearest to `point`.
     pub fn share_at(&self, point: Vector3<f64>) -> f64 {
         let (from, to) = (self.start - self.centre, point - self.centre);

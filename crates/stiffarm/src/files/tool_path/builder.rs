@@ -76,6 +76,8 @@ pub(super) struct Builder<'c> {
     pub fixed: Option<(usize, &'static str)>,
     /// Name of the feature that the points belong to.
     pub feature: Option<Arc<str>>,
+    /// Feed of the points \[m/s\].
+    pub feed: Option<f64>,
     remarks: BTreeMap<(&'static str, String), Remark>,
     frames: Vec<Finding>,
 }
@@ -98,6 +100,7 @@ impl<'c> Builder<'c> {
             divided: Vec::new(),
             fixed: None,
             feature: None,
+            feed: None,
             remarks: BTreeMap::new(),
             frames: Vec::new(),
         }
@@ -142,6 +145,7 @@ impl<'c> Builder<'c> {
                 axes: ForceAxes::Base,
             }),
             feature: self.feature.clone(),
+            feed: self.feed.filter(|_| !rapid),
             rapid,
         });
         self.ends.push(self.slots.len());

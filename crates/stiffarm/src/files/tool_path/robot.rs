@@ -69,6 +69,7 @@ pub(super) fn read(
             }
         };
         walk.builder.feature = leg.feature;
+        walk.builder.feed = leg.feed;
         let at = |error: crate::Error| error.line(line, None).file(files[0].name.as_str());
         match via {
             Some(via) => walk.arc(line, &via, &to),

@@ -3,7 +3,7 @@
 use super::PathPoint;
 use crate::error::{Code, Error, Result};
 use crate::model::load::Wrench;
-use crate::model::process::{ForceAxes, TipLoad};
+use crate::model::process::{ForceAxes, ProcessLoad};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
 
 /// Points nearer than this count as one \[m\]; so does what is left of a feed
@@ -70,11 +70,12 @@ pub fn load_axes(mut feeds: Vec<Option<Rotation3<f64>>>) -> Vec<Option<Rotation3
 /// `workpiece` the pose of the workpiece frame there.
 ///
 /// # Errors
-/// A load in the axes of the path where it nowhere moves across the tool axis.
+/// A load in the axes of the path where it nowhere moves across the tool axis, or one that follows from a feed
+/// that is not known.
 pub fn tip_wrenches(
     points: &[PathPoint],
     poses: &[Isometry3<f64>],
-    process: Option<&TipLoad>,
+    process: Option<&ProcessLoad>,
     workpiece: &Isometry3<f64>,
 ) -> Result<Vec<Wrench>> {
     let feeds = load_axes(feed_axes(poses));
@@ -88,10 +89,10 @@ pub(crate) fn tip_wrench(
     point: &PathPoint,
     pose: &Isometry3<f64>,
     feed: Option<&Rotation3<f64>>,
-    process: Option<&TipLoad>,
+    process: Option<&ProcessLoad>,
     workpiece: &Isometry3<f64>,
 ) -> Result<Wrench> {
-    let Some(load) = point.load.as_ref().or(process) else {
+    let Some(load) = point.load_by(process)? else {
         return Ok(Wrench::force(Vector3::zeros()));
     };
     let axes = match load.axes {
@@ -111,10 +112,6 @@ fn no_feed(point: &PathPoint) -> Error {
         "The load at point {} is given in the axes of the path, but there the path does not move across the tool axis.",
         point.name
     );
-    let error = Error::new(Code::InvalidValue, message)
-        .hint("give that point's force in base, tool or workpiece axes");
-    match point.line {
-        Some(line) => error.line(line, None),
-        None => error,
-    }
+    let error = Error::new(Code::InvalidValue, message);
+    point.at(error.hint("give that point's force in base, tool or workpiece axes"))
 }

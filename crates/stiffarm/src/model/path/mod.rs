@@ -4,13 +4,15 @@
 //! tool axis, which points out of the tool into the workpiece.
 
 mod frames;
+mod log;
 
 pub(crate) use frames::tip_wrench;
 pub use frames::{feed_axes, load_axes, tip_wrenches};
+pub use log::{CountedBy, LoadLog, Recorded};
 
-use crate::error::Error;
+use crate::error::{Code, Error, Result};
 use crate::model::load::Wrench;
-use crate::model::process::TipLoad;
+use crate::model::process::{ProcessLoad, TipLoad};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use std::sync::Arc;
 
@@ -45,8 +47,41 @@ pub struct PathPoint {
     pub load: Option<TipLoad>,
     /// Name of the feature of the part that it belongs to: the operation, layer or tool path of a program.
     pub feature: Option<Arc<str>>,
+    /// Feed at which the tip gets there \[m/s\], where it is known.
+    pub feed: Option<f64>,
     /// Whether the arm gets there by a rapid move, on which its joints may turn far.
     pub rapid: bool,
+}
+
+impl PathPoint {
+    /// Its own load, else that of `process` at its feed, if there is one.
+    ///
+    /// # Errors
+    /// The load follows from the feed, and the feed is not known.
+    pub fn load_by(&self, process: Option<&ProcessLoad>) -> Result<Option<TipLoad>> {
+        let (None, Some(process)) = (self.load, process) else {
+            return Ok(self.load);
+        };
+        let load = process.at(self.feed).ok_or_else(|| {
+            let message = format!(
+                "The cut has spindle_rpm, so its load follows from the feed, and the path gives no feed at point {}.",
+                self.name
+            );
+            self.at(Error::new(Code::MissingKey, message).hint(
+                "give the feed: FEDRAT, F or the speed of the move in a program, the column feed_mm_per_min in a \
+                 table; or give feed_per_tooth_mm in place of spindle_rpm",
+            ))
+        })?;
+        Ok(Some(load))
+    }
+
+    /// `error` with the line of this point.
+    pub(crate) fn at(&self, error: Error) -> Error {
+        match self.line {
+            Some(line) => error.line(line, None),
+            None => error,
+        }
+    }
 }
 
 /// One posture of the arm under its load at the tip.

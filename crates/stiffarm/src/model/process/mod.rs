@@ -53,21 +53,85 @@ pub struct TipLoad {
     pub axes: ForceAxes,
 }
 
+/// Powers of the spindle \[W\].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpindlePower {
+    /// Under the load.
+    pub loaded: f64,
+    /// Without it, below the other.
+    pub idle: f64,
+}
+
+impl SpindlePower {
+    /// The share of the load at a power \[W\].
+    pub fn share(&self, power: f64) -> f64 {
+        (power - self.idle) / (self.loaded - self.idle)
+    }
+}
+
 /// Where the loads of a path come from when its rows do not give them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Process {
-    /// The same load all along.
-    Constant(TipLoad),
+    /// The same load all along, with the power of the spindle at which it acts where that is known.
+    Constant(TipLoad, Option<SpindlePower>),
     /// The mean load of a milling cut.
     Milling(Milling),
+    /// The same at a known speed of the spindle: its feed per tooth is that at a feed of 1 m/s, and the load of a
+    /// point follows from its feed.
+    MillingAtFeed(Milling),
+}
+
+/// The load of a process, linear in the feed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProcessLoad {
+    /// Without what follows from the feed.
+    pub load: TipLoad,
+    /// Force \[N/(m/s)\] and moment \[N·m/(m/s)\] that a feed adds; `None` where the feed does not matter.
+    pub per_feed: Option<[Vector3<f64>; 2]>,
+}
+
+impl From<TipLoad> for ProcessLoad {
+    fn from(load: TipLoad) -> Self {
+        ProcessLoad {
+            load,
+            per_feed: None,
+        }
+    }
+}
+
+impl ProcessLoad {
+    /// The load at a feed \[m/s\]; `None` where it is needed and not known.
+    pub fn at(&self, feed: Option<f64>) -> Option<TipLoad> {
+        let Some([force, moment]) = &self.per_feed else {
+            return Some(self.load);
+        };
+        let feed = feed?;
+        Some(TipLoad {
+            force: self.load.force + force * feed,
+            moment: self.load.moment + moment * feed,
+            ..self.load
+        })
+    }
 }
 
 impl Process {
     /// The load it puts on the tip.
-    pub fn load(&self) -> TipLoad {
+    pub fn load(&self) -> ProcessLoad {
         match self {
-            Process::Constant(load) => *load,
-            Process::Milling(milling) => milling.mean_load(),
+            Process::Constant(load, _) => (*load).into(),
+            Process::Milling(milling) => milling.mean_load().into(),
+            Process::MillingAtFeed(milling) => {
+                let feed_per_tooth = 0.0;
+                let edges = Milling {
+                    feed_per_tooth,
+                    ..*milling
+                };
+                let (load, moving) = (edges.mean_load(), milling.mean_load());
+                ProcessLoad {
+                    load,
+                    per_feed: Some([moving.force - load.force, moving.moment - load.moment]),
+                }
+            }
         }
     }
 }

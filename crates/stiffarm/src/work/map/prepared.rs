@@ -45,7 +45,7 @@ impl Prepared {
         let wrenches = tip_wrenches(points, &poses, process.as_ref(), workpiece)?;
         let back = workpiece.inverse();
         let loads = points.iter().zip(wrenches).map(|(point, wrench)| {
-            match point.load.as_ref().or(process.as_ref()).map(|l| l.axes) {
+            match point.load.or(process.map(|own| own.load)).map(|l| l.axes) {
                 Some(ForceAxes::Base) | None => PlacedLoad::Fixed(wrench),
                 Some(_) => PlacedLoad::Turning(turned(&wrench, &back.rotation)),
             }

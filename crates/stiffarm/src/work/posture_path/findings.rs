@@ -18,7 +18,7 @@ const NAMED: usize = 5;
 fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding> {
     let process = search.options.process.as_ref();
     let is_along = |point: &PathPoint| {
-        let load = point.load.as_ref().or(process);
+        let load = point.load.as_ref().or(process.map(|process| &process.load));
         load.is_some_and(|load| load.axes == ForceAxes::Path)
     };
     if !search.points.iter().any(is_along) {

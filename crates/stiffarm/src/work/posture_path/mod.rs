@@ -17,7 +17,7 @@ use crate::findings::Finding;
 use crate::model::inverse::{InverseKinematics, Method, Outcome};
 use crate::model::load::Wrench;
 use crate::model::path::{LoadedPosture, PathPoint, PathTarget, tip_wrenches};
-use crate::model::process::TipLoad;
+use crate::model::process::ProcessLoad;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::units::deg_to_rad;
@@ -39,7 +39,7 @@ pub struct PosturePathOptions {
     /// Turns about the tool axis that are tried at each point.
     pub turns: usize,
     /// The load where the path's points have none.
-    pub process: Option<TipLoad>,
+    pub process: Option<ProcessLoad>,
     /// Pose of the workpiece frame in the base frame \[m\].
     pub workpiece: Isometry3<f64>,
 }

@@ -8,11 +8,14 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
         Translation3::new(1.7, 0.9, 0.7),
         UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3),
     );
-    cell.work.process = Some(Process::Constant(TipLoad {
-        force: Vector3::new(-250.0, 150.0, 80.0),
-        moment: Vector3::zeros(),
-        axes,
-    }));
+    cell.work.process = Some(Process::Constant(
+        TipLoad {
+            force: Vector3::new(-250.0, 150.0, 80.0),
+            moment: Vector3::zeros(),
+            axes,
+        },
+        None,
+    ));
     let corners = [[0.0, 0.0], [0.3, 0.0], [0.3, 0.2], [0.0, 0.2], [0.0, 0.0]];
     let mut points = Vec::new();
     for pair in corners.windows(2) {
@@ -22,6 +25,7 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
             let local = Isometry3::from_parts(Translation3::new(at(0), at(1), 0.05), down());
             points.push(PathPoint {
                 feature: None,
+                feed: None,
                 rapid: false,
                 name: format!("{}", points.len() + 1).into(),
                 line: None,
@@ -168,6 +172,7 @@ fn full_turns_are_chosen_for_the_whole_path() {
             let pose = Isometry3::from_parts(Translation3::identity(), down() * turn);
             PathPoint {
                 feature: None,
+                feed: None,
                 rapid: false,
                 name: i.to_string().into(),
                 line: None,
@@ -207,6 +212,7 @@ fn a_free_tool_axis_takes_the_best_turn() {
         .map(|p| match &p.target {
             PathTarget::Pose(pose) => PathPoint {
                 feature: None,
+                feed: None,
                 rapid: false,
                 target: PathTarget::Axis {
                     position: pose.translation.vector,

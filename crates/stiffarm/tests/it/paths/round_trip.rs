@@ -74,6 +74,7 @@ fn path(target: impl Strategy<Value = PathTarget>) -> impl Strategy<Value = Vec<
         let points = points.into_iter().enumerate();
         let points = points.map(|(i, (target, load))| PathPoint {
             feature: None,
+            feed: None,
             rapid: false,
             name: format!("P{i}").into(),
             line: Some(i + 2),

@@ -2,6 +2,7 @@
 
 mod gcode;
 mod languages;
+mod loads;
 mod moves;
 mod slips;
 mod writing;

@@ -60,6 +60,7 @@ fn points(cell: &Cell, q: &[f64; 6]) -> (Vec<Vec<f64>>, Vec<PathPoint>) {
             target: PathTarget::Pose(frames.flange() * cell.work.tip(&cell.setup.tool)),
             load: None,
             feature: None,
+            feed: None,
             rapid: false,
         }
     });

@@ -2,7 +2,7 @@
 
 use crate::units::{
     arcmin_to_rad, deg_to_rad, mm_to_m, mm2_to_m2, mrad_to_rad, n_per_mm_to_n_per_m,
-    n_per_mm2_to_pa, percent_to_fraction, um_to_m, urad_to_rad,
+    n_per_mm2_to_pa, percent_to_fraction, rpm_to_hz, um_to_m, urad_to_rad,
 };
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -69,6 +69,7 @@ units! {
     Urad: urad_to_rad;
     Arcmin: arcmin_to_rad;
     Percent: percent_to_fraction;
+    Rpm: rpm_to_hz;
     NPerMm: n_per_mm_to_n_per_m;
     NPerMm2: n_per_mm2_to_pa;
 }

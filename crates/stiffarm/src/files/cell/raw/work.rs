@@ -1,6 +1,6 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::value::{NPerMm, NPerMm2};
+use super::value::{NPerMm, NPerMm2, Rpm};
 use super::{At, Deg, Fixed, Mm, Number, Text};
 
 tables! {
@@ -53,6 +53,11 @@ tables! {
         /// Axes of force_n and moment_nm: "base", "tool" (the tip frame), "workpiece", or "path" (z
         /// the tool axis, x the feed across it, y = z × x).
         axes: Text [required, extend("enum" = ["base", "tool", "workpiece", "path"])],
+        /// Power of the spindle at which this force acts, W: a log of the power then scales it (default:
+        /// none).
+        power_w: Number,
+        /// Power of the spindle that idles, W (default: 0).
+        idle_power_w: Number,
     }
 
     /// A milling cut with a cylindrical cutter, which turns clockwise seen from the spindle; its
@@ -66,8 +71,11 @@ tables! {
         axial_depth_mm: Number<Mm> [required],
         /// Width of cut across feed and tool axis, mm; at most the diameter, which is a full slot.
         radial_depth_mm: Number<Mm> [required],
-        /// Feed per tooth, mm: feed rate / (spindle speed · teeth).
-        feed_per_tooth_mm: Number<Mm> [required],
+        /// Feed per tooth, mm: feed rate / (spindle speed · teeth). Either this or spindle_rpm.
+        feed_per_tooth_mm: Number<Mm>,
+        /// Speed of the spindle, turns per minute: the feed per tooth is then that of each point of the
+        /// path, from the feed that the path gives there.
+        spindle_rpm: Number<Rpm>,
         /// "up" (conventional: the workpiece lies to the left of the feed, seen from the spindle) or
         /// "down" (climb: to the right).
         direction: Text [required, extend("enum" = ["up", "down"])],

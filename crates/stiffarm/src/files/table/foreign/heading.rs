@@ -61,10 +61,12 @@ fn quantity(base: &str) -> Option<Quantity> {
     };
     match base {
         "posture" | "state" | "point" => Some(Quantity::Name),
-        "x" | "y" | "z" | "dx" | "dy" | "dz" => Some(Quantity::Length),
+        "x" | "y" | "z" | "dx" | "dy" | "dz" | "along" => Some(Quantity::Length),
         "fx" | "fy" | "fz" | "load" => Some(Quantity::Force),
         "mx" | "my" | "mz" => Some(Quantity::Moment),
         "time" => Some(Quantity::Time),
+        "feed" => Some(Quantity::Feed),
+        "power" => Some(Quantity::Power),
         _ if joint("q") || joint("dq") => Some(Quantity::Angle),
         _ => None,
     }
@@ -79,7 +81,10 @@ pub(in crate::files::table) fn own_unit(name: &str) -> Option<String> {
     let (base, unit) = inside?;
     let unit = match unit.trim() {
         "°" => "deg".to_string(),
-        unit => unit.replace(['·', '*', ' '], ""),
+        unit => unit
+            .replace(['·', '*', ' '], "")
+            .replace('/', "_per_")
+            .to_lowercase(),
     };
     let base = base.trim();
     let known = quantity(base)?.units().iter().any(|own| own.suffix == unit);

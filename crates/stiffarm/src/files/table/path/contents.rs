@@ -27,6 +27,7 @@ pub(super) enum Content {
     Moment(usize),
     Axes,
     Feature,
+    Feed,
 }
 
 impl Content {
@@ -80,6 +81,7 @@ pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
     all.extend(numbered(Content::Moment, moment()));
     all.push((Content::Axes, Known::name("axes")));
     all.push((Content::Feature, Known::name("feature")));
+    all.push((Content::Feed, Known::of("feed", Quantity::Feed, "feed")));
     all
 }
 

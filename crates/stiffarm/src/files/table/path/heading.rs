@@ -26,6 +26,7 @@ pub(super) struct PathColumns {
     pub(super) moment: Option<Vec<Column>>,
     pub(super) axes: Option<Column>,
     pub(super) feature: Option<Column>,
+    pub(super) feed: Option<Column>,
     /// All of them in the order of the table.
     pub(super) format: Vec<FormatColumn>,
 }
@@ -94,6 +95,7 @@ impl PathColumns {
             moment,
             axes: found.get("axes"),
             feature: found.get("feature"),
+            feed: found.get("feed"),
             format: format.into_iter().map(|(_, column)| column).collect(),
         })
     }

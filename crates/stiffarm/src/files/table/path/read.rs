@@ -38,7 +38,8 @@ const AXES_HINT: &str = "add a column axes with base, tool, workpiece or path in
 /// `fx_n, fy_n, fz_n` and `mx_nm, my_nm, mz_nm` are force and moment *on the robot*
 /// at the tip, in the axes of the column `axes` or, where a row has none there, in
 /// `axes`. A row whose fields of force and moment are all empty takes the load of
-/// the cell's process. `feature` names the feature of the part that a point belongs to. All columns may be in other units, as in every
+/// the cell's process. `feature` names the feature of the part that a point belongs to, `feed_mm_per_min` is the
+/// feed at which the tip gets there. All columns may be in other units, as in every
 /// [table](crate::files::table), and have the headings that the cell's `[columns]` names.
 ///
 /// # Errors
@@ -88,6 +89,7 @@ fn read(table: &Table<'_>, cell: &Cell, axes: Option<ForceAxes>) -> Result<PathT
             target: reader.target(row)?,
             load: reader.load(row)?,
             feature: reader.feature(row)?,
+            feed: reader.feed(row)?,
             rapid: false,
         });
     }
@@ -183,6 +185,23 @@ impl Reader<'_> {
         let column = column.filter(|column| !self.table.is_blank(row, *column));
         let name = column.map(|column| self.table.name(row, column));
         Ok(name.transpose()?.map(Arc::from))
+    }
+
+    /// The feed at which the tip gets to the row's point.
+    fn feed(&self, row: &Row) -> Result<Option<f64>> {
+        let column = self.columns.feed;
+        let Some(column) = column.filter(|column| !self.table.is_blank(row, *column)) else {
+            return Ok(None);
+        };
+        let feed = self.table.number(row, column)?;
+        if feed <= 0.0 {
+            let message = "A feed must be above 0.";
+            let error = self
+                .table
+                .error(row, column.at, Code::InvalidValue, message);
+            return Err(error.hint("leave the field empty where the feed is not known"));
+        }
+        Ok(Some(feed))
     }
 
     /// The axes that the row names.

@@ -163,6 +163,9 @@ fn field(column: &FormatColumn, point: &PathPoint, target: &Numbers<'_>) -> Stri
         (Content::Force(i), _) => of_load(|load| &load.force, i),
         (Content::Moment(i), _) => of_load(|load| &load.moment, i),
         (Content::Feature, _) => point.feature.as_deref().unwrap_or_default().to_string(),
+        (Content::Feed, _) => point
+            .feed
+            .map_or_else(String::new, |feed| shortest(column, feed)),
         (Content::Axes, _) => {
             let axes = load.map(|load| ForceAxes::as_str(load.axes));
             axes.unwrap_or_default().to_string()

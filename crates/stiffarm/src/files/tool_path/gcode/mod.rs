@@ -54,6 +54,8 @@ struct State<'b, 'c> {
     axis: UnitVector3<f64>,
     /// As it was stated last.
     stated: [f64; 3],
+    /// What F stands for: 93 the inverse of a time, 94 a feed a minute, 95 a turn.
+    feeds: u16,
 }
 
 pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> {
@@ -70,6 +72,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         rotary: [0.0; 3],
         axis: Vector3::z_axis(),
         stated: [0.0, 0.0, 1.0],
+        feeds: 94,
     };
     let mut words = Vec::new();
     for mut line in lines(file) {
@@ -99,6 +102,9 @@ impl State<'_, '_> {
                     .wrong("Subprograms are not read here: post-process the path into one file."));
             }
         }
+        let feed = words.iter().find(|word| word.letter == b'F');
+        let feed = feed.map(|word| word.number.value);
+        self.feed(feed, words.first());
         if let Some(word) = words
             .iter()
             .find(|word| matches!(word.letter, b'U' | b'V' | b'W'))
@@ -159,6 +165,10 @@ impl State<'_, '_> {
         let unit = self.builder.form.unit;
         let place = Place::Axis(end * unit, self.axis);
         let start = known(&start).map(|start| start * unit);
+        if self.feeds == 93 {
+            let way = start.map(|start| (end * unit - start).norm());
+            self.builder.feed = feed.zip(way).map(|(inverse, way)| inverse * way / 60.0);
+        }
         let first = self.builder.points.len();
         let Mode::Arc(is_left) = mode else {
             let from = start.filter(|_| mode == Mode::Feed);
@@ -179,6 +189,9 @@ impl State<'_, '_> {
                 "This is no arc: its end is not on the circle about its centre through the point before.",
             ));
         };
+        if self.feeds == 93 {
+            self.builder.feed = feed.map(|inverse| inverse * circle.length() / 60.0);
+        }
         let from = Place::Axis(start, before);
         for (share, point) in circle.points() {
             self.builder
@@ -241,6 +254,10 @@ impl State<'_, '_> {
                     return Err(place.wrong_here("The units change within the path."));
                 }
             }
+            930 | 940 | 950 => {
+                self.feeds = code / 10;
+                self.builder.feed = None;
+            }
             900 => self.steps = false,
             910 => self.steps = true,
             901 => self.centres_absolute = true,
@@ -289,6 +306,22 @@ impl State<'_, '_> {
             }
         }
         Ok(false)
+    }
+
+    /// Takes the feed of a block, where it is one a minute.
+    fn feed(&mut self, given: Option<f64>, word: Option<&Word<'_>>) {
+        let (Some(feed), Some(word)) = (given, word) else {
+            return;
+        };
+        match self.feeds {
+            94 => self.builder.feed = (feed > 0.0).then(|| feed * self.builder.form.unit / 60.0),
+            95 => self.builder.not_followed(
+                "A feed per turn (G95)",
+                word.place.line_number(),
+                Severity::Note,
+            ),
+            _ => {}
+        }
     }
 
     /// Takes the tool axis.

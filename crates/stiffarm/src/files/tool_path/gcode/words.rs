@@ -68,7 +68,11 @@ pub fn words_of<'a>(
                     name(line, builder, number)?;
                     return Ok(beside);
                 }
-                words.extend(word(line)?);
+                let read = word(line)?;
+                if read.is_none() && first.eq_ignore_ascii_case(&'F') {
+                    builder.feed = None;
+                }
+                words.extend(read);
             }
             ':' => line.skip(1),
             _ => return Err(line.wrong("This is not expected here.")),
@@ -114,7 +118,12 @@ fn word<'a>(line: &mut Cursor<'a>) -> Result<Option<Word<'a>>> {
     }
     if next.starts_with(|c: char| c == '#' || c == '[' || c.is_ascii_alphabetic()) {
         let changes_nothing = matches!(letter, b'F' | b'S' | b'T' | b'D' | b'H');
-        let end = next.find(['>', ']']).filter(|_| changes_nothing);
+        let number = next.strip_prefix('#').unwrap_or_default();
+        let end = match number.bytes().take_while(u8::is_ascii_digit).count() {
+            0 => next.find(['>', ']']),
+            digits => Some(digits),
+        };
+        let end = end.filter(|_| changes_nothing);
         let Some(end) = end else {
             return Err(calculated(line));
         };
