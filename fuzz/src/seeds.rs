@@ -39,6 +39,8 @@ pub enum Kind {
     Poses,
     /// A path.
     Path,
+    /// A recorded load along a path.
+    Log,
     /// A path as CL data, G-code or a robot's program.
     ToolPath,
     /// A saved stiffness.
@@ -57,7 +59,7 @@ pub enum Kind {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 15] = [
+    pub const ALL: [Kind; 16] = [
         Kind::Cell,
         Kind::Postures,
         Kind::Displacements,
@@ -66,6 +68,7 @@ impl Kind {
         Kind::Pairs,
         Kind::Poses,
         Kind::Path,
+        Kind::Log,
         Kind::ToolPath,
         Kind::Stiffness,
         Kind::Registration,
@@ -162,6 +165,12 @@ fn gathered(folder: &Scratch) -> Vec<Seed> {
     );
     for name in ["axes", "forces", "straight", "near-poses", "poses"] {
         add(Kind::Path, input(&format!("{name}.csv")));
+    }
+    for log in [
+        "along_mm,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm\n0,-3,0.5,1,0,0,0\n150,-188,41,63,0.1,-2,0.4\n2000,12,-4,0,0,0,0\n",
+        "time_s;power_kW\n0;0,18\n5;0,65\n5;0,7\n2000;0,2\n",
+    ] {
+        add(Kind::Log, log.to_string());
     }
     for name in TOOL_PATHS {
         add(Kind::ToolPath, input(name));

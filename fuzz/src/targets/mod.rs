@@ -26,7 +26,7 @@ pub struct Target {
 }
 
 /// Every target.
-pub const ALL: [Target; 19] = [
+pub const ALL: [Target; 20] = [
     reader("cell", readers::make_cell, readers::cell),
     reader("postures", readers::make_postures, readers::postures),
     reader(
@@ -39,6 +39,7 @@ pub const ALL: [Target; 19] = [
     reader("pairs", readers::make_pairs, readers::pairs),
     reader("poses", readers::make_poses, readers::poses),
     reader("path", readers::make_path, readers::path),
+    reader("log", readers::make_log, readers::log),
     reader("stiffness", readers::make_stiffness, readers::stiffness),
     reader(
         "registration",
@@ -84,6 +85,6 @@ const fn reader(
 
 /// The target of that name.
 pub fn named(name: &str) -> Option<&'static Target> {
-    static TARGETS: [Target; 19] = ALL;
+    static TARGETS: [Target; 20] = ALL;
     TARGETS.iter().find(|target| target.name == name)
 }

@@ -17,7 +17,7 @@ use stiffarm::files::registration::read_registration;
 use stiffarm::files::result::read_result;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
-    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
+    read_clamped, read_dh_rows, read_log, read_measurements, read_pairs, read_path, read_poses,
     read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
     write_readings,
 };
@@ -26,6 +26,7 @@ use stiffarm::files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 use stiffarm::model::measurement::Measurements;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::pose::Convention;
+use stiffarm::model::process::{ForceAxes, Process, SpindlePower, TipLoad};
 use stiffarm::model::robot::{DhConvention, DhRobot};
 use stiffarm::nalgebra::{Translation3, Vector3};
 use stiffarm::{Cell, Posture, Result};
@@ -78,6 +79,7 @@ makers! {
     make_pairs, Pairs, Table;
     make_poses, Poses, Table;
     make_path, Path, Table;
+    make_log, Log, Table;
     make_tool_path, ToolPath, Table;
     make_stiffness, Stiffness, Json;
     make_registration, Registration, Json;
@@ -136,9 +138,10 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
         Kind::Pairs => read_pairs(file, NAME).is_ok(),
         Kind::Poses => read_poses(file, NAME, Convention::Yaskawa).is_ok(),
         Kind::Path => {
-            let axes = Some(stiffarm::model::process::ForceAxes::Base);
+            let axes = Some(ForceAxes::Base);
             read_path(file, NAME, cell, axes).is_ok()
         }
+        Kind::Log => log_of(file).is_ok(),
         Kind::ToolPath => TOOL_PATHS
             .iter()
             .any(|kind| read_tool_path(*kind, (NAME, file), None, cell).is_ok()),
@@ -318,10 +321,40 @@ fn program_files(language: Language, text: &str) -> Vec<ProgramFile> {
     }
 }
 
+/// A log put on the points of a path.
+fn log_of(file: &[u8]) -> Result<Vec<PathPoint>> {
+    let mut cell = cell_of_tables().clone();
+    let axes = ForceAxes::Base;
+    let (force, moment) = (Vector3::new(-200.0, 40.0, 0.0), Vector3::zeros());
+    let (loaded, idle) = (900.0, 100.0);
+    cell.work.process = Some(Process::Constant(
+        TipLoad {
+            force,
+            moment,
+            axes,
+        },
+        Some(SpindlePower { loaded, idle }),
+    ));
+    let (cell, axes) = (&cell, Some(axes));
+    let log = read_log(file, NAME, cell, axes)?;
+    let text = builtin::path_text("contour").unwrap_or_default();
+    let mut points = read_path(text.as_bytes(), "contour", cell, axes)?.points;
+    for point in &mut points {
+        (point.load, point.feed) = (None, Some(0.02));
+    }
+    log.put_on(cell, &mut points)?;
+    Ok(points)
+}
+
+/// The table of a log.
+pub fn log(input: &Input) -> Verdict {
+    judged(&log_of(bytes(input)))
+}
+
 /// The table of a path.
 pub fn path(input: &Input) -> Verdict {
     let cell = cell_of_tables();
-    let axes = Some(stiffarm::model::process::ForceAxes::Base);
+    let axes = Some(ForceAxes::Base);
     let read = |bytes: &[u8]| read_path(bytes, NAME, cell, axes);
     let first = read(bytes(input));
     if let Ok(table) = &first {

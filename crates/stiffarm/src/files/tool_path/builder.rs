@@ -4,7 +4,7 @@ use super::{Divided, Form, NEAR_END, Orientation, SPAN, Slot};
 use crate::files::program::Number;
 use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
-use crate::model::path::{PathPoint, PathTarget};
+use crate::model::path::{FASTEST, PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, UnitVector3, Vector3};
@@ -145,7 +145,9 @@ impl<'c> Builder<'c> {
                 axes: ForceAxes::Base,
             }),
             feature: self.feature.clone(),
-            feed: self.feed.filter(|_| !rapid),
+            feed: self
+                .feed
+                .filter(|feed| !rapid && *feed > 0.0 && *feed <= FASTEST),
             rapid,
         });
         self.ends.push(self.slots.len());

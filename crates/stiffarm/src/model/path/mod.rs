@@ -16,6 +16,9 @@ use crate::model::process::{ProcessLoad, TipLoad};
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use std::sync::Arc;
 
+/// Feeds beyond this are none \[m/s\].
+pub(crate) const FASTEST: f64 = 100.0;
+
 /// Where the tip should be, base frame.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PathTarget {

@@ -187,6 +187,11 @@ fn feeds_of_a_table_stay() -> Check {
     assert_eq!(read.points[0].feed, None);
     assert_eq!(read.points[1].feed, Some(12.5 * 25.4e-3 / 60.0));
     assert_eq!(write_path(&read.format, &read.points)?, table);
+    for wrong in ["0", "-3", "1e9"] {
+        let slip = table.replace("12.5", wrong);
+        let error = read_path(slip.as_bytes(), "a.csv", &cell, None).unwrap_err();
+        assert_eq!(error.place().line, Some(3), "{error}");
+    }
     Ok(())
 }
 

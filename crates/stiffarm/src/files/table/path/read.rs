@@ -9,7 +9,7 @@ use crate::files::table::grid::{Column, Row, Table};
 use crate::files::table::naming::normal;
 use crate::files::table::postures::angles;
 use crate::model::cell::Cell;
-use crate::model::path::{PathPoint, PathTarget};
+use crate::model::path::{FASTEST, PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, TipLoad};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use std::collections::HashMap;
@@ -194,8 +194,8 @@ impl Reader<'_> {
             return Ok(None);
         };
         let feed = self.table.number(row, column)?;
-        if feed <= 0.0 {
-            let message = "A feed must be above 0.";
+        if !(feed > 0.0 && feed <= FASTEST) {
+            let message = "A feed must be above 0, and at most 100 m/s.";
             let error = self
                 .table
                 .error(row, column.at, Code::InvalidValue, message);
