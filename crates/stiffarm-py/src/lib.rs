@@ -10,6 +10,7 @@ mod error;
 mod kinematics;
 mod long;
 mod objective;
+mod paths;
 mod plans;
 mod values;
 
@@ -32,6 +33,8 @@ mod _stiffarm {
     use crate::kinematics::{axes_table, flange_pose, inverse, jacobian, nearest, urdf_table};
     #[pymodule_export]
     use crate::objective::Objective;
+    #[pymodule_export]
+    use crate::paths::{path_program, path_text};
     #[pymodule_export]
     use crate::plans::{certificate, simulate_measurements};
     #[pymodule_export]

@@ -3,13 +3,14 @@
 use crate::arrays::check_radians;
 use crate::cell::{PyCell, rows};
 use crate::error::Raised;
+use crate::paths::Files;
 use crate::plans::named;
 use numpy::{
     PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArray2, PyReadonlyArrayDyn,
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use stiffarm::files::builtin;
+use stiffarm::files::source::Source;
 use stiffarm::files::table::{read_postures as read_table, write_postures};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::{Code, Error};
@@ -49,14 +50,8 @@ pub fn read_postures<'py>(
     from: &str,
 ) -> PyResult<(Vec<String>, Bound<'py, PyArray2<f64>>)> {
     let robot = &cell.cell.setup.robot;
-    let bytes = match from.strip_prefix(builtin::PREFIX) {
-        Some(name) => builtin::bytes(name).map(<[u8]>::to_vec),
-        None => std::fs::read(from).map_err(|error| {
-            let message = format!("The file cannot be read: {error}.");
-            Error::new(Code::FileRead, message).file(from)
-        }),
-    };
-    let postures = bytes.and_then(|bytes| read_table(&bytes, from, robot));
+    let read = Files.read("postures", from);
+    let postures = read.and_then(|(name, bytes)| read_table(&bytes, &name, robot));
     let postures = postures.raised(py)?;
     let angles = postures
         .iter()

@@ -1,6 +1,7 @@
 //! What is fuzzed: each reader, and the command.
 
 mod commands;
+mod logs;
 mod meshes;
 mod readers;
 mod workbooks;

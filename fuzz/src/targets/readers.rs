@@ -1,6 +1,6 @@
 //! The readers of the library, and the writers that must fit them.
 
-use super::Verdict;
+use super::{Verdict, logs};
 use crate::input::Input;
 use crate::mutate::{Grammar, mutate};
 use crate::oracle::{error_is_sound, is_finite, same_but_digits};
@@ -17,7 +17,7 @@ use stiffarm::files::registration::read_registration;
 use stiffarm::files::result::read_result;
 use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::files::table::{
-    read_clamped, read_dh_rows, read_log, read_measurements, read_pairs, read_path, read_poses,
+    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
     read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
     write_readings,
 };
@@ -26,7 +26,7 @@ use stiffarm::files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 use stiffarm::model::measurement::Measurements;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::pose::Convention;
-use stiffarm::model::process::{ForceAxes, Process, SpindlePower, TipLoad};
+use stiffarm::model::process::ForceAxes;
 use stiffarm::model::robot::{DhConvention, DhRobot};
 use stiffarm::nalgebra::{Translation3, Vector3};
 use stiffarm::{Cell, Posture, Result};
@@ -141,7 +141,7 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
             let axes = Some(ForceAxes::Base);
             read_path(file, NAME, cell, axes).is_ok()
         }
-        Kind::Log => log_of(file).is_ok(),
+        Kind::Log => logs::read(file, NAME, cell).is_ok(),
         Kind::ToolPath => TOOL_PATHS
             .iter()
             .any(|kind| read_tool_path(*kind, (NAME, file), None, cell).is_ok()),
@@ -321,34 +321,9 @@ fn program_files(language: Language, text: &str) -> Vec<ProgramFile> {
     }
 }
 
-/// A log put on the points of a path.
-fn log_of(file: &[u8]) -> Result<Vec<PathPoint>> {
-    let mut cell = cell_of_tables().clone();
-    let axes = ForceAxes::Base;
-    let (force, moment) = (Vector3::new(-200.0, 40.0, 0.0), Vector3::zeros());
-    let (loaded, idle) = (900.0, 100.0);
-    cell.work.process = Some(Process::Constant(
-        TipLoad {
-            force,
-            moment,
-            axes,
-        },
-        Some(SpindlePower { loaded, idle }),
-    ));
-    let (cell, axes) = (&cell, Some(axes));
-    let log = read_log(file, NAME, cell, axes)?;
-    let text = builtin::path_text("contour").unwrap_or_default();
-    let mut points = read_path(text.as_bytes(), "contour", cell, axes)?.points;
-    for point in &mut points {
-        (point.load, point.feed) = (None, Some(0.02));
-    }
-    log.put_on(cell, &mut points)?;
-    Ok(points)
-}
-
-/// The table of a log.
+/// A recorded load along a path.
 pub fn log(input: &Input) -> Verdict {
-    judged(&log_of(bytes(input)))
+    judged(&logs::read(bytes(input), NAME, cell_of_tables()))
 }
 
 /// The table of a path.

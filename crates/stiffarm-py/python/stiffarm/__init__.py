@@ -48,6 +48,7 @@ from .commands import (
     zones,
 )
 from .objective import Objective
+from .paths import read_path, write_path
 from .postures import Postures
 from .robot import Branch, Robot
 
@@ -82,6 +83,7 @@ __all__ = [
     "plot",
     "pose",
     "predict",
+    "read_path",
     "register",
     "report",
     "robots",
@@ -97,5 +99,6 @@ __all__ = [
     "validate",
     "weight",
     "wrench",
+    "write_path",
     "zones",
 ]

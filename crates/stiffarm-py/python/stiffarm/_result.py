@@ -168,7 +168,7 @@ class Result(Record):
         Raises:
             StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
         """
-        return write_text(path, self._text, overwrite=overwrite)
+        return write_file(path, self._text, overwrite=overwrite)
 
     @classmethod
     def load(cls: type[_R], path: str | os.PathLike[str]) -> _R:
@@ -210,7 +210,7 @@ class Result(Record):
             StiffarmError: A result that has no page, a file that exists or cannot be written.
         """
         page = _stiffarm.page(self._text, self._native())
-        return write_text(path, page, overwrite=overwrite)
+        return write_file(path, page, overwrite=overwrite)
 
     def table(self) -> Table:
         """The main table of the result, a row each; see :meth:`to_frame`."""
@@ -263,7 +263,7 @@ class Result(Record):
     __hash__ = None  # type: ignore[assignment]
 
 
-def write_text(to: str | os.PathLike[str], text: str, *, overwrite: bool) -> Path:
+def write_file(to: str | os.PathLike[str], contents: str | bytes, *, overwrite: bool) -> Path:
     """Writes a file by a temporary name in its folder, so that there is never half of it."""
     path = Path(_checks.path(to))
     place = {"file": os.fspath(path)}
@@ -271,9 +271,9 @@ def write_text(to: str | os.PathLike[str], text: str, *, overwrite: bool) -> Pat
         raise StiffarmError("The file exists.", "file-exists", place, hint="overwrite=True")
     name = ""
     try:
-        with tempfile.NamedTemporaryFile("w", encoding="utf-8", newline="\n", dir=path.parent, delete=False) as out:
+        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as out:
             name = out.name
-            out.write(text)
+            out.write(contents.encode() if isinstance(contents, str) else contents)
         # A temporary file is its owner's alone; a result is like any other file.
         mask = os.umask(0)
         os.umask(mask)

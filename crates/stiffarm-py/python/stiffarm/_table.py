@@ -14,7 +14,7 @@ from ._errors import StiffarmError
 
 
 #: Endings of columns of numbers.
-UNITS = ("_deg", "_mm", "_n", "_nm", "_m", "_rad", "_s", "_kg", "_percent", "_um")
+UNITS = ("_deg", "_mm", "_n", "_nm", "_m", "_rad", "_s", "_kg", "_percent", "_um", "_min", "axis_x", "axis_y", "axis_z")
 
 
 class Table(Mapping[str, Any]):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _checks, _stiffarm
 from ._errors import StiffarmError
-from ._result import write_text
+from ._result import write_file
 from .robot import Robot
 
 
@@ -211,7 +211,7 @@ class Cell:
         Raises:
             StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
         """
-        return write_text(path, self.to_toml(), overwrite=overwrite)
+        return write_file(path, self.to_toml(), overwrite=overwrite)
 
     @property
     def name(self) -> str:

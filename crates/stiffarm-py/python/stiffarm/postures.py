@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _checks, _stiffarm
 from ._errors import StiffarmError
-from ._result import Result, write_text
+from ._result import Result, write_file
 from ._table import Table, has_columns
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ class Postures:
         Raises:
             StiffarmError: The file exists and ``overwrite`` is not set, or it cannot be written.
         """
-        return write_text(path, self.to_csv(), overwrite=overwrite)
+        return write_file(path, self.to_csv(), overwrite=overwrite)
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         return np.array(self.angles, dtype=dtype) if copy or dtype else self.angles

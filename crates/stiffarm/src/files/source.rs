@@ -277,8 +277,8 @@ fn program_path<S: Source + ?Sized>(
     };
     Ok(NamedPath {
         table: PathTable {
+            format: PathFormat::new(kind, cell).holding(&read.points, cell),
             points: read.points,
-            format: PathFormat::new(kind, cell),
         },
         program: Some(read.program),
         findings: read.findings,

@@ -3,6 +3,7 @@
 use super::contents::{Content, PathKind, contents};
 use crate::files::table::quantity::Unit;
 use crate::model::cell::Cell;
+use crate::model::path::PathPoint;
 use crate::model::process::ForceAxes;
 use nalgebra::Isometry3;
 
@@ -92,6 +93,21 @@ impl PathFormat {
         self.columns.retain(|column| !column.content.is_load());
         let loads = usual(cell).filter(|column| column.content.is_load());
         self.columns.extend(loads);
+        self
+    }
+
+    /// Columns of features, feeds and loads in the usual units at the end, as far as `points` have them.
+    #[must_use]
+    pub fn holding(mut self, points: &[PathPoint], cell: &Cell) -> Self {
+        let any = |has: fn(&PathPoint) -> bool| points.iter().any(has);
+        let wanted = |content: Content| match content {
+            Content::Feature => any(|point| point.feature.is_some()),
+            Content::Feed => any(|point| point.feed.is_some()),
+            content => content.is_load() && any(|point| point.load.is_some()),
+        };
+        let more = usual(cell).filter(|column| !self.has(column.content) && wanted(column.content));
+        let more: Vec<FormatColumn> = more.collect();
+        self.columns.extend(more);
         self
     }
 

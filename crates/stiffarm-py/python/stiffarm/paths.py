@@ -1,0 +1,76 @@
+"""Paths of the tool tip: programs of CAM systems and robots, and tables, as tables and back."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from . import _checks, _stiffarm
+from ._errors import StiffarmWarning
+from ._inputs import TableLike
+from ._result import write_file
+from ._table import Table
+
+if TYPE_CHECKING:
+    from .cell import Cell
+
+
+def read_path(cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str]) -> Table:
+    """The points of a path: of CL data, G-code, a robot's program, or a table.
+
+    The table has what ``predict`` and ``compensate`` take as a path: the pose of the tip in the workpiece frame
+    (``x_mm``, ..., with ``roll_deg``, ... or the tool axis ``axis_x``, ...), and where the file says them ``feature``,
+    ``feed_mm_per_min`` and the loads (zero at rapid moves).
+
+    Args:
+        cell: The cell, whose workpiece frame the poses count from.
+        path: The file; the ending of its name says what it is.
+
+    Raises:
+        StiffarmError: It cannot be read, with file, line and column.
+    """
+    text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path))
+    _warn(said)
+    return Table.from_csv(text)
+
+
+def write_path(
+    cell: Cell | str | os.PathLike[str],
+    path: str | os.PathLike[str],
+    points: TableLike,
+    output: str | os.PathLike[str],
+    *,
+    overwrite: bool = False,
+) -> Path:
+    """A program with its points moved: the same text with other numbers, as ``compensate`` writes it.
+
+    >>> import stiffarm
+    >>> points = dict(stiffarm.read_path(cell, "part.nc"))                            # doctest: +SKIP
+    >>> points["z_mm"] = points["z_mm"] + 0.1                                         # doctest: +SKIP
+    >>> stiffarm.write_path(cell, "part.nc", points, "higher.nc")                     # doctest: +SKIP
+
+    Args:
+        cell: The cell, whose workpiece frame the poses count from.
+        path: The program as it was read.
+        points: Where its points go: as many as :func:`read_path` gave, in their order.
+        output: The new file; KRL's ``.dat`` is written beside it.
+        overwrite: Whether files that are there are replaced.
+
+    Raises:
+        StiffarmError: Other points than the program has, a program that steps, a file that is there.
+    """
+    name = _checks.path(path)
+    moved = read_path(cell, points) if isinstance(points, (str, os.PathLike)) else Table.of(points)
+    files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv())
+    _warn(said)
+    to = Path(_checks.path(output))
+    for number, contents in enumerate(files):
+        write_file(to.with_suffix(".dat") if number else to, contents, overwrite=overwrite)
+    return to
+
+
+def _warn(said: list[str]) -> None:
+    for sentence in said:
+        warnings.warn(sentence, StiffarmWarning, stacklevel=3)

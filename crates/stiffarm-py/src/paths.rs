@@ -1,0 +1,74 @@
+//! Paths of tables and programs, as tables.
+
+use crate::cell::PyCell;
+use crate::error::Raised;
+use pyo3::prelude::*;
+use stiffarm::files::builtin;
+use stiffarm::files::source::{NamedPath, Source};
+use stiffarm::files::table::{read_path, write_path};
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::{Code, Error, Result};
+
+/// Files of the disk, and those that are built in.
+pub struct Files;
+
+impl Source for Files {
+    fn read(&self, _role: &str, from: &str) -> Result<(String, Vec<u8>)> {
+        let bytes = match from.strip_prefix(builtin::PREFIX) {
+            Some(name) => builtin::bytes(name)?.to_vec(),
+            None => std::fs::read(from).map_err(|error| {
+                let message = format!("The file cannot be read: {error}.");
+                Error::new(Code::FileRead, message).file(from)
+            })?,
+        };
+        Ok((from.to_string(), bytes))
+    }
+}
+
+/// What must be known.
+fn said(findings: &[Finding]) -> Vec<String> {
+    let findings = findings
+        .iter()
+        .filter(|finding| finding.severity != Severity::Note);
+    findings.map(|finding| finding.sentence.clone()).collect()
+}
+
+/// The table of a path, and what must be known about it.
+#[pyfunction]
+pub fn path_text(py: Python<'_>, cell: &PyCell, from: &str) -> PyResult<(String, Vec<String>)> {
+    let read = py.detach(|| {
+        let path = Files.read_path(from, &cell.cell, None, None)?;
+        let text = write_path(&path.table.format, &path.table.points)?;
+        Ok((text, said(&path.findings)))
+    });
+    read.raised(py)
+}
+
+/// Files with their contents, and what must be known about them.
+type Written = (Vec<Vec<u8>>, Vec<String>);
+
+/// The files of the program `from` with its points where those of a table are.
+#[pyfunction]
+pub fn path_program(py: Python<'_>, cell: &PyCell, from: &str, table: &str) -> PyResult<Written> {
+    let written = py.detach(|| -> Result<Written> {
+        let path = Files.read_path(from, &cell.cell, None, None)?;
+        let NamedPath {
+            table: nominal,
+            program: Some(program),
+            ..
+        } = &path
+        else {
+            let error =
+                Error::new(Code::Unsupported, "This is a table, and no program.").file(from);
+            return Err(error.hint("a table is written with save()"));
+        };
+        let moved = read_path(table.as_bytes(), "points", &cell.cell, None)?;
+        let written = program.write(&nominal.points, &moved.points)?;
+        let findings = said(&written.findings());
+        Ok((
+            written.files.into_iter().map(|(_, bytes)| bytes).collect(),
+            findings,
+        ))
+    });
+    written.raised(py)
+}
