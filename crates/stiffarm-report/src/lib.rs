@@ -19,6 +19,7 @@ pub mod identified;
 mod map;
 pub mod page;
 pub mod paper;
+mod part;
 mod path;
 mod path_components;
 mod placement;

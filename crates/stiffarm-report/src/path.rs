@@ -1,6 +1,8 @@
 //! Deflection along a path, before and after compensation, as a figure.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::part::{PartPoint, part_panels};
+use stiffarm::nalgebra::Isometry3;
 use stiffarm::work::compensate::Compensation;
 use stiffarm::work::predict::Prediction;
 
@@ -21,8 +23,9 @@ pub struct PathCurvePoint {
     pub left_m: Option<f64>,
 }
 
-/// Deflection along the points of a prediction.
-pub fn prediction_figure(prediction: &Prediction) -> Figure {
+/// Deflection along the points of a prediction, and where they are a path the bent path in the workpiece frame
+/// (base frame \[m\]).
+pub fn prediction_figure(prediction: &Prediction, workpiece: Option<&Isometry3<f64>>) -> Figure {
     let points = &prediction.points;
     let lengths = along(points.iter().map(|p| p.tip_m));
     let curve = points
@@ -34,11 +37,26 @@ pub fn prediction_figure(prediction: &Prediction) -> Figure {
             half_width_m: point.band.map(|band| band.size_m[3]),
             left_m: None,
         });
-    path_figure(&curve.collect::<Vec<_>>(), prediction.confidence)
+    let part = points.iter().map(|point| PartPoint {
+        tip_m: point.tip_m,
+        works: [point.force_n, point.moment_nm] != [[0.0; 3]; 2],
+        shift_m: point.shift_m,
+        correction_m: None,
+    });
+    let mut figure = path_figure(&curve.collect::<Vec<_>>(), prediction.confidence);
+    if let Some(workpiece) = workpiece {
+        let part: Vec<PartPoint> = part.collect();
+        figure.panels.extend(part_panels(&part, workpiece));
+    }
+    figure
 }
 
-/// Deflection along a path before and after compensation.
-pub fn compensation_figure(compensation: &Compensation) -> Figure {
+/// Deflection along a path before and after compensation, and the path as it should be, bent and commanded in the
+/// workpiece frame (base frame \[m\]).
+pub fn compensation_figure(
+    compensation: &Compensation,
+    workpiece: Option<&Isometry3<f64>>,
+) -> Figure {
     let points = &compensation.points;
     let lengths = along(points.iter().map(|p| p.tip_m));
     let curve = points.iter().zip(lengths).map(|(point, along_m)| {
@@ -50,7 +68,18 @@ pub fn compensation_figure(compensation: &Compensation) -> Figure {
             left_m: Some(point.residual_m + half.unwrap_or_default()),
         }
     });
-    path_figure(&curve.collect::<Vec<_>>(), compensation.confidence)
+    let part = points.iter().map(|point| PartPoint {
+        tip_m: point.tip_m,
+        works: [point.force_n, point.moment_nm] != [[0.0; 3]; 2],
+        shift_m: point.uncompensated_shift_m,
+        correction_m: Some(point.correction_m),
+    });
+    let mut figure = path_figure(&curve.collect::<Vec<_>>(), compensation.confidence);
+    if let Some(workpiece) = workpiece {
+        let part: Vec<PartPoint> = part.collect();
+        figure.panels.extend(part_panels(&part, workpiece));
+    }
+    figure
 }
 
 /// Lengths of a path up to each of its points \[m\].

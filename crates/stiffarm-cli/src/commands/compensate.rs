@@ -75,7 +75,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         );
     } else if wanted {
         let found = &result.compensation;
-        let figure = || render_svg(&compensation_figure(found));
+        let figure = || render_svg(&compensation_figure(found, Some(&cell.work.workpiece)));
         let mut left = Vec::new();
         let tables = || {
             let format = format(cell, &path.table, args.write);

@@ -37,7 +37,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut sections = Vec::new();
     if context.pictures {
         sections.push(cell_section(context, result)?);
-        sections.push(path_section(result));
+        sections.push(path_section(context, result));
     }
     sections.extend(features_section(context));
     sections.extend(band_section(context, result));
@@ -173,7 +173,7 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     )
 }
 
-fn path_section(result: &Compensation) -> Section {
+fn path_section(context: &Given<'_>, result: &Compensation) -> Section {
     let lengths = along(result.points.iter().map(|p| p.tip_m));
     let shifts = result.points.iter().zip(lengths);
     let shifts = shifts.map(|(point, along_m)| PathShift {
@@ -183,8 +183,9 @@ fn path_section(result: &Compensation) -> Section {
     });
     let caption = "What the command adds to the path, base axes, with the ± of the deflection that it makes up for: \
                    where the band reaches across zero the correction may as well harm.";
+    let workpiece = context.cell.map(|cell| &cell.work.workpiece);
     let blocks = vec![
-        Block::Figure(compensation_figure(result)),
+        Block::Figure(compensation_figure(result, workpiece)),
         Block::Figure(path_components_figure(
             &shifts.collect::<Vec<_>>(),
             "correction",

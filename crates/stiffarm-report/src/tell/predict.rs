@@ -39,7 +39,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut sections = Vec::new();
     if context.pictures {
         sections.push(cell_section(context, prediction, &work)?);
-        sections.push(path_section(prediction, &work));
+        sections.push(path_section(context, prediction, &work));
     }
     sections.extend(features_section(context));
     sections.extend(matrices_section(context, prediction));
@@ -255,9 +255,9 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
     work.section(context, explained)
 }
 
-fn path_section(prediction: &Prediction, what: &What) -> Section {
+fn path_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Section {
     match what.is_path {
-        true => along_path(prediction),
+        true => along_path(context, prediction),
         false => point_by_point(prediction),
     }
 }
@@ -278,7 +278,7 @@ fn point_by_point(prediction: &Prediction) -> Section {
     Section::new("path", "Point by point", vec![Block::Figure(figure)])
 }
 
-fn along_path(prediction: &Prediction) -> Section {
+fn along_path(context: &Given<'_>, prediction: &Prediction) -> Section {
     let points = &prediction.points;
     let lengths = along(points.iter().map(|p| p.tip_m));
     let shifts = points.iter().zip(lengths);
@@ -289,8 +289,9 @@ fn along_path(prediction: &Prediction) -> Section {
     });
     let caption = "The same deflection by its components in base axes: a part comes out wrong where its surface lies \
                    across them.";
+    let workpiece = context.cell.map(|cell| &cell.work.workpiece);
     let blocks = vec![
-        Block::Figure(prediction_figure(prediction)),
+        Block::Figure(prediction_figure(prediction, workpiece)),
         Block::Figure(path_components_figure(
             &shifts.collect::<Vec<_>>(),
             "deflection",

@@ -11,11 +11,16 @@ use stiffarm::files::table::read_path;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::PathPoint;
+use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm::nalgebra::{Isometry3, Vector3, Vector4};
+use stiffarm::work::compensate::PointCompensation;
 use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
 use stiffarm::work::predicted::{Predicted, Request};
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
 use stiffarm::work::{compensated, mapped};
+use stiffarm_report::figure::Panel;
 use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Text, Told, tell};
+use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
     let cell = Cell::built_in("comau").unwrap();
@@ -247,5 +252,116 @@ fn the_best_place_comes_as_lines_of_the_cell() {
     assert!(
         done.contains("places of the workpiece were tried"),
         "{done}"
+    );
+}
+
+/// Curves of a panel by their label, one after the other.
+fn curve(panel: &Panel, label: &str) -> Vec<[f64; 2]> {
+    let own = panel.series.iter().filter(|series| series.label == label);
+    own.flat_map(|series| series.x.iter().zip(&series.y).map(|(x, y)| [*x, *y]))
+        .collect()
+}
+
+#[test]
+fn the_part_is_drawn_in_the_workpiece_frame() {
+    let (mut cell, saved) = cell();
+    cell.work.workpiece =
+        Isometry3::new(Vector3::new(1.7, -0.2, 0.8), Vector3::new(0.1, -0.2, 0.6));
+    let mut points = contour(&cell);
+    // Air in the middle of the path.
+    for point in &mut points[20..25] {
+        point.load = Some(TipLoad {
+            force: Vector3::zeros(),
+            moment: Vector3::zeros(),
+            axes: ForceAxes::Base,
+        });
+    }
+    let options = compensated::Options::default();
+    let control = Control::default();
+    let followed = options
+        .path
+        .follow(&cell, &saved.predictor, &points, control)
+        .unwrap();
+    let found = options
+        .compensate(&cell, &saved, &followed, control)
+        .unwrap()
+        .compensation;
+    let figure = compensation_figure(&found, Some(&cell.work.workpiece));
+    let plain = compensation_figure(&found, None);
+    assert_eq!(figure.panels[..plain.panels.len()], plain.panels);
+    let panel = &figure.panels[plain.panels.len()];
+    let times: f64 = panel
+        .title
+        .split(' ')
+        .find_map(|word| word.parse().ok())
+        .unwrap();
+    // The path lies in the workpiece's xy plane, and each curve has a gap.
+    assert_eq!((panel.x.label.as_str(), panel.y.label.as_str()), ("x", "y"));
+    assert_eq!(panel.series.len(), 3 * 2);
+    let working: Vec<usize> = (0..points.len())
+        .filter(|i| !(20..25).contains(i))
+        .collect();
+    let frame = cell.work.workpiece.to_homogeneous().try_inverse().unwrap();
+    let inside = |tip: [f64; 3], shift: [f64; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|i| tip[i] + times * shift[i]);
+        let at = frame * Vector4::new(x, y, z, 1.0);
+        [1e3 * at.x, 1e3 * at.y]
+    };
+    let of = |shift: fn(&PointCompensation) -> [f64; 3]| -> Vec<[f64; 2]> {
+        let drawn = working.iter().map(|i| {
+            let point = &found.points[*i];
+            inside(point.tip_m, shift(point))
+        });
+        drawn.collect()
+    };
+    let expected: [(&str, Vec<[f64; 2]>); 3] = [
+        ("as it should be", of(|_| [0.0; 3])),
+        (
+            "as the tool bends away",
+            of(|own| own.uncompensated_shift_m),
+        ),
+        ("as it is commanded", of(|own| own.correction_m)),
+    ];
+    for (label, expected) in expected {
+        let drawn = curve(panel, label);
+        assert_eq!(drawn.len(), expected.len(), "{label}");
+        for (drawn, expected) in drawn.iter().flatten().zip(expected.iter().flatten()) {
+            assert!(
+                (drawn - expected).abs() < 1e-9,
+                "{label}: {drawn} {expected}"
+            );
+        }
+    }
+    // The largest shift is drawn at a tenth of the part at most, and at more than a thirtieth.
+    let nominal = curve(panel, "as it should be");
+    let span = |axis: usize| {
+        let values = nominal.iter().map(|at| at[axis]);
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    let largest = found
+        .points
+        .iter()
+        .map(|own| own.uncompensated_m)
+        .fold(0.0, f64::max);
+    let share = 1e3 * largest * times / span(0).max(span(1));
+    assert!((1.0 / 30.0..=0.1).contains(&share), "{share}");
+}
+
+#[test]
+fn what_is_not_bent_has_no_picture_of_the_part() {
+    let (mut cell, saved) = cell();
+    cell.work.process = None;
+    let points = contour(&cell);
+    let request = Request::default();
+    let control = Control::default();
+    let loaded = request.loaded(cell.clone(), &saved.predictor, Some(&points), control);
+    let found = request
+        .predict(&loaded.unwrap(), &saved, control)
+        .unwrap()
+        .prediction;
+    let workpiece = Some(&cell.work.workpiece);
+    assert_eq!(
+        prediction_figure(&found, workpiece),
+        prediction_figure(&found, None)
     );
 }

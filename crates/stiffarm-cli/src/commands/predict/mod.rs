@@ -72,10 +72,11 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         summary.findings.extend(path.findings.iter().cloned());
     }
     let prediction = &result.prediction;
+    let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);
     outputs.write(
         session,
         || Ok(vec![Rows(|out: &mut dyn Write| write_csv(prediction, out))]),
-        || render_svg(&prediction_figure(prediction)),
+        || render_svg(&prediction_figure(prediction, workpiece)),
     )?;
     session.deliver_at_work(
         session.envelope("predict", None, request.options(), result),
