@@ -35,6 +35,9 @@ def calls(cell: stiffarm.Cell, tmp_path_factory: pytest.TempPathFactory) -> dict
     quick = {"cell": cell, "rounds": 1, "no_certificate": True}
     mesh = str(tmp_path_factory.mktemp("mesh") / "mesh.obj")
     Path(mesh).write_text("v 0 0 0\nv 90 0 0\nv 0 100 0\nv 0 0 300\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", encoding="utf-8")
+    part = Path(mesh).with_name("part.nc")
+    part.write_text("G90 G0 X0 Y0 Z5\nG1 Z0\nX40\n", encoding="utf-8")
+    program = {"cell": full, "path": str(part), "points": stiffarm.read_path(full, part)}
     calls: dict[str, dict[str, Any]] = {
         "capsules": {"meshes": mesh, "unit": "mm"},
         "certificate": {"cell": cell, "postures": group, "samples": 4},
@@ -51,6 +54,7 @@ def calls(cell: stiffarm.Cell, tmp_path_factory: pytest.TempPathFactory) -> dict
         "observation_matrix": {"cell": cell, "postures": angles},
         "pose": {"cell": cell, "postures": group},
         "predict": {**prior, "path": "builtin:contour"},
+        "read_path": {"cell": full, "path": "builtin:contour"},
         "register": {"pairs": "builtin:example-pairs"},
         "report": {"results": stiffarm.evaluate(cell, group), "force": True},
         "robots": {"name": "fanuc-m20ia"},
@@ -66,6 +70,7 @@ def calls(cell: stiffarm.Cell, tmp_path_factory: pytest.TempPathFactory) -> dict
         # Every call is refused, for one reason or another: a study takes its time.
         "study": {"cell": cell, "report": "no page"},
         "validate": {"cell": cell, "stiffness": [1e6] * 6, "measurements": measured},
+        "write_path": {**program, "output": "moved.nc", "overwrite": True},
         "zones": {"cell": cell, "steps": 3},
     }
     return calls

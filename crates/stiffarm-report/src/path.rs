@@ -65,7 +65,8 @@ pub fn compensation_figure(
             along_m,
             deflection_m: point.uncompensated_m,
             half_width_m: half,
-            left_m: Some(point.residual_m + half.unwrap_or_default()),
+            // Without a band nothing says how much of the deflection is taken away.
+            left_m: half.map(|half| point.residual_m + half),
         }
     });
     let part = points.iter().map(|point| PartPoint {

@@ -61,11 +61,11 @@ def write_path(
     Raises:
         StiffarmError: Other points than the program has, a program that steps, a file that is there.
     """
-    name = _checks.path(path)
+    name, to = _checks.path(path), Path(_checks.path(output, "output"))
+    overwrite = _checks.truth(overwrite, "overwrite")
     moved = read_path(cell, points) if isinstance(points, (str, os.PathLike)) else Table.of(points)
     files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv())
     _warn(said)
-    to = Path(_checks.path(output))
     for number, contents in enumerate(files):
         write_file(to.with_suffix(".dat") if number else to, contents, overwrite=overwrite)
     return to
