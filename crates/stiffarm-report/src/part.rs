@@ -1,7 +1,6 @@
 //! A path as it should be, as the loaded tool leaves it, and as it is commanded, in planes of the workpiece frame.
 
 use crate::figure::{Axis, Panel, Series, Style};
-use crate::path::norm;
 use stiffarm::nalgebra::{Isometry3, Vector3};
 
 /// Most points that are drawn of a curve.
@@ -37,7 +36,7 @@ pub(crate) fn part_panels(points: &[PartPoint], workpiece: &Isometry3<f64>) -> V
     let of_working = points.iter().zip(&tips).filter(|(point, _)| point.works);
     let size = spans(of_working.map(|(_, tip)| *tip)).max();
     let largest = working()
-        .map(|point| norm(point.shift_m))
+        .map(|point| Vector3::from(point.shift_m).norm())
         .fold(0.0, f64::max);
     if !(size > 0.0 && largest > 0.0) {
         return Vec::new();
