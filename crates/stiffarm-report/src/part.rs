@@ -15,25 +15,32 @@ const FLAT: f64 = 0.03;
 pub(crate) struct PartPoint {
     /// Position of the tip \[m\].
     pub tip_m: [f64; 3],
-    /// Whether the tool works there: others interrupt the curves.
-    pub works: bool,
+    /// Force \[N\] and moment \[N·m\] on it.
+    pub load: [[f64; 3]; 2],
     /// Shift of the tip under its load \[m\].
     pub shift_m: [f64; 3],
     /// What the command adds to the path \[m\], where it was compensated.
     pub correction_m: Option<[f64; 3]>,
 }
 
+impl PartPoint {
+    /// Whether the tool works there: other points interrupt the curves.
+    fn works(&self) -> bool {
+        self.load != [[0.0; 3]; 2]
+    }
+}
+
 /// Panels for the first two planes of the workpiece frame in which the part is seen; shifts are exaggerated, as the titles say.
 /// None where nothing is bent, or the path has no length.
 pub(crate) fn part_panels(points: &[PartPoint], workpiece: &Isometry3<f64>) -> Vec<Panel> {
     let back = workpiece.inverse();
-    let working = || points.iter().filter(|point| point.works);
+    let working = || points.iter().filter(|point| point.works());
     let tips: Vec<Vector3<f64>> = points
         .iter()
         .map(|point| back * stiffarm::nalgebra::Point3::from(Vector3::from(point.tip_m)))
         .map(|tip| tip.coords)
         .collect();
-    let of_working = points.iter().zip(&tips).filter(|(point, _)| point.works);
+    let of_working = points.iter().zip(&tips).filter(|(point, _)| point.works());
     let size = spans(of_working.map(|(_, tip)| *tip)).max();
     let largest = working()
         .map(|point| Vector3::from(point.shift_m).norm())
@@ -64,7 +71,7 @@ pub(crate) fn part_panels(points: &[PartPoint], workpiece: &Isometry3<f64>) -> V
     ];
     let drawn = curves.iter().filter_map(|(.., curve)| curve.as_ref());
     let all = drawn.flat_map(|curve| curve.iter().zip(points));
-    let spans = spans(all.filter(|(_, point)| point.works).map(|(at, _)| *at));
+    let spans = spans(all.filter(|(_, point)| point.works()).map(|(at, _)| *at));
     let axes = ["x", "y", "z"];
     let planes = [(0, 1), (0, 2), (1, 2)];
     let seen = planes
@@ -96,8 +103,8 @@ fn runs(points: &[PartPoint]) -> Vec<Vec<usize>> {
     let step = points.len().div_ceil(DRAWN);
     let mut runs: Vec<Vec<usize>> = Vec::new();
     let numbered: Vec<usize> = (0..points.len()).collect();
-    for run in numbered.chunk_by(|a, b| points[*a].works == points[*b].works) {
-        if let ([first, .., last], true) = (run, points[run[0]].works) {
+    for run in numbered.chunk_by(|a, b| points[*a].works() == points[*b].works()) {
+        if let ([first, .., last], true) = (run, points[run[0]].works()) {
             let inner = (*first..*last).step_by(step);
             runs.push(inner.chain([*last]).collect());
         }

@@ -39,16 +39,15 @@ pub fn prediction_figure(prediction: &Prediction, workpiece: Option<&Isometry3<f
         });
     let part = points.iter().map(|point| PartPoint {
         tip_m: point.tip_m,
-        works: [point.force_n, point.moment_nm] != [[0.0; 3]; 2],
+        load: [point.force_n, point.moment_nm],
         shift_m: point.shift_m,
         correction_m: None,
     });
-    let mut figure = path_figure(&curve.collect::<Vec<_>>(), prediction.confidence);
-    if let Some(workpiece) = workpiece {
-        let part: Vec<PartPoint> = part.collect();
-        figure.panels.extend(part_panels(&part, workpiece));
-    }
-    figure
+    with_part(
+        path_figure(&curve.collect::<Vec<_>>(), prediction.confidence),
+        part,
+        workpiece,
+    )
 }
 
 /// Deflection along a path before and after compensation, and the path as it should be, bent and commanded in the
@@ -71,14 +70,26 @@ pub fn compensation_figure(
     });
     let part = points.iter().map(|point| PartPoint {
         tip_m: point.tip_m,
-        works: [point.force_n, point.moment_nm] != [[0.0; 3]; 2],
+        load: [point.force_n, point.moment_nm],
         shift_m: point.uncompensated_shift_m,
         correction_m: Some(point.correction_m),
     });
-    let mut figure = path_figure(&curve.collect::<Vec<_>>(), compensation.confidence);
+    with_part(
+        path_figure(&curve.collect::<Vec<_>>(), compensation.confidence),
+        part,
+        workpiece,
+    )
+}
+
+/// The figure with the part below, where the points are a path.
+fn with_part(
+    mut figure: Figure,
+    part: impl Iterator<Item = PartPoint>,
+    workpiece: Option<&Isometry3<f64>>,
+) -> Figure {
     if let Some(workpiece) = workpiece {
-        let part: Vec<PartPoint> = part.collect();
-        figure.panels.extend(part_panels(&part, workpiece));
+        let panels = part_panels(&part.collect::<Vec<_>>(), workpiece);
+        figure.panels.extend(panels);
     }
     figure
 }

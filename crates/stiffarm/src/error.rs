@@ -301,6 +301,15 @@ impl Error {
         self
     }
 
+    /// Adds the line, where there is one.
+    #[must_use]
+    pub(crate) fn in_line(self, line: Option<usize>) -> Self {
+        match line {
+            Some(line) => self.line(line, None),
+            None => self,
+        }
+    }
+
     /// Adds a byte span of `text`, with the line and column it starts at.
     #[must_use]
     pub fn span(mut self, text: &str, span: Range<usize>) -> Self {

@@ -57,6 +57,14 @@ pub fn list<S: AsRef<str>>(names: &[S]) -> String {
     }
 }
 
+/// How many more there are than are named: ` and 3 more`, nothing where there is none.
+pub(crate) fn more(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        count => format!(" and {count} more"),
+    }
+}
+
 /// Fraction as a percentage with three digits.
 pub(crate) fn percent(fraction: f64) -> String {
     let p = 100.0 * fraction;

@@ -1,7 +1,7 @@
 //! Loads and cuts that are possible and yet hardly meant for this robot: results that
 //! rest on them are printed, with a serious finding.
 
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, more};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::PathPoint;
@@ -128,10 +128,7 @@ pub fn chips(work: &Work, points: &[PathPoint]) -> Option<Finding> {
         (!point.rapid && !(low..=high).contains(&chip)).then_some((point, chip))
     });
     let (first, chip) = beyond.next()?;
-    let more = match beyond.count() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
+    let more = more(beyond.count());
     let sentence = format!(
         "At point {}{more} the feed is {chip:.2e} mm a tooth, and no tooth cuts that: check spindle_rpm, teeth and \
          the unit of the feed.",

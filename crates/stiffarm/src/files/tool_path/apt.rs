@@ -146,7 +146,7 @@ fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
             _ => number = number.or(part.parse::<f64>().ok()),
         }
     }
-    builder.feed = number.filter(|own| *own > 0.0).map(|own| own * unit / 60.0);
+    builder.feed = number.map(|own| own * unit / 60.0);
 }
 
 /// Numbers and words with commas between them; true where the next line goes on.

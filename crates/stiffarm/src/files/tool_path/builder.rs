@@ -76,7 +76,7 @@ pub(super) struct Builder<'c> {
     pub fixed: Option<(usize, &'static str)>,
     /// Name of the feature that the points belong to.
     pub feature: Option<Arc<str>>,
-    /// Feed of the points \[m/s\].
+    /// Feed of the points as it is stated \[m/s\]; what is none is no point's.
     pub feed: Option<f64>,
     remarks: BTreeMap<(&'static str, String), Remark>,
     frames: Vec<Finding>,

@@ -80,10 +80,7 @@ impl PathPoint {
 
     /// `error` with the line of this point.
     pub(crate) fn at(&self, error: Error) -> Error {
-        match self.line {
-            Some(line) => error.line(line, None),
-            None => error,
-        }
+        error.in_line(self.line)
     }
 }
 
@@ -117,9 +114,6 @@ impl LoadedPosture {
 
     /// `error` with the line of this posture.
     pub(crate) fn at(&self, error: Error) -> Error {
-        match self.line {
-            Some(line) => error.line(line, None),
-            None => error,
-        }
+        error.in_line(self.line)
     }
 }

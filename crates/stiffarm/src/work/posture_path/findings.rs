@@ -1,7 +1,7 @@
 //! What is to be known about the postures of a path, in sentences.
 
 use super::{PosturePathSummary, Search};
-use crate::findings::{Finding, Severity, length, percent};
+use crate::findings::{Finding, Severity, length, more, percent};
 use crate::model::dexterity::condition_number;
 use crate::model::kinematics::Frames;
 use crate::model::path::{PathPoint, feed_axes};
@@ -28,10 +28,7 @@ fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding
     let pairs = search.points.iter().zip(&feeds);
     let mut borrowed = pairs.filter(|(point, feed)| feed.is_none() && is_along(point));
     let (first, _) = borrowed.next()?;
-    let more = match borrowed.count() {
-        0 => String::new(),
-        more => format!(" and {more} more"),
-    };
+    let more = more(borrowed.count());
     let sentence = format!(
         "At point {}{more} the path does not move across the tool axis, as in a plunge: the load there has the \
          path axes of the next move.",
@@ -68,10 +65,7 @@ pub(super) fn findings(
         .collect();
     if !singular.is_empty() {
         let shown = singular[..singular.len().min(NAMED)].join(", ");
-        let more = match singular.len().saturating_sub(NAMED) {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
+        let more = more(singular.len().saturating_sub(NAMED));
         let (postures, are) = match singular.len() {
             1 => ("posture at point", "is"),
             _ => ("postures at points", "are"),

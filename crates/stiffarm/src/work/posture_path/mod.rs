@@ -349,10 +349,7 @@ impl Search<'_> {
 
     /// `error` with the line of point `i`.
     fn at(&self, i: usize, error: Error) -> Error {
-        match self.points[i].line {
-            Some(line) => error.line(line, None),
-            None => error,
-        }
+        self.points[i].at(error)
     }
 
     /// `error` in a sentence that names point `i`, with its line.

@@ -314,27 +314,19 @@ fn slips_of_logs() {
         let put = read.and_then(|log| log.put_on(&cell, &mut straight(&[0.0, 10.0, 20.0])));
         shown += &format!("{text:?}\n{}\n", put.unwrap_err());
     }
-    for key in [
-        "power_w = -5",
-        "power_w = 50\nidle_power_w = 60",
-        "idle_power_w = 60",
-    ] {
+    let force = "[work.force]\nforce_n = [1, 2, 3]\naxes = 'base'\n";
+    let keys = [
+        (force, "power_w = -5"),
+        (force, "power_w = 50\nidle_power_w = 60"),
+        (force, "idle_power_w = 60"),
+        (CUT, ""),
+        (CUT, "feed_per_tooth_mm = 0.1\nspindle_rpm = 6000"),
+        (CUT, "spindle_rpm = 0"),
+    ];
+    for (table, keys) in keys {
         let text = format!(
             "format = 1\nrobot.catalogue = 'kuka-kr500-r2800-2'\nload = {{ kind = 'measured' }}\n\
-            tool = {{ loading_point_mm = [200, 0, 250], measuring_point = [{{ name = '1', position_mm = [0, 0, 300] }}] }}\n\
-            [work.force]\nforce_n = [1, 2, 3]\naxes = 'base'\n{key}\n"
-        );
-        let error = stiffarm::files::cell::parse_cell(&text, "cell.toml").unwrap_err();
-        shown += &format!("{key:?}\n{error}\n");
-    }
-    for keys in [
-        "",
-        "feed_per_tooth_mm = 0.1\nspindle_rpm = 6000",
-        "spindle_rpm = 0",
-    ] {
-        let text = format!(
-            "format = 1\nrobot.catalogue = 'kuka-kr500-r2800-2'\nload = {{ kind = 'measured' }}\n\
-            tool = {{ loading_point_mm = [200, 0, 250], measuring_point = [{{ name = '1', position_mm = [0, 0, 300] }}] }}\n{CUT}{keys}\n"
+            tool = {{ loading_point_mm = [200, 0, 250], measuring_point = [{{ name = '1', position_mm = [0, 0, 300] }}] }}\n{table}{keys}\n"
         );
         let error = stiffarm::files::cell::parse_cell(&text, "cell.toml").unwrap_err();
         shown += &format!("{keys:?}\n{error}\n");

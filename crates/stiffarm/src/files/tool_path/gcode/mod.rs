@@ -103,8 +103,9 @@ impl State<'_, '_> {
             }
         }
         let feed = words.iter().find(|word| word.letter == b'F');
-        let feed = feed.map(|word| word.number.value);
-        self.feed(feed, words.first());
+        if let Some(word) = feed {
+            self.feed(word);
+        }
         if let Some(word) = words
             .iter()
             .find(|word| matches!(word.letter, b'U' | b'V' | b'W'))
@@ -165,12 +166,9 @@ impl State<'_, '_> {
         let unit = self.builder.form.unit;
         let place = Place::Axis(end * unit, self.axis);
         let start = known(&start).map(|start| start * unit);
-        if self.feeds == 93 {
-            let way = start.map(|start| (end * unit - start).norm());
-            self.builder.feed = feed.zip(way).map(|(inverse, way)| inverse * way / 60.0);
-        }
         let first = self.builder.points.len();
         let Mode::Arc(is_left) = mode else {
+            self.inverse(feed, start.map(|start| (end * unit - start).norm()));
             let from = start.filter(|_| mode == Mode::Feed);
             let from = from.map(|start| Place::Axis(start, before));
             if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
@@ -189,9 +187,7 @@ impl State<'_, '_> {
                 "This is no arc: its end is not on the circle about its centre through the point before.",
             ));
         };
-        if self.feeds == 93 {
-            self.builder.feed = feed.map(|inverse| inverse * circle.length() / 60.0);
-        }
+        self.inverse(feed, Some(circle.length()));
         let from = Place::Axis(start, before);
         for (share, point) in circle.points() {
             self.builder
@@ -309,18 +305,23 @@ impl State<'_, '_> {
     }
 
     /// Takes the feed of a block, where it is one a minute.
-    fn feed(&mut self, given: Option<f64>, word: Option<&Word<'_>>) {
-        let (Some(feed), Some(word)) = (given, word) else {
-            return;
-        };
+    fn feed(&mut self, word: &Word<'_>) {
         match self.feeds {
-            94 => self.builder.feed = (feed > 0.0).then(|| feed * self.builder.form.unit / 60.0),
+            94 => self.builder.feed = Some(word.number.value * self.builder.form.unit / 60.0),
             95 => self.builder.not_followed(
                 "A feed per turn (G95)",
                 word.place.line_number(),
                 Severity::Note,
             ),
             _ => {}
+        }
+    }
+
+    /// Takes the feed of a move of this length \[m\], where it is the inverse of the move's time.
+    fn inverse(&mut self, word: Option<&Word<'_>>, way: Option<f64>) {
+        if self.feeds == 93 {
+            let pair = word.zip(way);
+            self.builder.feed = pair.map(|(word, way)| word.number.value * way / 60.0);
         }
     }
 
