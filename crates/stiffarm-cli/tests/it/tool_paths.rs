@@ -216,3 +216,57 @@ fn a_new_program_of_linear_moves() {
         refused.map(|line| folder.refused(&line)).join("\n")
     );
 }
+
+/// A table of a force in base axes, whose other rows have the load of their feature in path axes.
+const TABLE: &str = "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg,fx_n,fy_n,fz_n,feature\n\
+    0,0,0,180,0,0,10,0,0,A\n50,0,5,180,0,0,,,,B\n100,0,0,180,0,0,,,,B\n";
+const CELL: &str = "format = 1\nrobot.catalogue = 'kuka-kr500-r2800-2'\nload = { kind = 'measured' }\n\
+    tool = { loading_point_mm = [200, 0, 250], measuring_point = [{ name = '1', position_mm = [0, 0, 300] }] }\n\
+    [work]\ntip_mm = [0, 0, 300]\nworkpiece_mm = [1700, 100, 800]\n\
+    [[work.feature]]\nname = 'B'\nforce = { force_n = [-90, 50, 0], axes = 'path' }\n";
+
+fn own_cell() -> Folder {
+    let folder = folder();
+    folder.write("cell.toml", CELL);
+    folder.write(
+        "k.json",
+        "{\"stiffness_nm_per_rad\": [4e6, 4e6, 3e6, 6e5, 5e5, 3e5]}",
+    );
+    folder.write("path.csv", TABLE);
+    folder
+}
+
+#[test]
+fn a_commanded_table_has_the_loads_that_its_rows_were_given() {
+    let folder = own_cell();
+    folder.ok("compensate cell.toml k.json path.csv --axes base --beyond-data --output c.csv");
+    let given = folder.json("predict cell.toml k.json path.csv --axes base");
+    // Without the cell's feature: all is in the table.
+    folder.write("cell.toml", CELL.split("[[work.feature]]").next().unwrap());
+    let written = folder.json("predict cell.toml k.json c.csv");
+    let forces = [&given, &written].map(|result| triples(result, "force_n"));
+    for (given, written) in forces[0].iter().flatten().zip(forces[1].iter().flatten()) {
+        // The commanded tool is turned by what the loaded one gives way.
+        assert!((given - written).abs() < 0.1, "{given} {written}");
+    }
+    assert_eq!(forces[0][0], [10.0, 0.0, 0.0]);
+    assert!(forces[0][1][1].abs() > 40.0);
+}
+
+#[test]
+fn a_log_is_an_input_of_the_result() {
+    let folder = own_cell();
+    folder.write("path.csv", TABLE.replace("10,0,0,A", ",,,A"));
+    folder.write(
+        "log.csv",
+        "along_mm,fx_n,fy_n,fz_n\n0,0,20,0\n110,0,130,0\n",
+    );
+    let result = folder.json("predict cell.toml k.json path.csv --log log.csv --axes base");
+    assert_eq!(result["inputs"]["log"].as_str().map(str::len), Some(64));
+    // 50.2 mm to the second point and as far to the third; the last has the mean of the last quarter.
+    let way = 5.0_f64.hypot(50.0);
+    let forces = triples(&result, "force_n");
+    for (force, middle) in forces.iter().zip([0.25 * way, way, 1.75 * way]) {
+        assert!((force[1] - 20.0 - middle).abs() < 1e-6, "{force:?}");
+    }
+}

@@ -243,6 +243,11 @@ pub trait Source {
         let features = cell.work.put_on(&mut path.table.points);
         let features = features.map_err(|error| error.file(path.name.as_str()))?;
         path.findings.extend(features);
+        let PathTable { points, format } = &mut path.table;
+        // Loads of a feature or a log need not be in the axes of the table's own.
+        if points.iter().any(|point| !format.holds(point)) {
+            *format = format.clone().holding(points, cell);
+        }
         path.findings
             .extend(implausible::chips(&cell.work, &path.table.points));
         Ok(path)

@@ -183,8 +183,9 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
                 "This position is calculated by the controller: only stated positions are read.",
             ));
         }
-        if let Some((_, own)) = line.rest().split_once("$VEL.CP=") {
-            reader.at_feed(leading(own));
+        if let Some((_, own)) = line.rest().split_once("$VEL.CP") {
+            let own = own.trim_start().strip_prefix('=');
+            reader.at_feed(own.and_then(leading));
         }
         if !reader.is_path {
             line.end()?;

@@ -158,8 +158,10 @@ pub struct Reader<'a> {
 /// The number that a text begins with.
 pub fn leading(text: &str) -> Option<f64> {
     let text = text.trim_start();
-    let end = text.find(|c: char| !(c.is_ascii_digit() || c == '.'));
-    text[..end.unwrap_or(text.len())].parse().ok()
+    let is_none = |c: char| !(c.is_ascii_digit() || matches!(c, '.' | '+' | '-' | 'e' | 'E'));
+    let end = text.find(is_none).unwrap_or(text.len());
+    // Behind a number may stand a sign or an e that is none of its own.
+    (1..=end).rev().find_map(|end| text[..end].parse().ok())
 }
 
 /// The one file of most languages.

@@ -66,13 +66,13 @@ fn every_language_gives_its_feeds() -> Check {
         ),
         (
             "e.src",
-            "$VEL.CP=0.01\nLIN {X 0,Y 0,Z 0,A 0,B 0,C 180}\nLIN {X 1}\nSLIN {X 2} WITH $VEL.CP=0.0025\n\
+            "$VEL.CP=0.01\nLIN {X 0,Y 0,Z 0,A 0,B 0,C 180}\nLIN {X 1}\nSLIN {X 2} WITH $VEL.CP = 25e-4\n\
              $VEL.CP = vcut\nLIN {X 3}\n"
                 .into(),
         ),
         (
             "f.mod",
-            rapid(&[("0", "v10"), ("1", "[10,500,5000,1000]"), ("2", "vCut"), ("3", "vmax")]),
+            rapid(&[("0", "v10"), ("1", "[1E1,500,5000,1000]"), ("2", "vCut"), ("3", "vmax")]),
         ),
         (
             "g.ls",

@@ -127,6 +127,13 @@ impl<'p> Numbers<'p> {
     }
 }
 
+impl PathFormat {
+    /// Whether a table can hold the whole load of a point, or none.
+    pub(crate) fn holds(&self, point: &PathPoint) -> bool {
+        check_load(self, point).is_ok()
+    }
+}
+
 /// Refuses a load of which the table could hold a part only.
 fn check_load(format: &PathFormat, point: &PathPoint) -> Result<()> {
     let Some(load) = point.load.as_ref().filter(|_| format.has_loads()) else {
