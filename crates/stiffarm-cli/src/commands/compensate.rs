@@ -199,19 +199,16 @@ fn commanded(
         .points
         .iter()
         .zip(&result.points)
-        .map(|(point, found)| {
-            // The angles as the result writes them.
-            let command = found.command.iter();
-            let q: Vec<f64> = command
-                .map(|q| deg_to_rad(rad_to_shortest_deg(*q)))
-                .collect();
-            PathPoint {
-                target: match kind {
-                    PathKind::Angles => Aim::Angles(q),
-                    _ => Aim::Pose(arm.tip_pose(&q)),
-                },
-                ..point.clone()
-            }
+        .map(|(point, found)| PathPoint {
+            target: match kind {
+                // The angles as the result writes them.
+                PathKind::Angles => {
+                    let written = |q: &f64| deg_to_rad(rad_to_shortest_deg(*q));
+                    Aim::Angles(found.command.iter().map(written).collect())
+                }
+                _ => Aim::Pose(arm.tip_pose(&found.command)),
+            },
+            ..point.clone()
         });
     Ok(points.collect())
 }

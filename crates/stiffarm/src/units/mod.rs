@@ -144,12 +144,13 @@ pub(crate) fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) 
     let find = |target: f64| {
         let near = there(target);
         let rounded = |digits: usize| rounded(near, digits);
-        let neighbours = [near.next_up(), near.next_down()];
+        // 17 digits are the number itself.
+        let others = [near, near.next_up(), near.next_down()];
         // `near` is within rounding of each number that will do. One of fewer than
         // 14 digits is therefore what 14 digits round to: no need to try them.
-        (13..17)
+        (13..16)
             .filter_map(rounded)
-            .chain(neighbours)
+            .chain(others)
             .find(|number| back(*number) == target)
     };
     let number = find(value).or_else(|| find(back(there(value))));

@@ -9,6 +9,7 @@ use crate::model::observation::{PostureTerms, Setup};
 use crate::model::path::LoadedPosture;
 use crate::model::scene::Scene;
 use crate::model::tool::NamedPoint;
+use crate::numerics::jobs::in_order;
 use nalgebra::{Isometry3, Vector3};
 
 /// Limits of a cell at work.
@@ -79,11 +80,12 @@ pub(super) fn forbidden<'a>(
     postures: impl Iterator<Item = (&'a LoadedPosture, &'a [f64])>,
 ) -> Result<Option<Finding>> {
     let at_work = AtWork::new(cell, tip);
-    let (mut count, mut of, mut worst) = (0, 0, Severity::Caution);
+    let postures: Vec<_> = postures.collect();
+    let violated = in_order(&postures, |(_, (_, q))| at_work.violated(q))?;
+    let (mut count, of, mut worst) = (0, postures.len(), Severity::Caution);
     let mut first = None;
-    for (posture, q) in postures {
-        of += 1;
-        let Some(violated) = at_work.violated(q)? else {
+    for ((posture, _), violated) in postures.iter().zip(violated) {
+        let Some(violated) = violated else {
             continue;
         };
         count += 1;

@@ -6,7 +6,7 @@ use crate::findings::{Finding, Severity, length, length_with_error};
 use crate::model::cell::Cell;
 use crate::model::path::{LoadedPosture, feed_axes};
 use crate::work::predict::LoadedArm;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -105,7 +105,8 @@ pub(super) fn features(
         return Ok((Vec::new(), None));
     }
     let arm = LoadedArm::new(cell, predictor)?;
-    let tips: Vec<Isometry3<f64>> = postures.iter().map(|p| arm.tip_pose(&p.q)).collect();
+    let angles: Vec<&[f64]> = postures.iter().map(|p| p.q.as_slice()).collect();
+    let tips = arm.tip_poses(&angles)?;
     let feeds = feed_axes(&tips);
     // In the order in which they come first.
     let mut groups: Vec<(Arc<str>, Vec<usize>)> = Vec::new();

@@ -4,6 +4,7 @@
 use crate::common::prelude::*;
 use crate::common::{list, matrix, number, numbers, reference};
 use stiffarm::estimate::common::CommonErrors;
+use stiffarm::model::elastic::ElasticClass;
 use stiffarm::model::stiffness::cartesian_stiffness;
 use stiffarm::work::predict::{LoadPoint, Prediction};
 
@@ -168,27 +169,47 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
         ExtraTerm::JointTilt(3),
         ExtraTerm::BaseTilt,
         ExtraTerm::LostMotion(1),
+        ExtraTerm::MeanSpring(ElasticClass::Shift),
+        ExtraTerm::MeanSpring(ElasticClass::Turn),
     ];
-    let values = predictor.values.iter().copied().chain([2e-7, 1e-8, 1e-4]);
-    predictor.values = DVector::from_iterator(9, values);
-    let arm = LoadedArm::new(&cell, &predictor).unwrap();
+    // All entries of all springs, which the arm puts together.
+    for joint in std::iter::once(None).chain((0..6).map(Some)) {
+        for column in 0..6 {
+            let entry = |row| ExtraTerm::Spring { joint, row, column };
+            predictor.extra.extend((0..=column).map(entry));
+        }
+    }
+    let count = predictor.extra.len();
     let mut dice = Dice::new(9);
+    let few = [2e-7, 1e-8, 1e-4, 1e-9, 1e-8];
+    let entries = (few.len()..count).map(|_| dice.vector(1e-8).x);
+    let values: Vec<f64> = few.into_iter().chain(entries).collect();
+    let joints = LoadedArm::new(&cell, &prior(&cell)).unwrap();
+    let all = predictor.values.iter().chain(&values).copied();
+    predictor.values = DVector::from_iterator(6 + count, all);
+    let arm = LoadedArm::new(&cell, &predictor).unwrap();
     for q in postures(&cell) {
         let load = wrench(&mut dice, 400.0, 30.0);
         let terms = arm.terms(&q, &load).unwrap();
         let sensitivity = arm.sensitivity(&terms);
-        assert_eq!(sensitivity.shape(), (3, 9));
-        for j in 0..9 {
+        assert_eq!(sensitivity.shape(), (3, 6 + count));
+        // The sum of what the terms do one by one.
+        let mut sum = joints.linear(&terms);
+        for (term, value) in predictor.extra.iter().zip(&values) {
+            sum += term.twist(&terms, &terms.measuring_points()[0]) * *value;
+        }
+        assert!((sum - arm.linear(&terms)).amax() < 1e-14);
+        for j in 0..6 + count {
             let mut more = predictor.clone();
-            more.values[j] *= 1.5;
+            more.values[j] += 1e-3;
             let other = LoadedArm::new(&cell, &more).unwrap();
             // Linear in the unknowns, so that any step is exact.
-            let change = (other.linear(&terms) - arm.linear(&terms)) / (0.5 * predictor.values[j]);
+            let change = (other.linear(&terms) - arm.linear(&terms)) / 1e-3;
             let column = sensitivity.column(j);
             for i in 0..3 {
                 let error = (change[i] - column[i]).abs();
                 assert!(
-                    error <= 1e-9 * column.amax().max(1e-6),
+                    error <= 1e-9 * column.amax() + 1e-14 * sensitivity.amax(),
                     "unknown {j}: {error:e}"
                 );
             }

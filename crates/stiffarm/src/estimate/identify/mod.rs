@@ -46,7 +46,7 @@ pub use residuals::{DisplacementResidual, DisplacementWeight, PointResidual, Pos
 pub(crate) use response::Response;
 pub(crate) use solve::{Prepared, Solution};
 pub(crate) use system::{Block, MeasuredSystem, NO_LOAD};
-pub(crate) use system::{by_name, columns, known_displacement, unknowns};
+pub(crate) use system::{by_name, known_displacement, unknowns};
 pub(crate) use whitened::Whitened;
 
 use crate::error::{Code, Error, Result};

@@ -155,7 +155,7 @@ pub(super) fn assemble<'a>(
         let mut torques = Vec::with_capacity(states.len());
         for &(m, terms) in &states {
             let posture = &measured[m];
-            let columns = columns(cell, terms, extra);
+            let columns = terms.block_with(&cell.setup.robot, extra);
             let known = known_displacement(cell, terms, posture)?;
             for (d, displacement) in posture.displacements.iter().enumerate() {
                 let row = 3 * displacement.point;
@@ -229,17 +229,6 @@ pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>
         unknowns.push(name);
     }
     Ok(unknowns)
-}
-
-/// Ψ of one posture and load with its extra terms, 3m × unknowns.
-pub(crate) fn columns(cell: &Cell, terms: &PostureTerms, extra: &[ExtraTerm]) -> DMatrix<f64> {
-    let block = terms.block(&cell.setup.robot);
-    let n = block.ncols();
-    let mut columns = block.resize_horizontally(n + extra.len(), 0.0);
-    for (i, term) in extra.iter().enumerate() {
-        columns.column_mut(n + i).copy_from(&term.column(terms));
-    }
-    columns
 }
 
 /// Displacement of the measuring points that does not come from the unknowns,

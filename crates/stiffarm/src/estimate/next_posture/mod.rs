@@ -21,7 +21,7 @@ pub use planned::{PlannedErrors, planned_errors};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
-    Block, Estimator, Fit, Identification, MeasuredSystem, Verdict, columns, rms,
+    Block, Estimator, Fit, Identification, MeasuredSystem, Verdict, rms,
 };
 use crate::findings::list;
 use crate::model::cell::Cell;
@@ -171,7 +171,7 @@ impl Known {
         for (number, setup) in setups.iter().enumerate() {
             let terms = PostureTerms::new(setup, q, None)?;
             psi.rows_mut(each * number, each)
-                .copy_from(&columns(cell, &terms, &self.extra));
+                .copy_from(&terms.block_with(&cell.setup.robot, &self.extra));
         }
         let new = &self.root * psi;
         let mut all = DMatrix::zeros(rows + new.nrows(), unknowns);

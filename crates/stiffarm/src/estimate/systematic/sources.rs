@@ -2,7 +2,7 @@
 
 use super::believed::Believed;
 use crate::error::Result;
-use crate::estimate::identify::{columns, known_displacement};
+use crate::estimate::identify::known_displacement;
 use crate::model::cell::Cell;
 use crate::model::instruments::Mount;
 use crate::model::load::{Load, Wrench};
@@ -161,7 +161,8 @@ impl Nominal<'_> {
         posture: &MeasuredPosture,
         terms: &PostureTerms,
     ) -> Result<DVector<f64>> {
-        let moved = columns(self.cell, terms, self.believed.extra) * self.believed.values;
+        let moved =
+            terms.block_with(&self.cell.setup.robot, self.believed.extra) * self.believed.values;
         Ok(moved + known_displacement(self.cell, terms, posture)?)
     }
 

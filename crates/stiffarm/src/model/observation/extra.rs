@@ -21,14 +21,11 @@
 //! the axis under a unit moment about it. The column of a spring is what it does beside that.
 
 use super::PostureTerms;
+use super::spring::{LoadedSpring, Motion, on_first_axis};
 use crate::error::{Code, Error, Result, did_you_mean};
-use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
-use nalgebra::{DVector, Matrix3, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
-
-/// A direction across an axis is clear from this length on (of a unit vector; m).
-const CLEARLY: f64 = 1e-2;
 
 /// Entries of the springs' compliances that share one size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -202,9 +199,8 @@ impl ExtraTerm {
     /// If the term names a joint that the robot does not have.
     pub fn column(self, terms: &PostureTerms) -> DVector<f64> {
         let points = terms.measuring_points();
-        let motion = self.motion(terms);
-        let rows = points.iter().flat_map(|p| motion.at(p).data.0[0]);
-        DVector::from_iterator(3 * points.len(), rows)
+        let motion = Motions::new(terms).of(self);
+        DVector::from_iterator(3 * points.len(), motion.rows(points))
     }
 
     /// What one unit of this term does to the base-frame point `at`:
@@ -213,53 +209,69 @@ impl ExtraTerm {
     /// # Panics
     /// If the term names a joint that the robot does not have.
     pub fn twist(self, terms: &PostureTerms, at: &Vector3<f64>) -> Vector6<f64> {
-        let motion = self.motion(terms);
-        let (shift, turn) = (motion.at(at), motion.turn);
-        Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
+        Motions::new(terms).of(self).twist(at)
+    }
+}
+
+impl PostureTerms {
+    /// [`block`](Self::block) with the columns of `extra` behind it, 3m × (springs + terms).
+    ///
+    /// # Panics
+    /// If a term names a joint that the robot does not have.
+    pub fn block_with(&self, robot: &Robot, extra: &[ExtraTerm]) -> DMatrix<f64> {
+        let block = self.block(robot);
+        let n = block.ncols();
+        let mut columns = block.resize_horizontally(n + extra.len(), 0.0);
+        let mut motions = Motions::new(self);
+        for (i, term) in extra.iter().enumerate() {
+            let motion = motions.of(*term);
+            let rows = motion.rows(self.measuring_points());
+            columns
+                .column_mut(n + i)
+                .iter_mut()
+                .zip(rows)
+                .for_each(|(to, row)| *to = row);
+        }
+        columns
+    }
+}
+
+/// What terms do at one posture under one load; what those of one spring share is found once.
+struct Motions<'a> {
+    terms: &'a PostureTerms,
+    /// Base first, then joint by joint; none until it is needed.
+    springs: Vec<Option<LoadedSpring>>,
+}
+
+impl<'a> Motions<'a> {
+    /// At the posture and under the load of `terms`.
+    fn new(terms: &'a PostureTerms) -> Self {
+        let places = terms.frames().axes().len() + 1;
+        Motions {
+            terms,
+            springs: vec![None; places],
+        }
     }
 
-    /// Motion per unit of this term.
-    fn motion(self, terms: &PostureTerms) -> Motion {
+    /// Motion per unit of a term.
+    fn of(&mut self, term: ExtraTerm) -> Motion {
+        let terms = self.terms;
         let frames = terms.frames();
         let tilt = |axis: Vector3<f64>, origin: Vector3<f64>| {
             let moment = terms.wrench().moved(terms.loading_point(), &origin).moment;
             Motion::turn(moment - axis * axis.dot(&moment), origin)
         };
-        match self {
+        match term {
             ExtraTerm::Spring { joint, row, column } => {
-                let (axes, origin) = spring_frame(frames, joint);
-                let wrench = terms.wrench().moved(terms.loading_point(), &origin);
-                let load = |i: usize| match i < 3 {
-                    true => axes.column(i).dot(&wrench.force),
-                    false => axes.column(i - 3).dot(&wrench.moment),
-                };
-                let mut motion = Motion::turn(Vector3::zeros(), origin);
-                let mut add = |i: usize, size: f64| match i < 3 {
-                    true => motion.shift += axes.column(i) * size,
-                    false => motion.turn += axes.column(i - 3) * size,
-                };
-                add(row, load(column));
-                if row != column {
-                    add(column, load(row));
-                }
-                // The axis that follows counts the turn about it as its own compliance.
-                let next = joint.map_or(0, |j| j + 1);
-                let is_axis = joint.is_some() && row == 5;
-                if row >= 3 && !is_axis && next < frames.axes().len() {
-                    let (axis, at) = (frames.axes()[next], frames.origins()[next]);
-                    let along = |i: usize| axes.column(i - 3).dot(&axis);
-                    let twice = if row == column { 1.0 } else { 2.0 };
-                    let part = twice * along(row) * along(column);
-                    let moment = terms.wrench().moved(terms.loading_point(), &at).moment;
-                    motion.add(&Motion::turn(axis * (axis.dot(&moment) * -part), at));
-                }
-                motion
+                let spring = &mut self.springs[place(joint)];
+                let spring = spring.get_or_insert_with(|| LoadedSpring::new(terms, joint));
+                spring.entry(row, column)
             }
             ExtraTerm::MeanSpring(class) => {
                 let mut sum = Motion::turn(Vector3::zeros(), Vector3::zeros());
                 for (joint, row) in diagonal(class, frames.axes().len()) {
                     let column = row;
-                    sum.add(&ExtraTerm::Spring { joint, row, column }.motion(terms));
+                    sum.add(&self.of(ExtraTerm::Spring { joint, row, column }));
                 }
                 sum
             }
@@ -275,31 +287,60 @@ impl ExtraTerm {
     }
 }
 
-/// A small motion: shift of the body's point at the origin, and turn.
-struct Motion {
-    shift: Vector3<f64>,
-    turn: Vector3<f64>,
-    origin: Vector3<f64>,
+/// Number of a spring: base first, then joint by joint.
+fn place(joint: Option<usize>) -> usize {
+    joint.map_or(0, |j| j + 1)
 }
 
-impl Motion {
-    fn turn(turn: Vector3<f64>, origin: Vector3<f64>) -> Self {
-        Motion {
-            shift: Vector3::zeros(),
-            turn,
-            origin,
+/// Terms with their values; those of one general spring are one compliance.
+#[derive(Debug, Clone)]
+pub(crate) struct Elements {
+    springs: Vec<(Option<usize>, Matrix6<f64>)>,
+    rest: Vec<(ExtraTerm, f64)>,
+}
+
+impl Elements {
+    /// `values` of `terms` of an arm with so many joints.
+    pub(crate) fn new(terms: &[ExtraTerm], values: &[f64], joints: usize) -> Self {
+        let places = std::iter::once(None).chain((0..joints).map(Some));
+        let mut springs: Vec<_> = places.map(|joint| (joint, Matrix6::zeros())).collect();
+        let mut rest = Vec::new();
+        let mut add = |joint: Option<usize>, row: usize, column: usize, value: f64| {
+            let compliance = &mut springs[place(joint)].1;
+            compliance[(row, column)] += value;
+            if row != column {
+                compliance[(column, row)] += value;
+            }
+        };
+        for (term, value) in terms.iter().zip(values) {
+            match *term {
+                ExtraTerm::Spring { joint, row, column } => add(joint, row, column, *value),
+                ExtraTerm::MeanSpring(class) => {
+                    diagonal(class, joints).for_each(|(joint, row)| add(joint, row, row, *value));
+                }
+                term => rest.push((term, *value)),
+            }
         }
+        springs.retain(|(_, compliance)| *compliance != Matrix6::zeros());
+        Elements { springs, rest }
     }
 
-    /// Goes on with a further small motion of the same body.
-    fn add(&mut self, other: &Motion) {
-        self.shift += other.at(&self.origin);
-        self.turn += other.turn;
-    }
-
-    /// Shift of the body's point at `p`.
-    fn at(&self, p: &Vector3<f64>) -> Vector3<f64> {
-        self.shift + self.turn.cross(&(p - self.origin))
+    /// What they do to the base-frame point `at` at the posture and under the load of `terms`, those with lost motion
+    /// among them or not: \[shift (m); turn (rad)\], base axes.
+    pub(crate) fn twist(
+        &self,
+        terms: &PostureTerms,
+        at: &Vector3<f64>,
+        lost: bool,
+    ) -> Vector6<f64> {
+        let springs = self.springs.iter();
+        let springs = springs.map(|(joint, c)| LoadedSpring::new(terms, *joint).with(c).twist(at));
+        let rest = self
+            .rest
+            .iter()
+            .filter(|(term, _)| lost || term.is_spring());
+        let rest = rest.map(|(term, value)| term.twist(terms, at) * *value);
+        springs.chain(rest).sum()
     }
 }
 
@@ -315,37 +356,4 @@ pub(crate) fn diagonal(
         let is_axis = joint.is_some() && *row == 5;
         !is_axis && ElasticClass::of(*row, *row) == class
     })
-}
-
-/// Axes (columns) and origin of the general spring of a joint, or of the base.
-fn spring_frame(frames: &Frames, joint: Option<usize>) -> (Matrix3<f64>, Vector3<f64>) {
-    match joint {
-        Some(j) => (link_axes(frames, j), frames.origins()[j]),
-        None => (Matrix3::identity(), on_first_axis(frames)),
-    }
-}
-
-/// The point of axis 1 nearest the base frame's origin.
-pub(crate) fn on_first_axis(frames: &Frames) -> Vector3<f64> {
-    let (axis, origin) = (frames.axes()[0], frames.origins()[0]);
-    origin - axis * axis.dot(&origin)
-}
-
-/// Axes fixed to the link behind joint `j`: z its axis, x across it towards the next
-/// joint's axis, or its origin, or along the flange's x. Which of them depends on the
-/// robot alone, not on its posture.
-pub fn link_axes(frames: &Frames, j: usize) -> Matrix3<f64> {
-    let z = frames.axes()[j];
-    let across = |v: Vector3<f64>| v - z * z.dot(&v);
-    let next = frames.axes().get(j + 1).map(|axis| {
-        let origin = frames.origins()[j + 1] - frames.origins()[j];
-        [across(*axis), across(origin)]
-    });
-    // The last resort where a joint with the same axis follows; one of both is clear.
-    let flange = frames.flange().rotation;
-    let last = [flange * Vector3::x(), flange * Vector3::y()].map(across);
-    let mut all = next.into_iter().flatten().chain(last);
-    let x = all.find_map(|v| v.try_normalize(CLEARLY));
-    let x = x.unwrap_or_else(Vector3::x);
-    Matrix3::from_columns(&[x, z.cross(&x), z])
 }

@@ -5,12 +5,14 @@
 //! loading point and J^m to the measuring point.
 
 mod extra;
+mod spring;
 
 pub use extra::{ElasticClass, ExtraTerm};
-pub(crate) use extra::{diagonal, link_axes, on_first_axis};
+pub(crate) use extra::{Elements, diagonal};
+pub(crate) use spring::{link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {
-    pub use super::extra::link_axes;
+    pub use super::spring::link_axes;
 }
 
 use crate::error::{Code, Error, Result};

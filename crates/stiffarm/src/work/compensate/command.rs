@@ -8,17 +8,18 @@
 //! this.
 
 use crate::error::{Code, Error, Result};
-use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::svd::svd;
 use crate::work::predict::{LoadedArm, motion};
-use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Isometry3};
 
 /// A tip this near to its pose is there \[m, rad\].
 const ARRIVED: f64 = 1e-13;
 /// Steps to a pose that a neighbour of the nominal one takes three of.
 const STEPS: usize = 50;
+/// The inverse of J stands as long as a step leaves no more than this share.
+const AS_BEFORE: f64 = 0.1;
 /// Singular values of J below this share of the largest are directions in
 /// which the arm cannot move.
 const STUCK: f64 = 1e-9;
@@ -79,6 +80,7 @@ fn reach(
     target: &Isometry3<f64>,
 ) -> Result<()> {
     let mut last = f64::INFINITY;
+    let mut inverse = None;
     for _ in 0..STEPS {
         let error = motion(&arm.loaded_tip(terms), target);
         let size = error.amax();
@@ -86,8 +88,16 @@ fn reach(
         if size <= ARRIVED || (size < 1e-9 && size >= 0.5 * last) {
             return Ok(());
         }
+        // Small steps hardly change the Jacobian.
+        if size > AS_BEFORE * last {
+            inverse = None;
+        }
         last = size;
-        *theta += step(terms.frames(), &terms.measuring_points()[0], &error)?;
+        let inverse = match &mut inverse {
+            Some(inverse) => inverse,
+            none => none.insert(inverse_jacobian(terms)?),
+        };
+        *theta += &*inverse * error;
         arm.move_to(theta, terms, wrench)?;
     }
     Err(Error::new(
@@ -97,9 +107,9 @@ fn reach(
     .hint("choose another posture for this point, or leave the turn about the tool axis free"))
 }
 
-/// Least joint motion whose twist at `p` is nearest to `twist`.
-fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVector<f64>> {
-    let jacobian = frames.jacobian(p);
+/// Least joint motion whose twist at the tip is nearest to a given one, joints × 6.
+fn inverse_jacobian(terms: &PostureTerms) -> Result<DMatrix<f64>> {
+    let jacobian = terms.frames().jacobian(&terms.measuring_points()[0]);
     let n = jacobian.ncols();
     // Jᵀ has at least as many rows as columns for n ≥ 6, J for n ≤ 6.
     let wide = n > 6;
@@ -109,15 +119,14 @@ fn step(frames: &Frames, p: &Vector3<f64>, twist: &Vector6<f64>) -> Result<DVect
     };
     let parts = svd(matrix)
         .ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
-    let twist = DVector::from_column_slice(twist.as_slice());
     let (from, to) = match wide {
         true => (&parts.v, &parts.u),
         false => (&parts.u, &parts.v),
     };
-    let mut along = from.tr_mul(&twist);
-    for (a, value) in along.iter_mut().zip(parts.values.iter()) {
-        *a = match *value > STUCK * parts.values[0] {
-            true => *a / value,
+    let mut along = from.transpose();
+    for (mut row, value) in along.row_iter_mut().zip(parts.values.iter()) {
+        row *= match *value > STUCK * parts.values[0] {
+            true => 1.0 / value,
             false => 0.0,
         };
     }

@@ -1,11 +1,13 @@
 //! What is to be known about the postures of a path, in sentences.
 
 use super::{PosturePathSummary, Search};
+use crate::error::Result;
 use crate::findings::{Finding, Severity, length, more, percent};
 use crate::model::dexterity::condition_number;
 use crate::model::kinematics::Frames;
 use crate::model::path::{PathPoint, feed_axes};
 use crate::model::process::ForceAxes;
+use crate::numerics::jobs::in_order;
 use nalgebra::Isometry3;
 
 /// k(J_N), Eq. (21) at a length of 1 m, above which a posture is called singular:
@@ -48,17 +50,17 @@ pub(super) fn findings(
     q: &[Vec<f64>],
     tips: &[Isometry3<f64>],
     summary: &PosturePathSummary,
-) -> Vec<Finding> {
+) -> Result<Vec<Finding>> {
     let mut out: Vec<Finding> = borrowed_feed(search, tips).into_iter().collect();
-    let singular: Vec<String> = q
-        .iter()
-        .zip(search.points)
-        .filter(|(q, _)| {
-            let frames = Frames::new(search.arm.robot(), q);
-            let tip = frames.point(&search.arm.tip().translation.vector);
-            condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR)
-        })
-        .map(|(_, point)| match point.line {
+    let is_singular = in_order(q, |(_, q)| {
+        let frames = Frames::new(search.arm.robot(), q);
+        let tip = frames.point(&search.arm.tip().translation.vector);
+        Ok(condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR))
+    })?;
+    let points = search.points.iter().zip(is_singular);
+    let singular: Vec<String> = points
+        .filter(|(_, is_singular)| *is_singular)
+        .map(|(point, _)| match point.line {
             Some(line) => format!("{} (line {line})", point.name),
             None => point.name.to_string(),
         })
@@ -93,5 +95,5 @@ pub(super) fn findings(
         };
         out.push(Finding::new("free-turn", Severity::Note, "path", sentence));
     }
-    out
+    Ok(out)
 }

@@ -13,7 +13,7 @@ use crate::model::inverse::{Method, Outcome};
 use crate::model::load::Wrench;
 use crate::model::path::{feed_axes, load_axes, tip_wrench};
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
+use crate::numerics::jobs::{in_order, in_order_watched};
 use nalgebra::Isometry3;
 use std::f64::consts::{PI, TAU};
 
@@ -270,7 +270,7 @@ fn cheapest(
         order.sort_by(|a, b| first(a).total_cmp(&first(b)));
         let reach = search.largest_step(knots[k], knots[k + 1]);
         let indices: Vec<usize> = (0..to.len()).collect();
-        let steps = crate::numerics::jobs::in_order(&indices, |(_, &b)| {
+        let steps = in_order(&indices, |(_, &b)| {
             let node = &to[b];
             let begin = order.partition_point(|a| first(a) < node.q[0] - reach);
             let mut best = (f64::INFINITY, u32::MAX);
@@ -338,18 +338,16 @@ fn between(
     knots: &[usize],
     way: &[Node],
 ) -> Result<Found> {
-    let mut found = Found {
-        q: vec![way[0].q.clone()],
-        turns: vec![way[0].turn],
-    };
-    for (pair, nodes) in knots.windows(2).zip(way.windows(2)) {
+    let pairs: Vec<_> = knots.windows(2).zip(way.windows(2)).collect();
+    let parts = in_order(&pairs, |(_, (pair, nodes))| {
         let (start, end) = (pair[0], pair[1]);
         // The short way round.
         let arc = wrapped(nodes[1].turn - nodes[0].turn);
+        let mut part = vec![(nodes[0].q.clone(), nodes[0].turn)];
         for i in start + 1..end {
             let share = (i - start) as f64 / (end - start) as f64;
             let turn = nodes[0].turn + share * arc;
-            let last = &found.q[i - 1];
+            let last = &part[i - 1 - start].0;
             let q = search
                 .inverse
                 .follow(&search.flange(&turned(&poses[i], turn)), last)
@@ -364,13 +362,13 @@ fn between(
                 .hint("give the path in parts, or with fewer points");
                 return Err(search.named(i, &error));
             }
-            found.q.push(q);
-            found.turns.push(turn);
+            part.push((q, turn));
         }
-        found.q.push(nodes[1].q.clone());
-        found.turns.push(nodes[1].turn);
-    }
-    Ok(found)
+        Ok(part)
+    })?;
+    let last = way.last().map(|node| (node.q.clone(), node.turn));
+    let (q, turns) = parts.into_iter().flatten().chain(last).unzip();
+    Ok(Found { q, turns })
 }
 
 /// An angle in (−π, π].

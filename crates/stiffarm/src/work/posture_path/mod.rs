@@ -187,7 +187,7 @@ pub fn posture_path(
                 given_rms = Some(search.rms(&sizes));
             }
             let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
-            let tips: Vec<Isometry3<f64>> = found.q.iter().map(|q| arm.tip_pose(q)).collect();
+            let tips = arm.tip_poses(&found.q)?;
             let sizes = search.deflections(&found.q, &search.wrenches(&tips)?)?;
             match as_given {
                 // A price on joint motion, or the interpolation between knots, may cost
@@ -203,7 +203,7 @@ pub fn posture_path(
             }
         }
     };
-    let tips: Vec<Isometry3<f64>> = q.iter().map(|q| arm.tip_pose(q)).collect();
+    let tips = arm.tip_poses(&q)?;
     let wrenches = search.wrenches(&tips)?;
     let sizes = search.deflections(&q, &wrenches)?;
     let mut summary = PosturePathSummary {
@@ -214,7 +214,7 @@ pub fn posture_path(
         turn,
         findings: Vec::new(),
     };
-    summary.findings = findings::findings(&search, &q, &tips, &summary);
+    summary.findings = findings::findings(&search, &q, &tips, &summary)?;
     let postures = points
         .iter()
         .zip(q)

@@ -138,10 +138,15 @@ impl Bands {
         let normal = self.level.quantile();
         let (statistical, with) = match &self.statistical {
             Some((covariance, _)) => {
-                let with = covariance * sensitivity.transpose();
+                // Products with fewer than six columns go without vector instructions: three of
+                // zeros make the work of many terms twice as fast.
+                let mut columns = DMatrix::zeros(covariance.nrows(), 6);
+                columns
+                    .columns_mut(0, 3)
+                    .tr_copy_from(&sensitivity.rows(0, 3));
+                let with = (covariance * columns).remove_columns(3, 3);
                 let full = sensitivity * &with;
-                let tip = full.fixed_view::<3, 3>(0, 0).into_owned();
-                (tip, with.columns(0, 3).into_owned())
+                (full.fixed_view::<3, 3>(0, 0).into_owned(), with)
             }
             None => (Matrix3::zeros(), DMatrix::zeros(0, 3)),
         };

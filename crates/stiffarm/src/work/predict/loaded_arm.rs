@@ -10,11 +10,12 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
-use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
+use crate::model::observation::{Elements, ExtraTerm, PostureTerms, Setup};
 use crate::model::robot::Robot;
 use crate::model::stiffness::{compliance_of_springs, equilibrium_from};
 use crate::model::tool::{NamedPoint, Tool};
 use crate::numerics::information::ZERO_COLUMN;
+use crate::numerics::jobs::in_order;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// An arm with its springs, loaded at the tool tip unless
@@ -33,8 +34,10 @@ pub struct LoadedArm {
     tip: Isometry3<f64>,
     /// K_θ⁻¹ in serial coordinates, n × n.
     compliance: DMatrix<f64>,
-    /// The extra terms with their values.
-    extra: Vec<(ExtraTerm, f64)>,
+    /// The extra terms.
+    extra: Vec<ExtraTerm>,
+    /// The same with their values.
+    elements: Elements,
     /// Unknowns that nothing bounds.
     undetermined: Vec<usize>,
 }
@@ -75,12 +78,16 @@ impl LoadedArm {
             return Err(Error::new(Code::NotFinite, message));
         }
         let tip = cell.work.tip(&cell.setup.tool);
-        let extra = predictor.extra.iter().copied();
         Ok(LoadedArm {
             setup: at_tip(cell, &tip),
             tip,
             compliance: compliance_of_springs(robot, values.rows(0, springs).as_slice()),
-            extra: extra.zip(values.iter().skip(springs).copied()).collect(),
+            elements: Elements::new(
+                &predictor.extra,
+                &values.as_slice()[springs..],
+                robot.joint_count(),
+            ),
+            extra: predictor.extra.clone(),
             undetermined: predictor.undetermined.clone(),
         })
     }
@@ -139,6 +146,14 @@ impl LoadedArm {
     /// If `q` does not have one entry per joint.
     pub fn tip_pose(&self, q: &[f64]) -> Isometry3<f64> {
         Frames::new(&self.setup.robot, q).flange() * self.tip
+    }
+
+    /// The same at many postures, on all cores.
+    pub(crate) fn tip_poses<Q: AsRef<[f64]> + Sync>(
+        &self,
+        postures: &[Q],
+    ) -> Result<Vec<Isometry3<f64>>> {
+        in_order(postures, |(_, q)| Ok(self.tip_pose(q.as_ref())))
     }
 
     /// Terms of the arm at `q` under `wrench` (at the loaded point, base axes) as it is
@@ -203,7 +218,7 @@ impl LoadedArm {
     fn name(&self, j: usize) -> String {
         let robot = self.robot();
         let mut names = robot.spring_names();
-        names.extend(self.extra.iter().map(|(term, _)| term.name(robot)));
+        names.extend(self.extra.iter().map(|term| term.name(robot)));
         names.swap_remove(j)
     }
 
@@ -224,13 +239,7 @@ impl LoadedArm {
     /// Derivative of the tip's shift by the unknowns, springs then further
     /// terms, 3 × (n + terms), to first order: the block of Ψ at the tip.
     pub fn sensitivity(&self, terms: &PostureTerms) -> DMatrix<f64> {
-        let block = terms.block(&self.setup.robot);
-        let n = block.ncols();
-        let mut columns = block.resize_horizontally(n + self.extra.len(), 0.0);
-        for (i, (term, _)) in self.extra.iter().enumerate() {
-            columns.column_mut(n + i).copy_from(&term.column(terms));
-        }
-        columns
+        terms.block_with(&self.setup.robot, &self.extra)
     }
 
     /// Moves `terms` to the serial angles `theta`.
@@ -268,11 +277,7 @@ impl LoadedArm {
                 force: Vector3::new(load[0], load[1], load[2]),
                 moment: Vector3::new(load[3], load[4], load[5]),
             };
-            let mut twist = unit.known_twist(&self.setup.tool, &tip);
-            for (term, value) in self.extra.iter().filter(|(term, _)| term.is_spring()) {
-                twist += term.twist(&unit, &tip) * *value;
-            }
-            sum.set_column(i, &twist);
+            sum.set_column(i, &self.added_by(&unit, false));
         }
         sum
     }
@@ -280,16 +285,16 @@ impl LoadedArm {
     /// What the series compliance and the extra terms do to the tip under the
     /// load of `terms`: \[shift (m); turn (rad)\], base axes.
     fn added(&self, terms: &PostureTerms) -> Vector6<f64> {
-        let mut twist = Vector6::zeros();
-        if !self.has_more_than_joints() {
-            return twist;
+        match self.has_more_than_joints() {
+            true => self.added_by(terms, true),
+            false => Vector6::zeros(),
         }
+    }
+
+    /// The same with lost motion or without.
+    fn added_by(&self, terms: &PostureTerms, lost: bool) -> Vector6<f64> {
         let tip = &terms.measuring_points()[0];
-        twist += terms.known_twist(&self.setup.tool, tip);
-        for (term, value) in &self.extra {
-            twist += term.twist(terms, tip) * *value;
-        }
-        twist
+        terms.known_twist(&self.setup.tool, tip) + self.elements.twist(terms, tip, lost)
     }
 }
 

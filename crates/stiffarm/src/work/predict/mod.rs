@@ -4,6 +4,7 @@ mod band;
 mod cartesian;
 mod loaded_arm;
 mod points;
+mod table;
 
 pub use band::TipBand;
 pub use cartesian::{CartesianStiffness, PathExtremes, PointStiffness, PrincipalAxis};

@@ -4,7 +4,6 @@
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::Spread;
 use crate::estimate::freedom::SpreadQuantiles;
-use crate::estimate::identify::columns;
 use crate::estimate::simulate::normal;
 use crate::model::cell::Cell;
 use crate::model::elastic::{ElasticSizes, fitted, terms};
@@ -78,7 +77,7 @@ impl Group {
         let mut known = DVector::zeros(rows * postures.len());
         for (p, posture) in postures.iter().enumerate() {
             let terms = PostureTerms::new(&cell.setup, &posture.q, None)?;
-            blocks.push(columns(cell, &terms, &springs));
+            blocks.push(terms.block_with(&cell.setup.robot, &springs));
             known
                 .rows_mut(rows * p, rows)
                 .copy_from(&terms.known_displacement(&cell.setup.tool));
@@ -148,7 +147,11 @@ impl Work {
     /// As [`work_of`].
     pub(super) fn new(cell: &Cell) -> Result<Self> {
         let (work, springs) = (work_of(cell)?, springs(cell));
-        let tip = |terms: &PostureTerms| columns(cell, terms, &springs).rows(0, 3).into_owned();
+        let robot = &cell.setup.robot;
+        let tip = |terms: &PostureTerms| {
+            let columns = terms.block_with(robot, &springs);
+            columns.rows(0, 3).into_owned()
+        };
         let blocks: Vec<DMatrix<f64>> = work.iter().map(|(_, terms)| tip(terms)).collect();
         Ok(Work {
             columns: stacked(&blocks),

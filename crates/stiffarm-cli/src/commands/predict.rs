@@ -1,7 +1,5 @@
 //! `stiffarm predict`: how far the loaded tool bends away, and how sure that is.
 
-mod csv;
-
 use crate::args::PredictArgs;
 use crate::error::{of_option, of_usage};
 use crate::files::Rows;
@@ -9,7 +7,6 @@ use crate::output::Exit;
 use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
-use csv::write_csv;
 use std::io::Write;
 use stiffarm::files::source::Source;
 use stiffarm::work::predicted::Request;
@@ -75,7 +72,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);
     outputs.write(
         session,
-        || Ok(vec![Rows(|out: &mut dyn Write| write_csv(prediction, out))]),
+        || Ok(vec![Rows(|out: &mut dyn Write| prediction.write_csv(out))]),
         || render_svg(&prediction_figure(prediction, workpiece)),
     )?;
     session.deliver_at_work(
