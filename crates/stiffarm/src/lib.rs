@@ -87,6 +87,7 @@ pub mod internals {
     pub use crate::estimate::mixed::internals::MixedModel;
     pub use crate::estimate::systematic::posterior::{moments, noise, sizes};
     pub use crate::files::program::characters::{plain, wrapped};
+    pub use crate::files::program::text::fixed;
     pub use crate::model::observation::internals::link_axes;
     pub use crate::numerics::{
         arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,

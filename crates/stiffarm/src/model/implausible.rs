@@ -91,19 +91,25 @@ pub fn load<'a>(
 /// What of the cell's process can hardly be meant.
 pub fn process(cell: &Cell) -> Vec<Finding> {
     let mut out = Vec::new();
-    let own = cell.work.process.iter().map(|own| ("work", own));
-    let features = cell.work.features.iter();
-    let of_features = features.filter_map(|own| Some(("work.feature", own.process.as_ref()?)));
+    let own = cell
+        .work
+        .process
+        .iter()
+        .map(|own| ("work".to_string(), own));
+    let of_features = cell.work.features.iter().filter_map(|feature| {
+        let table = format!("work.feature \"{}\"", feature.name);
+        Some((table, feature.process.as_ref()?))
+    });
     for (table, process) in own.chain(of_features) {
         let (kind, given) = match process {
             Process::Constant(given, _) => ("force", *given),
             Process::Milling(cut) => {
-                milling(cut, table, &mut out);
+                milling(cut, &table, &mut out);
                 ("milling", cut.mean_load())
             }
             // What it puts on the tip is known where there is a path.
             Process::MillingAtFeed(cut) => {
-                milling(cut, table, &mut out);
+                milling(cut, &table, &mut out);
                 continue;
             }
         };

@@ -3,6 +3,7 @@
 use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
+use stiffarm::internals::fixed;
 use stiffarm::units::{
     Sense, deg_to_rad, degrees, m_to_shortest_mm, mm_to_m, rad_to_shortest_deg, roll_pitch_yaw,
 };
@@ -66,6 +67,27 @@ proptest! {
         let read = mm_to_m(mm);
         prop_assert!((read - m).abs() <= 2.0 * f64::EPSILON * m.abs());
         prop_assert_eq!(m_to_shortest_mm(read), mm);
+    }
+
+    #[test]
+    fn fixed_decimals_are_those_of_the_standard_library_without_minus_zero(
+        value in prop_oneof![
+            -1e4..1e4f64,
+            -1e-5..1e-5f64,
+            -1e14..1e14f64,
+            // The middle between two, and a bit beside it.
+            (-200_000i32..200_000, -2i32..3).prop_map(|(n, bits)| {
+                let middle: f64 = f64::from(n) / 2e3;
+                f64::from_bits(middle.to_bits().saturating_add_signed(i64::from(bits)))
+            }),
+        ],
+        decimals in 0usize..9,
+    ) {
+        prop_assume!(value.is_finite());
+        let text = format!("{value:.decimals$}");
+        let is_zero = !text.bytes().any(|b| (b'1'..=b'9').contains(&b));
+        let expected = if is_zero { text.trim_start_matches('-') } else { &text };
+        prop_assert_eq!(fixed(value, decimals), expected);
     }
 
     #[test]

@@ -47,7 +47,7 @@ mod rapid;
 mod read;
 mod reader;
 mod statements;
-mod text;
+pub(crate) mod text;
 mod urscript;
 mod writer;
 
