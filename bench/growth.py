@@ -110,6 +110,52 @@ def path_of(path, count):
             out.write(f"{i + 1},{x:.4f},{y:.4f},{-10 * i / count:.5f},180,0,0\n")
 
 
+def clsf_of(path, count):
+    """A freeform surface of `count` points, the tool axis across it, as CLSF."""
+    width = 500
+    with open(path, "w") as out:
+        out.write("UNITS/MM\nTOOL PATH/FREEFORM,TOOL,BALL\nFEDRAT/MMPM,1200\n")
+        for i in range(count):
+            row, column = divmod(i, width)
+            column = width - 1 - column if row % 2 else column
+            x, y = 200 * column / (width - 1) - 100, 200 * row * width / count - 100
+            z = 5 * math.cos(x / 40) * math.cos(y / 50)
+            axis = [0.1 * math.sin(x / 40), 0.1 * math.sin(y / 50), 1]
+            length = math.hypot(*axis)
+            words = [f"{value:.4f}" for value in (x, y, z)] + [f"{value / length:.7f}" for value in axis]
+            out.write(f"GOTO/{','.join(words)}\n")
+        out.write("END-OF-PATH\n")
+
+
+def run(*command):
+    """A command that must end; a finding is an end."""
+    code = subprocess.run(command, stdout=subprocess.DEVNULL, check=False).returncode
+    if code not in (0, 1):
+        sys.exit(f"exit code {code}: {' '.join(command)}")
+
+
+# Where the FANUC of the catalogue works on it.
+WORK = """
+[work]
+tip_mm = [0, 0, 300]
+workpiece_mm = [1700, 0, 500]
+
+[work.milling]
+teeth = 2
+diameter_mm = 16
+axial_depth_mm = 3
+radial_depth_mm = 8
+spindle_rpm = 6000
+direction = "down"
+k_tc_n_per_mm2 = 800
+k_rc_n_per_mm2 = 200
+k_ac_n_per_mm2 = 100
+k_te_n_per_mm = 20
+k_re_n_per_mm = 20
+k_ae_n_per_mm = 0
+"""
+
+
 def measured(command):
     """Wall and processor seconds, peak memory [MB] and exit code of a command."""
     begin = time.monotonic()
@@ -198,6 +244,20 @@ def main():
                 line = [binary, command, "builtin:comau", "prior", "path.csv", *force, "--output", "out.csv"]
                 rows.append((f"{n:,} points, `{command}`", measured(line)))
         parts.append(table("A path with its table written", "points", rows))
+
+        rows = []
+        lines = 20_000 if args.quick else 500_000
+        run(binary, "init", "--robot", "fanuc-r2000ic165f", "--output-dir", ".", "--force")
+        with open("cell.toml", "a") as cell:
+            cell.write(WORK)
+        clsf_of("path.cls", lines)
+        for elastic in ("axes", "mixed"):
+            readings = ["builtin:fanuc-r2000ic", "builtin:fanuc-r2000ic-readings"]
+            run(binary, "identify", *readings, "--elastic", elastic, "--output", "k.json", "--force", "-q")
+            for command, written in (("predict", "out.csv"), ("compensate", "out.cls")):
+                line = [binary, command, "cell.toml", "k.json", "path.cls", "--output", written, "-q", "--force"]
+                rows.append((f"{lines:,} lines, `{command}`, `--elastic {elastic}`", measured(line)))
+        parts.append(table("A CLSF read, its free turn chosen, and table or CLSF written", "lines", rows))
         os.chdir("/")
     page = "\n".join(parts)
     print(page)

@@ -21,11 +21,10 @@ use crate::model::cell::Cell;
 use crate::model::implausible;
 use crate::model::path::LoadedPosture;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
 use crate::units::{rad_to_deg, rad_to_shortest_deg};
 use crate::work::at_work::forbidden;
 use crate::work::beyond_data::{BEYOND, Seen, beyond_data};
-use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion};
+use crate::work::predict::{Bands, LoadedArm, PathExtremes, TipBand, motion, with_bands};
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -183,8 +182,14 @@ pub fn compensate(
     }
     let arm = LoadedArm::new(cell, predictor)?;
     let bands = Bands::new(predictor, options.load_uncertainty)?;
-    let points = in_order_watched(postures, "compensating", control, |(_, posture)| {
-        point(&arm, bands.as_ref(), posture).map_err(|e| predictor.explain(posture.at(e)))
+    let run = |posture: &LoadedPosture| {
+        let found = point(&arm, posture).map_err(|e| predictor.explain(posture.at(e)))?;
+        let shift = found.uncompensated_shift_m.into();
+        Ok((found, shift))
+    };
+    let (arm_and_bands, watched) = ((&arm, bands.as_ref()), ("compensating", control));
+    let points = with_bands(arm_and_bands, postures, watched, run, |point| {
+        &mut point.band
     })?;
     let confidence = bands.map(|b| b.confidence);
     let mut out = summarise(points, options, confidence);
@@ -203,11 +208,7 @@ pub fn compensate(
     Ok(out)
 }
 
-fn point(
-    arm: &LoadedArm,
-    bands: Option<&Bands>,
-    posture: &LoadedPosture,
-) -> Result<PointCompensation> {
+fn point(arm: &LoadedArm, posture: &LoadedPosture) -> Result<PointCompensation> {
     let wrench = &posture.wrench;
     let found = command(arm, &posture.q, wrench)?;
     let robot = arm.robot();
@@ -227,13 +228,6 @@ fn point(
     }
     let bent = arm.deflect(&posture.q, wrench)?;
     let shift: Vector3<f64> = bent.displacement.fixed_rows::<3>(0).into_owned();
-    let band = match bands {
-        Some(bands) => {
-            let terms = arm.terms(&posture.q, wrench)?;
-            Some(bands.of(&shift, &arm.sensitivity(&terms), &terms))
-        }
-        None => None,
-    };
     let correction = motion(&found.nominal, &found.unloaded);
     let left = motion(&found.nominal, &found.loaded);
     let shift_of = |twist: &Vector6<f64>| -> Vector3<f64> { twist.fixed_rows::<3>(0).into_owned() };
@@ -250,7 +244,7 @@ fn point(
         uncompensated_shift_m: shift.into(),
         uncompensated_m: shift.norm(),
         residual_m: shift_of(&left).norm(),
-        band,
+        band: None,
     })
 }
 

@@ -152,6 +152,8 @@ fn values(
     let [softest, ..] = principal_axes(&compliance);
     let tip = terms.measuring_points()[0];
     let length = reach.characteristic_length;
+    let k_jn = length.and_then(|l| condition_number(terms.frames(), &tip, l));
+    let half_width_m = bands.map(|b| b.of(arm, &[(shift, terms)])[0].size_m[3]);
     Ok(NodeValues {
         q: q.to_vec(),
         turn: options.free_turn.map(|_| turn),
@@ -160,8 +162,8 @@ fn values(
         softest,
         shift_m: shift.into(),
         deflection_m: shift.norm(),
-        half_width_m: bands.map(|b| b.of(&shift, &arm.sensitivity(&terms), &terms).size_m[3]),
+        half_width_m,
         deflection_per_newton_m: shift.norm() / wrench.force.norm(),
-        k_jn: length.and_then(|l| condition_number(terms.frames(), &tip, l)),
+        k_jn,
     })
 }

@@ -8,13 +8,17 @@
 //! D = W − s R. The two have opposite signs, and partly cancel where work and
 //! identification load the arm alike.
 
+use super::LoadedArm;
 use crate::error::Result;
 use crate::estimate::common::CommonErrors;
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::freedom::SpreadQuantiles;
 use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::path::LoadedPosture;
+use crate::numerics::control::Control;
 use crate::numerics::half_width::Level;
-use nalgebra::{DMatrix, Matrix3, Matrix3xX, Vector3};
+use crate::numerics::jobs::each_in_order;
+use nalgebra::{DMatrix, DMatrixView, Matrix3, Matrix3xX, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Confidence of bands that know no statistical part.
@@ -101,6 +105,49 @@ impl Common {
     }
 }
 
+/// Points whose bands are found together.
+const TOGETHER: usize = 8;
+
+/// What `run` finds at each of the postures, with the shift of the tip of `arm` (m) that it rests on; `place` is where
+/// the band of that shift goes.
+///
+/// # Errors
+/// The first of `run`, by order; stopped.
+pub(crate) fn with_bands<T: Send>(
+    (arm, bands): (&LoadedArm, Option<&Bands>),
+    postures: &[LoadedPosture],
+    (what, control): (&str, Control<'_>),
+    run: impl Fn(&LoadedPosture) -> Result<(T, Vector3<f64>)> + Sync + Send,
+    place: fn(&mut T) -> &mut Option<TipBand>,
+) -> Result<Vec<T>> {
+    let together: Vec<&[LoadedPosture]> = postures.chunks(TOGETHER).collect();
+    let some = |postures: &[LoadedPosture]| {
+        let (mut found, mut shifts) = (Vec::new(), Vec::new());
+        for posture in postures {
+            let (result, shift) = run(posture)?;
+            found.push(result);
+            if bands.is_some() {
+                shifts.push((shift, arm.terms(&posture.q, &posture.wrench)?));
+            }
+        }
+        let bands = bands.map_or_else(Vec::new, |bands| bands.of(arm, &shifts));
+        for (found, band) in found.iter_mut().zip(bands) {
+            *place(found) = Some(band);
+        }
+        Ok(found)
+    };
+    let mut out = Vec::with_capacity(postures.len());
+    let take = |found| out.extend::<Vec<T>>(found);
+    each_in_order(
+        &together,
+        what,
+        control,
+        |(_, postures)| some(postures),
+        take,
+    )?;
+    Ok(out)
+}
+
 impl Bands {
     /// `None` where nothing is known about the unknowns or the load.
     pub(crate) fn new(predictor: &IdentifiedCompliance, load: f64) -> Result<Option<Self>> {
@@ -122,42 +169,60 @@ impl Bands {
         }))
     }
 
-    /// The band of a shift (m) whose derivative by the unknowns is
-    /// `sensitivity`, 3 × unknowns, of the tip at the posture and load of `terms`.
+    /// The bands of shifts (m) of the tip of `arm`, each at the posture and under the load of
+    /// its terms.
+    pub(crate) fn of(
+        &self,
+        arm: &LoadedArm,
+        points: &[(Vector3<f64>, PostureTerms)],
+    ) -> Vec<TipBand> {
+        let derivative = |(_, terms): &(_, PostureTerms)| arm.sensitivity(terms);
+        let sensitivities: Vec<DMatrix<f64>> = points.iter().map(derivative).collect();
+        // One product for all of them; with fewer than six columns it goes without vector
+        // instructions.
+        let with = self.statistical.as_ref().map(|(covariance, _)| {
+            let mut columns = DMatrix::zeros(covariance.nrows(), (3 * points.len()).max(6));
+            for (i, sensitivity) in sensitivities.iter().enumerate() {
+                let mut three = columns.columns_mut(3 * i, 3);
+                three.tr_copy_from(&sensitivity.rows(0, 3));
+            }
+            covariance * columns
+        });
+        let all = points.iter().zip(&sensitivities).enumerate();
+        all.map(|(i, ((shift, terms), sensitivity))| {
+            let with = with.as_ref().map(|with| with.columns(3 * i, 3));
+            self.one(shift, sensitivity, with, terms)
+        })
+        .collect()
+    }
+
+    /// The band of a shift whose derivative by the unknowns is `sensitivity`, 3 × unknowns, and
+    /// whose covariances with them are `with`, unknowns × 3.
     ///
     /// The parts are independent. What the readings say of the common errors is not
     /// taken out of the prediction, so their mean is not zero, and the half widths
     /// are those of a normal quantity with that mean; Student's t of the statistical
     /// part counts as normal scatter of the same half width.
-    pub(crate) fn of(
+    fn one(
         &self,
         shift: &Vector3<f64>,
         sensitivity: &DMatrix<f64>,
+        with: Option<DMatrixView<'_, f64>>,
         terms: &PostureTerms,
     ) -> TipBand {
         let normal = self.level.quantile();
-        let (statistical, with) = match &self.statistical {
-            Some((covariance, _)) => {
-                // Products with fewer than six columns go without vector instructions: three of
-                // zeros make the work of many terms twice as fast.
-                let mut columns = DMatrix::zeros(covariance.nrows(), 6);
-                columns
-                    .columns_mut(0, 3)
-                    .tr_copy_from(&sensitivity.rows(0, 3));
-                let with = (covariance * columns).remove_columns(3, 3);
-                let full = sensitivity * &with;
-                (full.fixed_view::<3, 3>(0, 0).into_owned(), with)
-            }
-            None => (Matrix3::zeros(), DMatrix::zeros(0, 3)),
-        };
+        let statistical = with.map_or_else(Matrix3::zeros, |with| {
+            let full = sensitivity * with;
+            full.fixed_view::<3, 3>(0, 0).into_owned()
+        });
         let (mean, common) = self.common.of(sensitivity, terms);
         // A load too large by a fraction bends more by that fraction.
         let load = shift * shift.transpose() * self.load.powi(2);
         let along = |direction: &Vector3<f64>| -> [f64; 4] {
             let std = |m: &Matrix3<f64>| direction.dot(&(m * direction)).max(0.0).sqrt();
             let own = std(&statistical);
-            let t = match &self.statistical {
-                Some((_, quantiles)) => quantiles.of(&(&with * direction), own * own, 0.0),
+            let t = match self.statistical.as_ref().zip(with) {
+                Some(((_, quantiles), with)) => quantiles.of(&(with * direction), own * own, 0.0),
                 None => 0.0,
             };
             let scatter = [own * t / normal, std(&common), std(&load)];

@@ -11,6 +11,6 @@ pub use cartesian::{CartesianStiffness, PathExtremes, PointStiffness, PrincipalA
 pub use loaded_arm::{Deflection, LoadedArm};
 pub use points::{LoadPoint, PointPrediction, PredictOptions, Prediction, predict};
 
-pub(crate) use band::Bands;
+pub(crate) use band::{Bands, with_bands};
 pub(crate) use cartesian::principal_axes;
 pub(crate) use loaded_arm::motion;

@@ -1,6 +1,6 @@
 //! Deflection at postures or along a path.
 
-use super::band::Bands;
+use super::band::{Bands, with_bands};
 use super::{CartesianStiffness, LoadedArm, PathExtremes, TipBand};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
@@ -11,7 +11,6 @@ use crate::model::implausible;
 use crate::model::path::LoadedPosture;
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
 use crate::work::at_work::forbidden;
 use crate::work::beyond_data::{Seen, beyond_data};
 use nalgebra::{Isometry3, Vector3};
@@ -176,8 +175,14 @@ pub fn predict(
         arm = arm.loaded_by(cell);
     }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
-    let points = in_order_watched(postures, "bending", control, |(_, posture)| {
-        point(&arm, bands.as_ref(), posture, options).map_err(|e| predictor.explain(posture.at(e)))
+    let run = |posture: &LoadedPosture| {
+        let found = point(&arm, posture, options).map_err(|e| predictor.explain(posture.at(e)))?;
+        let shift = found.shift_m.into();
+        Ok((found, shift))
+    };
+    let (arm_and_bands, watched) = ((&arm, bands.as_ref()), ("bending", control));
+    let points = with_bands(arm_and_bands, postures, watched, run, |point| {
+        &mut point.band
     })?;
     let mut out = summarise(points, options, bands.map(|b| b.confidence));
     out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
@@ -204,7 +209,6 @@ pub fn predict(
 
 fn point(
     arm: &LoadedArm,
-    bands: Option<&Bands>,
     posture: &LoadedPosture,
     options: &PredictOptions,
 ) -> Result<PointPrediction> {
@@ -218,13 +222,6 @@ fn point(
     let difference: Vector3<f64> = (bent.displacement - bent.linear)
         .fixed_rows::<3>(0)
         .into_owned();
-    let band = match bands {
-        Some(bands) => {
-            let terms = arm.terms(&posture.q, wrench)?;
-            Some(bands.of(&shift, &arm.sensitivity(&terms), &terms))
-        }
-        None => None,
-    };
     Ok(PointPrediction {
         point: posture.name.clone(),
         q: posture.q.clone(),
@@ -235,7 +232,7 @@ fn point(
         turn_rad: [twist[3], twist[4], twist[5]],
         deflection_m: shift.norm(),
         linear_difference_m: difference.norm(),
-        band,
+        band: None,
         stiffness: match options.stiffness {
             true => Some(Box::new(arm.cartesian(&posture.q, wrench)?)),
             false => None,
