@@ -194,9 +194,8 @@ def main():
     ]
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        simulate = lambda cell, plan, what, out: subprocess.run(
-            [binary, "simulate", cell, plan, "--runs", "2", "--levels", "1", what, out, "--force", "-q"],
-            check=True, stdout=subprocess.DEVNULL,
+        simulate = lambda cell, plan, what, out: run(
+            binary, "simulate", cell, plan, "--runs", "2", "--levels", "1", what, out, "--force", "-q"
         )
         sizes = [10, 50, 500] + ([] if args.quick else [5000])
         rows, raw = [], []

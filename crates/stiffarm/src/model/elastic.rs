@@ -3,7 +3,7 @@
 
 use crate::error::Result;
 pub use crate::model::observation::ElasticClass;
-use crate::model::observation::{ExtraTerm, Setup};
+use crate::model::observation::{ExtraTerm, Setup, places};
 use crate::model::stiffness::joint_compliance;
 use serde::{Deserialize, Serialize};
 
@@ -122,10 +122,9 @@ pub(crate) fn fitted(joints: usize) -> Vec<Effect> {
 
 /// All random effects of an arm, class by class.
 pub(crate) fn effects(joints: usize) -> Vec<Effect> {
-    let places = || std::iter::once(None).chain((0..joints).map(Some));
     let mut all = Vec::new();
     for class in ElasticClass::ALL {
-        for joint in places() {
+        for joint in places(joints) {
             for row in 0..6 {
                 for column in row..6 {
                     // The joint's own axis is the fixed effect.

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::compliance::Spread;
 use crate::estimate::identify::{JointEstimate, estimate};
 use crate::model::elastic::ElasticClass;
-use crate::model::observation::{ExtraTerm, diagonal};
+use crate::model::observation::Elements;
 use serde::{Deserialize, Serialize};
 
 /// How much entries of one class scatter.
@@ -75,29 +75,14 @@ impl MixedFit {
         let found = self.compliance();
         let fixed = self.fit().system().unknowns.len();
         let joints = self.fit().cell().setup.robot.joint_count();
-        let places = std::iter::once(None).chain((0..joints).map(Some));
-        let spring = |place: Option<usize>| {
-            let mut compliance = [[0.0; 6]; 6];
-            for (term, value) in found.extra.iter().zip(found.values.iter().skip(fixed)) {
-                match *term {
-                    ExtraTerm::Spring { joint, row, column } if joint == place => {
-                        compliance[row][column] += *value;
-                        if row != column {
-                            compliance[column][row] += *value;
-                        }
-                    }
-                    ExtraTerm::MeanSpring(class) => {
-                        let own = diagonal(class, joints).filter(|(joint, _)| *joint == place);
-                        own.for_each(|(_, i)| compliance[i][i] += *value);
-                    }
-                    _ => {}
-                }
-            }
-            GeneralSpring {
-                joint: place.map(|j| j + 1),
-                compliance,
-            }
-        };
+        let values = &found.values.as_slice()[fixed..];
+        let elements = Elements::new(&found.extra, values, joints);
+        let springs = elements.springs.into_iter();
+        let springs = springs.map(|(place, compliance)| GeneralSpring {
+            joint: place.map(|j| j + 1),
+            // Symmetric: columns are rows.
+            compliance: compliance.data.0,
+        });
         let spread = found.spread.as_ref();
         MixedResult {
             sizes: ElasticClass::ALL
@@ -110,7 +95,7 @@ impl MixedFit {
             posture_common_std_m: spread.map_or(0.0, |s| s.shift),
             total_std_m: spread.map_or(0.0, |s| s.sigma.hypot(s.shift)),
             interval_degrees_of_freedom: spread.and_then(|s| s.degrees_of_freedom),
-            springs: places.map(spring).collect(),
+            springs: springs.collect(),
         }
     }
 }

@@ -337,10 +337,7 @@ impl InverseKinematics {
         for (i, column) in scaled_columns(frames, self.size).enumerate() {
             jacobian.set_column(i, &column);
         }
-        let norm = jacobian.norm();
-        let inverse = jacobian.try_inverse().filter(|m| m.norm().is_finite());
-        let condition = inverse.map_or(f64::INFINITY, |m| norm * m.norm() / 6.0);
-        (condition, inverse)
+        inverted(jacobian)
     }
 
     /// Condition number of the scaled Jacobian at controller angles.
@@ -381,6 +378,13 @@ impl InverseKinematics {
             ),
         })
     }
+}
+
+/// Condition number of a Jacobian of six joints, by Frobenius norms, and its inverse.
+pub(crate) fn inverted(jacobian: Matrix6<f64>) -> (f64, Option<Matrix6<f64>>) {
+    let inverse = jacobian.try_inverse().filter(|m| m.norm().is_finite());
+    let condition = inverse.map_or(f64::INFINITY, |m| jacobian.norm() * m.norm() / 6.0);
+    (condition, inverse)
 }
 
 fn check_pose(pose: &Isometry3<f64>) -> Result<()> {

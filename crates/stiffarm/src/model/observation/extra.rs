@@ -246,10 +246,10 @@ struct Motions<'a> {
 impl<'a> Motions<'a> {
     /// At the posture and under the load of `terms`.
     fn new(terms: &'a PostureTerms) -> Self {
-        let places = terms.frames().axes().len() + 1;
+        let springs = places(terms.frames().axes().len());
         Motions {
             terms,
-            springs: vec![None; places],
+            springs: springs.map(|_| None).collect(),
         }
     }
 
@@ -287,7 +287,12 @@ impl<'a> Motions<'a> {
     }
 }
 
-/// Number of a spring: base first, then joint by joint.
+/// Places of the springs: base first, then joint by joint.
+pub(crate) fn places(joints: usize) -> impl Iterator<Item = Option<usize>> {
+    std::iter::once(None).chain((0..joints).map(Some))
+}
+
+/// Number of a place among them.
 fn place(joint: Option<usize>) -> usize {
     joint.map_or(0, |j| j + 1)
 }
@@ -295,15 +300,16 @@ fn place(joint: Option<usize>) -> usize {
 /// Terms with their values; those of one general spring are one compliance.
 #[derive(Debug, Clone)]
 pub(crate) struct Elements {
-    springs: Vec<(Option<usize>, Matrix6<f64>)>,
+    /// Compliances of all places, symmetric.
+    pub(crate) springs: Vec<(Option<usize>, Matrix6<f64>)>,
     rest: Vec<(ExtraTerm, f64)>,
 }
 
 impl Elements {
     /// `values` of `terms` of an arm with so many joints.
     pub(crate) fn new(terms: &[ExtraTerm], values: &[f64], joints: usize) -> Self {
-        let places = std::iter::once(None).chain((0..joints).map(Some));
-        let mut springs: Vec<_> = places.map(|joint| (joint, Matrix6::zeros())).collect();
+        let springs = places(joints).map(|joint| (joint, Matrix6::zeros()));
+        let mut springs: Vec<_> = springs.collect();
         let mut rest = Vec::new();
         let mut add = |joint: Option<usize>, row: usize, column: usize, value: f64| {
             let compliance = &mut springs[place(joint)].1;
@@ -321,7 +327,6 @@ impl Elements {
                 term => rest.push((term, *value)),
             }
         }
-        springs.retain(|(_, compliance)| *compliance != Matrix6::zeros());
         Elements { springs, rest }
     }
 
@@ -334,6 +339,7 @@ impl Elements {
         lost: bool,
     ) -> Vector6<f64> {
         let springs = self.springs.iter();
+        let springs = springs.filter(|(_, c)| *c != Matrix6::zeros());
         let springs = springs.map(|(joint, c)| LoadedSpring::new(terms, *joint).with(c).twist(at));
         let rest = self
             .rest
@@ -346,12 +352,8 @@ impl Elements {
 
 /// Place and row of the entries that [`ExtraTerm::MeanSpring`] holds: all of the class on the diagonals of the springs,
 /// base first, but for the axes of the joints themselves.
-pub(crate) fn diagonal(
-    class: ElasticClass,
-    joints: usize,
-) -> impl Iterator<Item = (Option<usize>, usize)> {
-    let places = std::iter::once(None).chain((0..joints).map(Some));
-    let all = places.flat_map(|joint| (0..6).map(move |row| (joint, row)));
+fn diagonal(class: ElasticClass, joints: usize) -> impl Iterator<Item = (Option<usize>, usize)> {
+    let all = places(joints).flat_map(|joint| (0..6).map(move |row| (joint, row)));
     all.filter(move |(joint, row)| {
         let is_axis = joint.is_some() && *row == 5;
         !is_axis && ElasticClass::of(*row, *row) == class

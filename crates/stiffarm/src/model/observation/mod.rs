@@ -8,7 +8,7 @@ mod extra;
 mod spring;
 
 pub use extra::{ElasticClass, ExtraTerm};
-pub(crate) use extra::{Elements, diagonal};
+pub(crate) use extra::{Elements, places};
 pub(crate) use spring::{link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {

@@ -8,18 +8,19 @@
 //! this.
 
 use crate::error::{Code, Error, Result};
+use crate::model::inverse::inverted;
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::svd::svd;
 use crate::work::predict::{LoadedArm, motion};
-use nalgebra::{DMatrix, DVector, Isometry3, Matrix6};
+use nalgebra::{DMatrix, DVector, Isometry3};
 
 /// A tip this near to its pose is there \[m, rad\].
 const ARRIVED: f64 = 1e-13;
 /// Steps to a pose that a neighbour of the nominal one takes three of.
 const STEPS: usize = 50;
 /// Condition of J up to which it is inverted as it is \[m and rad\].
-const SOUND: f64 = 1e6;
+const SOUND: f64 = 1e5;
 /// The inverse of J stands as long as a step leaves no more than this share.
 const AS_BEFORE: f64 = 0.1;
 /// Singular values of J below this share of the largest are directions in
@@ -113,9 +114,8 @@ fn reach(
 fn inverse_jacobian(terms: &PostureTerms) -> Result<DMatrix<f64>> {
     let jacobian = terms.frames().jacobian(&terms.measuring_points()[0]);
     let n = jacobian.ncols();
-    let square = (n == 6).then(|| Matrix6::from_fn(|i, j| jacobian[(i, j)]));
-    if let Some((square, inverse)) = square.and_then(|j| Some((j, j.try_inverse()?)))
-        && square.norm() * inverse.norm() < SOUND
+    if n == 6
+        && let (..SOUND, Some(inverse)) = inverted(jacobian.fixed_columns::<6>(0).into_owned())
     {
         return Ok(DMatrix::from_column_slice(6, 6, inverse.as_slice()));
     }

@@ -182,15 +182,13 @@ pub fn compensate(
     }
     let arm = LoadedArm::new(cell, predictor)?;
     let bands = Bands::new(predictor, options.load_uncertainty)?;
-    let run = |posture: &LoadedPosture| {
-        let found = point(&arm, posture).map_err(|e| predictor.explain(posture.at(e)))?;
-        let shift = found.uncompensated_shift_m.into();
-        Ok((found, shift))
-    };
-    let (arm_and_bands, watched) = ((&arm, bands.as_ref()), ("compensating", control));
-    let points = with_bands(arm_and_bands, postures, watched, run, |point| {
-        &mut point.band
-    })?;
+    let points = with_bands(
+        (&arm, bands.as_ref()),
+        postures,
+        ("compensating", control),
+        |posture| point(&arm, posture).map_err(|e| predictor.explain(posture.at(e))),
+        |point| (point.uncompensated_shift_m, &mut point.band),
+    )?;
     let confidence = bands.map(|b| b.confidence);
     let mut out = summarise(points, options, confidence);
     out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);

@@ -187,12 +187,17 @@ pub fn posture_path(
                 given_rms = Some(search.rms(&sizes));
             }
             let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
-            let tips = arm.tip_poses(&found.q)?;
-            let sizes = search.deflections(&found.q, &search.wrenches(&tips)?)?;
+            // A price on joint motion, or the interpolation between knots, may cost
+            // more than the turn gains.
+            let is_in_vain = match given_rms {
+                Some(given) => {
+                    let wrenches = search.wrenches(&arm.tip_poses(&found.q)?)?;
+                    search.rms(&search.deflections(&found.q, &wrenches)?) >= given
+                }
+                None => false,
+            };
             match as_given {
-                // A price on joint motion, or the interpolation between knots, may cost
-                // more than the turn gains.
-                Some(q) if given_rms.is_some_and(|given| search.rms(&sizes) >= given) => {
+                Some(q) if is_in_vain => {
                     turn = Some(vec![0.0; q.len()]);
                     q
                 }

@@ -108,8 +108,8 @@ impl Common {
 /// Points whose bands are found together.
 const TOGETHER: usize = 8;
 
-/// What `run` finds at each of the postures, with the shift of the tip of `arm` (m) that it rests on; `place` is where
-/// the band of that shift goes.
+/// What `run` finds at each of the postures; `place` is the shift of the tip of `arm` (m) in it, and where the band of
+/// that shift goes.
 ///
 /// # Errors
 /// The first of `run`, by order; stopped.
@@ -117,34 +117,28 @@ pub(crate) fn with_bands<T: Send>(
     (arm, bands): (&LoadedArm, Option<&Bands>),
     postures: &[LoadedPosture],
     (what, control): (&str, Control<'_>),
-    run: impl Fn(&LoadedPosture) -> Result<(T, Vector3<f64>)> + Sync + Send,
-    place: fn(&mut T) -> &mut Option<TipBand>,
+    run: impl Fn(&LoadedPosture) -> Result<T> + Sync + Send,
+    place: fn(&mut T) -> ([f64; 3], &mut Option<TipBand>),
 ) -> Result<Vec<T>> {
     let together: Vec<&[LoadedPosture]> = postures.chunks(TOGETHER).collect();
-    let some = |postures: &[LoadedPosture]| {
-        let (mut found, mut shifts) = (Vec::new(), Vec::new());
-        for posture in postures {
-            let (result, shift) = run(posture)?;
-            found.push(result);
-            if bands.is_some() {
-                shifts.push((shift, arm.terms(&posture.q, &posture.wrench)?));
-            }
-        }
-        let bands = bands.map_or_else(Vec::new, |bands| bands.of(arm, &shifts));
+    let some = |(_, postures): (usize, &&[LoadedPosture])| {
+        let mut found: Vec<T> = postures.iter().map(&run).collect::<Result<_>>()?;
+        let Some(bands) = bands else {
+            return Ok(found);
+        };
+        let shifts = found.iter_mut().zip(*postures).map(|(found, posture)| {
+            let terms = arm.terms(&posture.q, &posture.wrench)?;
+            Ok((place(found).0.into(), terms))
+        });
+        let bands = bands.of(arm, &shifts.collect::<Result<Vec<_>>>()?);
         for (found, band) in found.iter_mut().zip(bands) {
-            *place(found) = Some(band);
+            *place(found).1 = Some(band);
         }
         Ok(found)
     };
     let mut out = Vec::with_capacity(postures.len());
     let take = |found| out.extend::<Vec<T>>(found);
-    each_in_order(
-        &together,
-        what,
-        control,
-        |(_, postures)| some(postures),
-        take,
-    )?;
+    each_in_order(&together, what, control, some, take)?;
     Ok(out)
 }
 

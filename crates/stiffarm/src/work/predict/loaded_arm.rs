@@ -227,7 +227,7 @@ impl LoadedArm {
     pub fn linear(&self, terms: &PostureTerms) -> Vector6<f64> {
         // Δq = K_θ⁻¹ Γ, Eq. (5); Δ = J Δq, Eq. (6).
         let deflection = &self.compliance * DVector::from_column_slice(terms.torque());
-        let mut twist = self.added(terms);
+        let mut twist = self.added(terms, true);
         for (j, angle) in deflection.iter().enumerate() {
             let column = terms.columns[j] * *angle;
             let axis = terms.frames().axes()[j] * *angle;
@@ -260,7 +260,7 @@ impl LoadedArm {
         let tip = terms.frames().flange() * self.tip;
         match self.has_more_than_joints() {
             false => tip,
-            true => moved(&tip, &self.added(terms)),
+            true => moved(&tip, &self.added(terms, true)),
         }
     }
 
@@ -277,22 +277,14 @@ impl LoadedArm {
                 force: Vector3::new(load[0], load[1], load[2]),
                 moment: Vector3::new(load[3], load[4], load[5]),
             };
-            sum.set_column(i, &self.added_by(&unit, false));
+            sum.set_column(i, &self.added(&unit, false));
         }
         sum
     }
 
     /// What the series compliance and the extra terms do to the tip under the
-    /// load of `terms`: \[shift (m); turn (rad)\], base axes.
-    fn added(&self, terms: &PostureTerms) -> Vector6<f64> {
-        match self.has_more_than_joints() {
-            true => self.added_by(terms, true),
-            false => Vector6::zeros(),
-        }
-    }
-
-    /// The same with lost motion or without.
-    fn added_by(&self, terms: &PostureTerms, lost: bool) -> Vector6<f64> {
+    /// load of `terms`, with lost motion or without: \[shift (m); turn (rad)\], base axes.
+    fn added(&self, terms: &PostureTerms, lost: bool) -> Vector6<f64> {
         let tip = &terms.measuring_points()[0];
         terms.known_twist(&self.setup.tool, tip) + self.elements.twist(terms, tip, lost)
     }

@@ -175,15 +175,16 @@ pub fn predict(
         arm = arm.loaded_by(cell);
     }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
-    let run = |posture: &LoadedPosture| {
-        let found = point(&arm, posture, options).map_err(|e| predictor.explain(posture.at(e)))?;
-        let shift = found.shift_m.into();
-        Ok((found, shift))
-    };
-    let (arm_and_bands, watched) = ((&arm, bands.as_ref()), ("bending", control));
-    let points = with_bands(arm_and_bands, postures, watched, run, |point| {
-        &mut point.band
-    })?;
+    let points = with_bands(
+        (&arm, bands.as_ref()),
+        postures,
+        ("bending", control),
+        |posture| {
+            let found = point(&arm, posture, options);
+            found.map_err(|e| predictor.explain(posture.at(e)))
+        },
+        |point| (point.shift_m, &mut point.band),
+    )?;
     let mut out = summarise(points, options, bands.map(|b| b.confidence));
     out.stiffness_nm_per_rad = predictor.spring_stiffness(cell);
     let sizes = out.points.iter().map(|p| (p.q.as_slice(), p.deflection_m));
