@@ -170,7 +170,8 @@ class Picture {
     if (path) {
       this.path = new Lines(5, { vertexColors: true });
       this.pathAtRest = new Lines(1.2, { transparent: true, opacity: 0.7 });
-      this.world.add(this.path.object, this.pathAtRest.object);
+      this.pathCommanded = new Lines(2, { dashed: true, dashSize: 0.012 * this.size, gapSize: 0.008 * this.size });
+      this.world.add(this.path.object, this.pathAtRest.object, this.pathCommanded.object);
     }
     this.materials.residual = new THREE.MeshLambertMaterial();
     this.residuals = [];
@@ -203,7 +204,8 @@ class Picture {
     for (const name of ['point', 'load', 'residual', 'ghost']) this.materials[name].color.set(colour[name]);
     this.materials.station.color.set(colour.sight);
     if (this.materials.ellipsoid) this.materials.ellipsoid.color.set(colour.residual);
-    if (this.pathAtRest) this.pathAtRest.material.color.set(colour.limit);
+    this.pathAtRest?.material.color.set(colour.limit);
+    this.pathCommanded?.material.color.set(colour.point);
     this.others.forEach((lines, i) => lines.material.color.set(this.groupColour(i)));
   }
 
@@ -349,16 +351,19 @@ class Picture {
     const isHere = (one) => one.group === state.group && one.posture === state.posture;
     if (path) {
       const rest = path.points.map(vec);
-      const bent = rest.map((p, i) => (path.deflection[i] ? p.clone().addScaledVector(vec(path.deflection[i]), state.exaggeration) : p));
+      const shifted = (by) => rest.map((p, i) => (by[i] ? p.clone().addScaledVector(vec(by[i]), state.exaggeration) : p));
+      const bent = shifted(path.deflection);
       const [low, high] = path.range;
       const colours = [];
       const colour = (i) => scaleColour((path.size[i] - low) / (high - low || 1)).toArray();
       for (let i = 1; i < bent.length; i += 1) colours.push(...colour(i - 1), ...colour(i));
-      const [pieces, own] = [[], []];
+      const [pieces, own, commanded] = [[], [], []];
       pushLine(pieces, bent);
       pushLine(own, rest);
+      if (path.correction.length) pushLine(commanded, shifted(path.correction));
       this.path.set(state.show.path ? pieces : [], colours);
       this.pathAtRest.set(state.show.path && state.exaggeration ? own : []);
+      this.pathCommanded.set(state.show.path && state.exaggeration ? commanded : []);
       if (state.show.path && rest.length) this.label(bent[0], path.names[0] || path.name, 'point');
     }
     if (arrows) {

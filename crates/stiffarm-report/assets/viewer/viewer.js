@@ -48,8 +48,8 @@ class View {
   /** So that the largest deflection can be seen well, and not much more. */
   mostExaggeration() {
     const sizes = this.data.groups.flatMap((g) => g.postures).flatMap((p) => p.loads).flatMap((l) => (l.turns && l.deflection) || []);
-    const path = this.data.path?.deflection || [];
-    const largest = [...sizes, ...path].reduce((most, d) => Math.max(most, Math.hypot(...d)), 0);
+    const { deflection = [], correction = [] } = this.data.path || {};
+    const largest = [...sizes, ...deflection, ...correction].reduce((most, d) => Math.max(most, Math.hypot(...d)), 0);
     const [low, high] = this.data.extent;
     const size = Math.hypot(...low.map((v, i) => high[i] - v));
     return largest > 0 ? niceBelow(Math.max((0.12 * size) / largest, 1)) : 0;
@@ -64,6 +64,7 @@ class View {
       bar.style.background = `linear-gradient(90deg, ${SCALE.join(', ')})`;
       const [low, high] = path.range.map((v) => Number(v.toPrecision(3)));
       rows.push(make('p', {}, `${path.label} along ${path.name}: ${low} ${path.unit} `, bar, ` ${high} ${path.unit}`));
+      if (path.correction.length) rows.push(make('p', { textContent: `Dashed: ${path.name} as commanded` }));
     }
     if (arrows) rows.push(make('p', { textContent: `${arrows.label}: arrows drawn \u00d7 ${this.picture.residualTimes}` }));
     return rows.length ? make('div', { className: 'scene-legend' }, ...rows) : null;

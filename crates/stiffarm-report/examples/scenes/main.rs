@@ -89,6 +89,9 @@ fn comau() -> Done<Shown> {
         deflection: (0..=40)
             .map(|i| [0.0, 0.0, -2e-4 - 3e-4 * share(i)])
             .collect(),
+        correction: (0..=40)
+            .map(|i| [0.0, 0.0, 2e-4 + 3e-4 * share(i)])
+            .collect(),
         size: (0..=40).map(|i| 0.2 + 0.3 * share(i)).collect(),
         label: "Deflection".into(),
         unit: "mm".into(),

@@ -12,6 +12,8 @@ pub struct ScenePath {
     pub points: Vec<Triple>,
     /// Deflection of each point, base axes \[m\]; empty where none is shown.
     pub deflection: Vec<Triple>,
+    /// How far from each point it is commanded, base axes \[m\]; empty where it is commanded as it is.
+    pub correction: Vec<Triple>,
     /// Size of each point that its colour shows.
     pub size: Vec<f64>,
     /// What the size is: `deflection`.

@@ -11,6 +11,7 @@ impl Scene {
         self.path = Some(ScenePath {
             points: path.points.iter().map(|p| p.map(length)).collect(),
             deflection: path.deflection.iter().map(|d| d.map(digits)).collect(),
+            correction: path.correction.iter().map(|d| d.map(digits)).collect(),
             size: path.size.iter().copied().map(digits).collect(),
             range: path.range.map(digits),
             ..path

@@ -42,6 +42,8 @@ pub(super) struct WorkPoint {
     pub wrench: Wrench,
     /// Shift of the tip under it, base axes \[m\].
     pub shift_m: [f64; 3],
+    /// How far from the tip's place it is commanded, base axes \[m\], where that is another place.
+    pub correction_m: Option<[f64; 3]>,
     /// Principal axes of a force at the tip, where they are known.
     pub principal: Option<[PrincipalAxis; 3]>,
 }
@@ -211,6 +213,10 @@ fn path(name: &str, points: &[WorkPoint]) -> ScenePath {
         name: name.to_string(),
         points: kept.iter().map(|i| points[*i].tip_m).collect(),
         deflection: kept.iter().map(|i| points[*i].shift_m).collect(),
+        correction: kept
+            .iter()
+            .filter_map(|i| points[*i].correction_m)
+            .collect(),
         size: kept.iter().map(|i| sizes[*i]).collect(),
         label: "Deflection".into(),
         unit: "mm".into(),

@@ -156,6 +156,7 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
             tip_m: point.tip_m,
             wrench: wrench(point.force_n, point.moment_nm),
             shift_m: point.uncompensated_shift_m,
+            correction_m: Some(point.correction_m),
             principal: extremes.iter().find(|e| e.at == i).map(|e| e.principal),
         });
     let work = AtWork {
@@ -168,8 +169,9 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     };
     work.section(
         context,
-        "The path that is wanted and how the tool would bend away from it without correction, in colour; the slider \
-         exaggerates it. Where the tip bends least and most, an ellipsoid shows how it gives way.",
+        "The path that is wanted; in colour, how the tool would bend away from it without correction; dashed, what is \
+         commanded instead. The slider exaggerates both. Where the tip bends least and most, an ellipsoid shows how it \
+         gives way.",
     )
 }
 

@@ -323,6 +323,7 @@ fn cell_section(context: &Given<'_>, map: &StiffnessMap) -> Result<Section> {
             tip_m: node.position_m,
             wrench: wrench(map.force_n, map.moment_nm),
             shift_m: values.shift_m,
+            correction_m: None,
             principal: principal.map(|both| both[number]),
         })
     };

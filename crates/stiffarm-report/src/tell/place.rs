@@ -211,6 +211,7 @@ fn cell_section(context: &Given<'_>, placement: &Placement) -> Result<Section> {
             tip_m: point.tip_m,
             wrench: wrench(point.force_n, point.moment_nm),
             shift_m: point.shift_m,
+            correction_m: None,
             principal: None,
         });
         points.collect()

@@ -231,6 +231,7 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
             tip_m: point.tip_m,
             wrench: wrench(point.force_n, point.moment_nm),
             shift_m: point.shift_m,
+            correction_m: None,
             principal: own.or(of_extreme),
         }
     });

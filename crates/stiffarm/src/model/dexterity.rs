@@ -14,6 +14,9 @@ use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector3};
 /// Relative size of the smallest singular value below which J_N counts as singular.
 const SINGULAR: f64 = 1e-12;
 
+/// k of six joints up to which J is inverted by elimination; beyond it by singular values.
+pub(crate) const SOUND: f64 = 1e4;
+
 /// Refuses robots whose J_N has no full rank in any posture for want of joints.
 ///
 /// # Errors
@@ -40,12 +43,25 @@ pub fn normalised_jacobian(frames: &Frames, p: &Vector3<f64>, length: f64) -> Ma
     jacobian
 }
 
-/// k(J_N) = (1/6)·sqrt(tr(J_N J_Nᵀ)·tr((J_N J_Nᵀ)⁻¹)) ≥ 1, Eq. (21), by
-/// singular values; `None` at a singularity and for n < 6.
+/// Condition number (1/6)·‖J‖·‖J⁻¹‖ of a Jacobian of six joints, by Frobenius norms, and its
+/// inverse: Eq. (21), as tr(J Jᵀ) = ‖J‖². Infinite and none where it has no inverse.
+pub(crate) fn inverted(jacobian: Matrix6<f64>) -> (f64, Option<Matrix6<f64>>) {
+    let inverse = jacobian.try_inverse().filter(|m| m.norm().is_finite());
+    let condition = inverse.map_or(f64::INFINITY, |m| jacobian.norm() * m.norm() / 6.0);
+    (condition, inverse)
+}
+
+/// k(J_N) = (1/6)·sqrt(tr(J_N J_Nᵀ)·tr((J_N J_Nᵀ)⁻¹)) ≥ 1, Eq. (21); `None` at a
+/// singularity and for n < 6.
 pub fn condition_number(frames: &Frames, p: &Vector3<f64>, length: f64) -> Option<f64> {
     let jacobian = normalised_jacobian(frames, p, length);
     if jacobian.ncols() < 6 {
         return None;
+    }
+    if jacobian.ncols() == 6
+        && let (k @ ..SOUND, _) = inverted(jacobian.fixed_columns::<6>(0).into_owned())
+    {
+        return Some(k);
     }
     let tall = DMatrix::from_fn(jacobian.ncols(), 6, |i, j| jacobian[(j, i)]);
     let values = svd(tall)?.values;

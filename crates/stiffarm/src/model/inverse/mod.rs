@@ -26,6 +26,7 @@ mod unreachable;
 pub use unreachable::{Region, Unreachable};
 
 use crate::error::{Code, Error, Result};
+use crate::model::dexterity::inverted;
 use crate::model::kinematics::Frames;
 use crate::model::observation::check_angles;
 use crate::model::robot::Robot;
@@ -378,13 +379,6 @@ impl InverseKinematics {
             ),
         })
     }
-}
-
-/// Condition number of a Jacobian of six joints, by Frobenius norms, and its inverse.
-pub(crate) fn inverted(jacobian: Matrix6<f64>) -> (f64, Option<Matrix6<f64>>) {
-    let inverse = jacobian.try_inverse().filter(|m| m.norm().is_finite());
-    let condition = inverse.map_or(f64::INFINITY, |m| jacobian.norm() * m.norm() / 6.0);
-    (condition, inverse)
 }
 
 fn check_pose(pose: &Isometry3<f64>) -> Result<()> {

@@ -8,7 +8,7 @@
 //! this.
 
 use crate::error::{Code, Error, Result};
-use crate::model::inverse::inverted;
+use crate::model::dexterity::{SOUND, inverted};
 use crate::model::load::Wrench;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::svd::svd;
@@ -19,8 +19,6 @@ use nalgebra::{DMatrix, DVector, Isometry3};
 const ARRIVED: f64 = 1e-13;
 /// Steps to a pose that a neighbour of the nominal one takes three of.
 const STEPS: usize = 50;
-/// Condition of J up to which it is inverted as it is \[m and rad\].
-const SOUND: f64 = 1e5;
 /// The inverse of J stands as long as a step leaves no more than this share.
 const AS_BEFORE: f64 = 0.1;
 /// Singular values of J below this share of the largest are directions in
