@@ -170,7 +170,7 @@ class Picture {
     if (path) {
       this.path = new Lines(5, { vertexColors: true });
       this.pathAtRest = new Lines(1.2, { transparent: true, opacity: 0.7 });
-      this.pathCommanded = new Lines(2, { dashed: true, dashSize: 0.012 * this.size, gapSize: 0.008 * this.size });
+      this.pathCommanded = new Lines(2);
       this.world.add(this.path.object, this.pathAtRest.object, this.pathCommanded.object);
     }
     this.materials.residual = new THREE.MeshLambertMaterial();

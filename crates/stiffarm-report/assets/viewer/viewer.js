@@ -64,7 +64,11 @@ class View {
       bar.style.background = `linear-gradient(90deg, ${SCALE.join(', ')})`;
       const [low, high] = path.range.map((v) => Number(v.toPrecision(3)));
       rows.push(make('p', {}, `${path.label} along ${path.name}: ${low} ${path.unit} `, bar, ` ${high} ${path.unit}`));
-      if (path.correction.length) rows.push(make('p', { textContent: `Dashed: ${path.name} as commanded` }));
+      if (path.correction.length) {
+        const swatch = make('span', { className: 'scene-swatch', 'aria-hidden': 'true' });
+        swatch.style.background = 'var(--scene-point)';
+        rows.push(make('p', {}, swatch, ` ${path.name} as commanded`));
+      }
     }
     if (arrows) rows.push(make('p', { textContent: `${arrows.label}: arrows drawn \u00d7 ${this.picture.residualTimes}` }));
     return rows.length ? make('div', { className: 'scene-legend' }, ...rows) : null;

@@ -169,7 +169,7 @@ fn cell_section(context: &Given<'_>, result: &Compensation) -> Result<Section> {
     };
     work.section(
         context,
-        "The path that is wanted; in colour, how the tool would bend away from it without correction; dashed, what is \
+        "The path that is wanted; in colour, how the tool would bend away from it without correction; thin, what is \
          commanded instead. The slider exaggerates both. Where the tip bends least and most, an ellipsoid shows how it \
          gives way.",
     )
