@@ -75,8 +75,10 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
                 if let Some(name) = feature(&word, line.rest()) {
                     state.builder.named(name);
                 }
-                if word == "FEDRAT" {
-                    feed(line.rest(), line.line_number(), state.builder);
+                match word.as_str() {
+                    "FEDRAT" => feed(line.rest(), line.line_number(), state.builder),
+                    "SPINDL" => spindle(line.rest(), state.builder),
+                    _ => {}
                 }
                 if !is_point(&word) && QUIET.split_whitespace().any(|quiet| quiet == word) {
                     continue;
@@ -129,24 +131,41 @@ fn feature<'a>(word: &str, rest: &'a str) -> Option<&'a str> {
 
 /// `FEDRAT/2500,MMPM`, in either order; without a unit it is that of the file, per minute.
 fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
-    let end = rest.find('$').unwrap_or(rest.len());
-    let parts = rest[..end].split([',', '/']).map(str::trim);
-    let mut unit = builder.form.unit;
-    let mut number = None;
-    for part in parts {
-        match part.to_ascii_uppercase().as_str() {
-            "MMPM" => unit = 1e-3,
-            "IPM" => unit = 25.4e-3,
-            word @ ("MMPR" | "IPR" | "PERREV" | "INVERS" | "INVERSE") => {
-                let word = format!("FEDRAT/{word}");
-                builder.not_followed(&word, line, Severity::Note);
-                builder.feed = None;
+    let (mut unit, mut number) = (builder.form.unit, None);
+    let mut is_per_turn = false;
+    (builder.feed, builder.feed_per_turn) = (None, None);
+    for word in words(rest) {
+        match word.as_str() {
+            "MMPM" | "MMPR" => unit = 1e-3,
+            "IPM" | "IPR" => unit = 25.4e-3,
+            "INVERS" | "INVERSE" => {
+                builder.not_followed(&format!("FEDRAT/{word}"), line, Severity::Note);
                 return;
             }
-            _ => number = number.or(part.parse::<f64>().ok()),
+            _ => number = number.or(word.parse::<f64>().ok()),
         }
+        is_per_turn |= matches!(word.as_str(), "MMPR" | "IPR" | "PERREV");
     }
-    builder.feed = number.map(|own| own * unit / 60.0);
+    match is_per_turn {
+        true => builder.feed_per_turn = number.map(|own| own * unit),
+        false => builder.feed = number.map(|own| own * unit / 60.0),
+    }
+}
+
+/// `SPINDL/RPM,6000,CLW`, in any order; without a number the speed is as before, that of a cutting edge is none.
+fn spindle(rest: &str, builder: &mut Builder<'_>) {
+    if words(rest).any(|word| matches!(word.as_str(), "SFM" | "SMM" | "SFPM" | "MPM")) {
+        builder.spindle = None;
+    } else if let Some(turns) = words(rest).find_map(|word| word.parse::<f64>().ok()) {
+        builder.spindle = Some(turns / 60.0);
+    }
+}
+
+/// The words of the rest of a line, in capitals.
+fn words(rest: &str) -> impl Iterator<Item = String> {
+    let rest = rest.split('$').next().unwrap_or_default();
+    rest.split([',', '/'])
+        .map(|word| word.trim().to_ascii_uppercase())
 }
 
 /// Numbers and words with commas between them; true where the next line goes on.

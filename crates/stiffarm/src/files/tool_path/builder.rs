@@ -78,6 +78,10 @@ pub(super) struct Builder<'c> {
     pub feature: Option<Arc<str>>,
     /// Feed of the points as it is stated \[m/s\]; what is none is no point's.
     pub feed: Option<f64>,
+    /// The same as it is stated for a turn of the spindle \[m\].
+    pub feed_per_turn: Option<f64>,
+    /// Turns of the spindle \[1/s\].
+    pub spindle: Option<f64>,
     remarks: BTreeMap<(&'static str, String), Remark>,
     frames: Vec<Finding>,
 }
@@ -101,6 +105,8 @@ impl<'c> Builder<'c> {
             fixed: None,
             feature: None,
             feed: None,
+            feed_per_turn: None,
+            spindle: None,
             remarks: BTreeMap::new(),
             frames: Vec::new(),
         }
@@ -135,6 +141,8 @@ impl<'c> Builder<'c> {
                 axis: frame.rotation * -*axis,
             },
         };
+        let per_turn = self.feed_per_turn.zip(self.spindle);
+        let feed = self.feed.or(per_turn.map(|(feed, turns)| feed * turns));
         self.points.push(PathPoint {
             name: (self.points.len() + 1).to_string().into(),
             line: Some(line),
@@ -145,9 +153,7 @@ impl<'c> Builder<'c> {
                 axes: ForceAxes::Base,
             }),
             feature: self.feature.clone(),
-            feed: self
-                .feed
-                .filter(|feed| !rapid && *feed > 0.0 && *feed <= FASTEST),
+            feed: feed.filter(|feed| !rapid && *feed > 0.0 && *feed <= FASTEST),
             rapid,
         });
         self.ends.push(self.slots.len());

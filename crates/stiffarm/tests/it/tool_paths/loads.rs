@@ -43,12 +43,33 @@ fn every_language_gives_its_feeds() -> Check {
             (1..=4).map(point).collect::<String>()
         )
     };
-    let programs: [(&str, String); 9] = [
+    let programs: [(&str, String); 13] = [
         (
             "a.cls",
             "UNITS/MM\nFEDRAT/MMPM,600.0\nGOTO/0,0,0\nGOTO/1,0,0\nFEDRAT / 150.0 , MMPM $$ slow\nGOTO/2,0,0\n\
              FEDRAT/MMPR,0.2\nGOTO/3,0,0\n"
                 .into(),
+        ),
+        // Feeds per turn of the spindle, in either order with its speed.
+        (
+            "a2.cls",
+            "UNITS/MM\nFEDRAT/MMPR,0.1\nSPINDL/RPM,6000,CLW\nGOTO/0,0,0\nGOTO/1,0,0\nSPINDL/1500,RPM\nSPINDL/ON\n\
+             GOTO/2,0,0\nSPINDL/SFM,300\nGOTO/3,0,0\n"
+                .into(),
+        ),
+        (
+            "b2.apt",
+            "UNITS/INCH\nSPINDL/6000\nFEDRAT/0.003937007874015748,IPR\nGOTO/0,0,0\nGOTO/0.01,0,0\n\
+             FEDRAT/0.0009842519685039370,PERREV\nGOTO/0.02,0,0\nFEDRAT/INVERS,9\nGOTO/0.03,0,0\n"
+                .into(),
+        ),
+        (
+            "i2.nc",
+            "G90 G70 G95 F0.003937007874015748 S6000 M3\nG1 X0 Y0 Z0\nX1\nS1=1500 X2\nG96 S300 X3\n".into(),
+        ),
+        (
+            "j2.nc",
+            "G90 S6000 G95 F0.1\nG1 X0 Y0 Z0\nX1\nS1500 X2\nS#100 X3\n".into(),
         ),
         (
             "b.apt",

@@ -56,6 +56,8 @@ struct State<'b, 'c> {
     stated: [f64; 3],
     /// What F stands for: 93 the inverse of a time, 94 a feed a minute, 95 a turn.
     feeds: u16,
+    /// S is the speed of the cutting edge (G96), and not that of the spindle.
+    is_cutting_speed: bool,
 }
 
 pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> {
@@ -73,6 +75,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         axis: Vector3::z_axis(),
         stated: [0.0, 0.0, 1.0],
         feeds: 94,
+        is_cutting_speed: false,
     };
     let mut words = Vec::new();
     for mut line in lines(file) {
@@ -105,6 +108,12 @@ impl State<'_, '_> {
         let feed = words.iter().find(|word| word.letter == b'F');
         if let Some(word) = feed {
             self.feed(word);
+        }
+        let speed = words
+            .iter()
+            .find(|word| word.letter == b'S' && word.index < 2);
+        if let Some(word) = speed.filter(|_| !self.is_cutting_speed) {
+            self.builder.spindle = Some(word.number.value / 60.0);
         }
         if let Some(word) = words
             .iter()
@@ -252,7 +261,11 @@ impl State<'_, '_> {
             }
             930 | 940 | 950 => {
                 self.feeds = code / 10;
-                self.builder.feed = None;
+                (self.builder.feed, self.builder.feed_per_turn) = (None, None);
+            }
+            960 | 970 => {
+                self.is_cutting_speed = code == 960;
+                self.builder.spindle = None;
             }
             900 => self.steps = false,
             910 => self.steps = true,
@@ -304,15 +317,12 @@ impl State<'_, '_> {
         Ok(false)
     }
 
-    /// Takes the feed of a block, where it is one a minute.
+    /// Takes the feed of a block, where it is one a minute or a turn.
     fn feed(&mut self, word: &Word<'_>) {
+        let own = word.number.value * self.builder.form.unit;
         match self.feeds {
-            94 => self.builder.feed = Some(word.number.value * self.builder.form.unit / 60.0),
-            95 => self.builder.not_followed(
-                "A feed per turn (G95)",
-                word.place.line_number(),
-                Severity::Note,
-            ),
+            94 => self.builder.feed = Some(own / 60.0),
+            95 => self.builder.feed_per_turn = Some(own),
             _ => {}
         }
     }

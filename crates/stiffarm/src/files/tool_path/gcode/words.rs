@@ -69,8 +69,10 @@ pub fn words_of<'a>(
                     return Ok(beside);
                 }
                 let read = word(line)?;
-                if read.is_none() && first.eq_ignore_ascii_case(&'F') {
-                    builder.feed = None;
+                match first.to_ascii_uppercase() {
+                    'F' if read.is_none() => (builder.feed, builder.feed_per_turn) = (None, None),
+                    'S' if read.is_none() => builder.spindle = None,
+                    _ => {}
                 }
                 words.extend(read);
             }
