@@ -11,7 +11,8 @@ pub enum Weights {
     /// All readings alike, each counted as often as it was taken.
     #[default]
     Readings,
-    /// From the tracker's range and angle model: `[tracker]` of the cell.
+    /// From the uncertainty that the tracker states with each reading, else its range and angle model:
+    /// `[tracker]` of the cell.
     Tracker,
 }
 

@@ -16,13 +16,14 @@ const IGNORE: &str = "ignore";
 const ORDER: &str = "order";
 
 /// Keys that are no headings, beside `ignore` and `order`.
-const SETTINGS: [&str; 8] = [
+const SETTINGS: [&str; 9] = [
     "profile",
     "name",
     "name_pattern",
     "date",
     "dates",
     "separator",
+    "encoding",
     "comment",
     "sheet",
 ];
@@ -171,6 +172,13 @@ impl Reader<'_> {
                     "space" | " " => Separator::Space,
                     _ => return one_of(&["comma", "semicolon", "tab", "space"]),
                 });
+            }
+            "encoding" => {
+                self.columns.is_latin_1 = match text {
+                    "utf-8" => false,
+                    "latin-1" => true,
+                    _ => return one_of(&["utf-8", "latin-1"]),
+                };
             }
             "name_pattern" => {
                 let pattern = NamePattern::parse(text).map_err(|message| {

@@ -1,12 +1,12 @@
 //! What is known about the exports of named software: defaults of `[columns]`.
 //!
-//! A profile stands here only where the maker describes the format in public; docs/readings.md
-//! cites it. Any key of `[columns]` overrides its default.
+//! A profile stands here only where the maker describes the format in public, or a file of it is
+//! public; docs/readings.md cites it. Any key of `[columns]` overrides its default.
 
 use crate::model::cell::{Columns, NamePattern, Separator};
 
 /// The names of the profiles.
-pub(super) const NAMES: [&str; 2] = ["spatialanalyzer", "powerinspect"];
+pub(super) const NAMES: [&str; 3] = ["spatialanalyzer", "powerinspect", "leica"];
 
 /// The defaults of a profile.
 pub(super) fn profile(name: &str) -> Option<Columns> {
@@ -28,6 +28,30 @@ pub(super) fn profile(name: &str) -> Option<Columns> {
                 "name", "x_mm", "y_mm", "z_mm", "-", "-", "-", "-", "-", "-", "-",
             ]),
             separator: Some(Separator::Space),
+            ..Columns::default()
+        }),
+        // The CSV of an AT960 with T-Mac: a heading with units, uncertainties of 95 %, attitude, weather.
+        "leica" => Some(Columns {
+            names: [("u95x_mm", "x"), ("u95y_mm", "y"), ("u95z_mm", "z")]
+                .map(|(ours, axis)| (ours.to_string(), format!("U(95) {axis} [mm]")))
+                .into_iter()
+                .chain([("time_s".to_string(), "Time Stamp".to_string())])
+                .collect(),
+            ignore: order(&[
+                "U(95) [mm]",
+                "Tilt [deg]",
+                "Q0",
+                "Q1",
+                "Q2",
+                "Q3",
+                "Image RMS [µm]",
+                "Target",
+                "Pressure [mBar]",
+                "Humidity [%]",
+                "OTG Applied",
+                "Delete",
+            ]),
+            is_latin_1: true,
             ..Columns::default()
         }),
         _ => None,

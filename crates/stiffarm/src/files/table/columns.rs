@@ -52,6 +52,14 @@ impl Values {
             known.push(load());
         }
         known.push(time());
+        if self == Values::Positions {
+            known.extend(expanded());
+            known.push(Known::of(
+                "temperature",
+                Quantity::Temperature,
+                "temperature",
+            ));
+        }
         known.extend(Known::angles(joints));
         known
     }
@@ -135,6 +143,11 @@ fn time() -> Known {
     Known::of("time", Quantity::Time, "time")
 }
 
+/// Expanded uncertainty of the coordinates, 95 %.
+fn expanded() -> [Known; 3] {
+    ["u95x", "u95y", "u95z"].map(|stem| Known::of(stem, Quantity::Length, "uncertainty"))
+}
+
 /// Positions and units of the columns.
 pub(super) struct MeasurementColumns {
     pub(super) posture: Column,
@@ -145,6 +158,8 @@ pub(super) struct MeasurementColumns {
     moment: Option<Vec<Column>>,
     pub(super) load: Option<Column>,
     time: Option<Column>,
+    expanded: Option<Vec<Column>>,
+    temperature: Option<Column>,
     pub(super) angles: Option<Vec<Column>>,
 }
 
@@ -227,6 +242,8 @@ impl MeasurementColumns {
             moment,
             load,
             time: found.get("time"),
+            expanded: found.all_or_none(&expanded(), "give all three, or none")?,
+            temperature: found.get("temperature"),
             angles,
         })
     }
@@ -279,8 +296,32 @@ impl MeasurementColumns {
 
     /// Time \[s\], where the row has one.
     pub(super) fn time(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
-        let time = self.time.filter(|column| !table.is_blank(row, *column));
-        time.map(|column| table.number(row, column)).transpose()
+        number(table, row, self.time)
+    }
+
+    /// Temperature \[°C\], where the row has one.
+    pub(super) fn temperature(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
+        number(table, row, self.temperature)
+    }
+
+    /// Expanded uncertainty of the coordinates \[m\], where the row has it.
+    pub(super) fn expanded(&self, table: &Table<'_>, row: &Row) -> Result<Option<Vector3<f64>>> {
+        let given = self.expanded.iter().flatten();
+        let Some(columns) = self
+            .expanded
+            .as_ref()
+            .filter(|_| !given.clone().all(|c| table.is_blank(row, *c)))
+        else {
+            return Ok(None);
+        };
+        let expanded = vector(table, row, columns)?;
+        match given.zip(&expanded).find(|(_, value)| **value < 0.0) {
+            Some((column, _)) => {
+                let message = "An uncertainty is not below zero.";
+                Err(table.error(row, column.at, Code::InvalidValue, message))
+            }
+            None => Ok(Some(expanded)),
+        }
     }
 
     /// Force and moment \[N, N·m\]; a moment without columns is zero.
@@ -386,6 +427,12 @@ impl MeasurementColumns {
             "angles and wrench belong to the posture and state: average them, or name another state",
         )
     }
+}
+
+/// The number of a column, where there is one and the row has it.
+fn number(table: &Table<'_>, row: &Row, column: Option<Column>) -> Result<Option<f64>> {
+    let column = column.filter(|column| !table.is_blank(row, *column));
+    column.map(|column| table.number(row, column)).transpose()
 }
 
 pub(super) fn vector(table: &Table<'_>, row: &Row, columns: &[Column]) -> Result<Vector3<f64>> {

@@ -19,6 +19,7 @@ pub(super) enum Quantity {
     Time,
     Feed,
     Power,
+    Temperature,
 }
 
 /// A unit: how it stands at the end of a heading, and its way to SI and back.
@@ -41,6 +42,7 @@ impl Unit {
             Quantity::Time,
             Quantity::Feed,
             Quantity::Power,
+            Quantity::Temperature,
         ];
         let mut units = quantities.into_iter().map(Quantity::units);
         let own = units.find(|units| units.iter().any(|unit| unit == self))?;
@@ -123,6 +125,11 @@ mod units {
         unit("mm_per_s", mm_to_m, m_to_mm),
         unit("in_per_min", |inches| inches * 0.0254 / 60.0, |m| m / 0.0254 * 60.0),
     ];
+    /// °C stays °C.
+    pub(super) static TEMPERATURE: [Unit; 2] = [
+        unit("c", same, same),
+        unit("f", |f| (f - 32.0) / 1.8, |c| c * 1.8 + 32.0),
+    ];
     pub(super) static POWER: [Unit; 2] = [unit("w", same, same), unit("kw", |kw| kw * 1e3, |w| w / 1e3)];
 }
 
@@ -138,6 +145,7 @@ impl Quantity {
             Quantity::Time => &units::TIME,
             Quantity::Feed => &units::FEED,
             Quantity::Power => &units::POWER,
+            Quantity::Temperature => &units::TEMPERATURE,
         }
     }
 
@@ -153,6 +161,7 @@ impl Quantity {
             Quantity::Time => "times",
             Quantity::Feed => "feeds",
             Quantity::Power => "powers",
+            Quantity::Temperature => "temperatures",
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `posture,state,point,x_mm,y_mm,z_mm[,fx_n,…][,mx_nm,…][,load_n][,time_s][,q1_deg,…]`.
+//! `posture,state,point,x_mm,y_mm,z_mm[,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
 
 use super::columns::{MeasurementColumns, Plan, Values};
 use super::grid::{Row, Table};
@@ -209,6 +209,8 @@ impl Reader<'_, '_> {
                 target: self.target(row)?,
                 position: columns.vector(table, row)?,
                 time: columns.time(table, row)?,
+                expanded: columns.expanded(table, row)?,
+                temperature: columns.temperature(table, row)?,
                 line: row.line,
             }],
         };

@@ -35,7 +35,13 @@ impl<'a> Table<'a> {
         if workbook::is_one(bytes) {
             return workbook::read(bytes, file, columns);
         }
-        let text = decode(bytes).map_err(|error| error.file(file))?;
+        let text = match columns.is_latin_1 && std::str::from_utf8(bytes).is_err() {
+            true => Cow::Owned(bytes.iter().copied().map(char::from).collect()),
+            false => decode(bytes).map_err(|error| {
+                let hint = "save the file as UTF-8 (in Excel: \"CSV UTF-8\"), or write encoding = \"latin-1\" into [columns] of the cell file";
+                error.file(file).hint(hint)
+            })?,
+        };
         let text = text.trim_start_matches('\u{feff}');
         let text = match text.contains('\r') {
             true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),

@@ -48,6 +48,8 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
         moments: has_moments,
         loads: false,
         times: has_times,
+        expanded: false,
+        temperatures: false,
     };
     let mut text = line(&layout.heading(cell));
     for (g, group) in measured.iter().enumerate() {
@@ -86,7 +88,9 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
         forces: table.wrench_columns != WrenchColumns::None,
         moments: table.wrench_columns == WrenchColumns::ForceAndMoment,
         loads: states().any(|state| state.load.is_some()),
-        times: readings.any(|reading| reading.time.is_some()),
+        times: readings.clone().any(|reading| reading.time.is_some()),
+        expanded: readings.clone().any(|reading| reading.expanded.is_some()),
+        temperatures: readings.any(|reading| reading.temperature.is_some()),
     };
     let mut text = line(&layout.heading(cell));
     for posture in postures() {
@@ -98,6 +102,13 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
                 let mut fields: Vec<String> = names.map(String::clone).into();
                 fields.extend(lengths.iter().map(f64::to_string));
                 fields.extend(layout.optional(state.wrench, state.load, reading.time));
+                if layout.expanded {
+                    let expanded = reading.expanded.map(|u| u.map(m_to_shortest_mm));
+                    fields.extend(components(expanded));
+                }
+                if layout.temperatures {
+                    fields.push(number(reading.temperature));
+                }
                 fields.extend(degrees(q));
                 text += &line(&fields);
             }
@@ -139,6 +150,8 @@ pub(super) struct Layout {
     pub(super) moments: bool,
     pub(super) loads: bool,
     pub(super) times: bool,
+    pub(super) expanded: bool,
+    pub(super) temperatures: bool,
 }
 
 impl Layout {
@@ -148,11 +161,13 @@ impl Layout {
             Values::Positions => ["x_mm", "y_mm", "z_mm"],
             Values::Displacements => ["dx_mm", "dy_mm", "dz_mm"],
         });
-        let optional: [(bool, &[&str]); 4] = [
+        let optional: [(bool, &[&str]); 6] = [
             (self.forces, &["fx_n", "fy_n", "fz_n"]),
             (self.moments, &["mx_nm", "my_nm", "mz_nm"]),
             (self.loads, &["load_n"]),
             (self.times, &["time_s"]),
+            (self.expanded, &["u95x_mm", "u95y_mm", "u95z_mm"]),
+            (self.temperatures, &["temperature_c"]),
         ];
         for (_, columns) in optional.into_iter().filter(|(wanted, _)| *wanted) {
             names.extend(columns);
@@ -168,7 +183,6 @@ impl Layout {
         load: Option<f64>,
         time: Option<f64>,
     ) -> Vec<String> {
-        let number = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
         let mut fields = Vec::new();
         if self.forces {
             fields.extend(components(wrench.map(|wrench| wrench.force)));
@@ -192,6 +206,10 @@ fn wrench(group: &MeasuredPosture, cell: &Cell) -> Option<Wrench> {
         let terms = PostureTerms::new(&cell.setup, &group.posture.q, None);
         terms.ok().map(|terms| *terms.wrench())
     })
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
 }
 
 fn components(vector: Option<Vector3<f64>>) -> [String; 3] {

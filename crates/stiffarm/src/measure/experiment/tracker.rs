@@ -41,6 +41,8 @@ impl SimulatedTracker<'_> {
             target,
             position,
             time,
+            expanded: None,
+            temperature: None,
             line: 0,
         })
     }

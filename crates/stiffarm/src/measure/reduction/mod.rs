@@ -22,6 +22,7 @@ mod messages;
 mod repeatability;
 mod servo;
 mod table;
+mod temperature;
 mod unloaded;
 mod wrench;
 mod wrench_check;
@@ -30,6 +31,7 @@ pub use super::series::Clock;
 pub use base_motion::BaseMotion;
 pub use drift::{Drift, PostureDrift};
 pub use repeatability::Repeatability;
+pub use temperature::Temperatures;
 pub use unloaded::{UnloadedPointResidual, UnloadedPostureResidual, UnloadedRegistration};
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
@@ -38,13 +40,20 @@ use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::load::LoadCase;
-use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTable, Role};
+use crate::model::measurement::{
+    Displacement, MeasuredPosture, ReadingTable, ReadingTarget, Role, StateReadings,
+};
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
-use nalgebra::{Isometry3, Matrix3};
+use nalgebra::{Isometry3, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+
+/// Expanded uncertainties of 95 % are this many standard ones (JCGM 100:2008, 6.3.3).
+const COVERAGE: f64 = 2.0;
+/// Standard uncertainty that a tracker's reading has at least: files give a micrometre as 0.001 \[m\].
+const LEAST: f64 = 0.5e-6;
 
 /// Options of a reduction.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -76,6 +85,9 @@ pub struct Reduction {
     pub base_motion: Vec<BaseMotion>,
     /// Drift within the postures; `None` without readings before and after a load.
     pub drift: Option<Drift>,
+    /// How the temperature ran; `None` where it was not recorded.
+    #[serde(default)]
+    pub temperatures: Option<Temperatures>,
     /// Consistency of the measured wrenches; `None` where none were measured.
     pub wrench_check: Option<WrenchCheck>,
     /// What is worth knowing, the most serious first.
@@ -116,6 +128,12 @@ pub(super) fn reduce_series(
         unloaded::registration(cell, series, given.as_ref(), reading_std, &mut findings)?;
     let drift = drift::drift(series, &base_from_tracker, reading_std)?;
     findings.extend(drift::findings(series, drift.as_ref()));
+    let temperatures = temperature::temperatures(series, drift.as_ref(), reading_std);
+    findings.extend(
+        temperatures
+            .as_ref()
+            .map(|found| temperature::finding(cell, found)),
+    );
 
     let mut measured = Vec::new();
     let mut base_motion = Vec::new();
@@ -157,6 +175,7 @@ pub(super) fn reduce_series(
         repeatability,
         base_motion,
         drift,
+        temperatures,
         wrench_check,
         findings,
     })
@@ -204,7 +223,12 @@ fn displacements(
                 time: (posture.clock == Clock::Time).then_some(posture.start + pair.clock),
                 readings: pair.readings,
                 reference: reference as u32,
-                covariance: covariance(cell, base_from_tracker, &pair.loaded)?,
+                covariance: covariance(
+                    cell,
+                    base_from_tracker,
+                    &pair.loaded,
+                    stated(state, *index),
+                )?,
             });
         }
         if displacements.is_empty() {
@@ -239,18 +263,33 @@ fn displacements(
     Ok(largest)
 }
 
-/// Covariance of one reading at the tracker position `at`, base axes.
+/// Mean variances of the readings of a point in a state as the tracker states them, its axes; `None` where one of them
+/// has none.
+fn stated(state: &StateReadings, point: usize) -> Option<Vector3<f64>> {
+    let own = state.readings.iter();
+    let own = own.filter(|reading| reading.target == ReadingTarget::Point(point));
+    let variance = |std: f64| (std / COVERAGE).max(LEAST).powi(2);
+    let each = own.map(|reading| reading.expanded.map(|expanded| expanded.map(variance)));
+    let each: Vec<Vector3<f64>> = each.collect::<Option<_>>()?;
+    (!each.is_empty()).then(|| each.iter().sum::<Vector3<f64>>() / each.len() as f64)
+}
+
+/// Covariance of one reading at the tracker position `at`, base axes: by the variances that the tracker stated, else
+/// by its accuracy.
 fn covariance(
     cell: &Cell,
     base_from_tracker: &Isometry3<f64>,
-    at: &nalgebra::Vector3<f64>,
+    at: &Vector3<f64>,
+    stated: Option<Vector3<f64>>,
 ) -> Result<Option<Matrix3<f64>>> {
-    let Some(accuracy) = &cell.tracker.accuracy else {
-        return Ok(None);
+    let own = match (stated, &cell.tracker.accuracy) {
+        (Some(variances), _) => Matrix3::from_diagonal(&variances),
+        (None, Some(accuracy)) => accuracy.covariance(at)?,
+        (None, None) => return Ok(None),
     };
     let rotation = base_from_tracker.rotation.to_rotation_matrix();
     let rotation = rotation.matrix();
-    let turned = rotation * accuracy.covariance(at)? * rotation.transpose();
+    let turned = rotation * own * rotation.transpose();
     // Symmetric to the last bit.
     Ok(Some((turned + turned.transpose()) * 0.5))
 }

@@ -76,7 +76,10 @@ fn check_state(cell: &Cell, posture: &PostureReadings, state: &StateReadings) ->
         ));
     }
     for reading in &state.readings {
-        if !(finite(&reading.position) && reading.time.is_none_or(f64::is_finite)) {
+        let others = [reading.time, reading.temperature];
+        let others = others.iter().all(|v| v.is_none_or(f64::is_finite));
+        let stated = reading.expanded.is_none_or(|u| finite(&u));
+        if !(finite(&reading.position) && others && stated) {
             let message = format!(
                 "A reading of {} is not a finite number.",
                 place(posture, state)

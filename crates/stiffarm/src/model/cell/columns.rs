@@ -27,6 +27,8 @@ pub struct Columns {
     pub separator: Option<Separator>,
     /// What a line of remarks begins with, beside `#`.
     pub comment: Option<String>,
+    /// The text is ISO 8859-1, one byte a character, and not UTF-8.
+    pub is_latin_1: bool,
     /// Worksheet of a workbook; the first where it is not given.
     pub sheet: Option<String>,
 }

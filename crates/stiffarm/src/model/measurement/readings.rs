@@ -32,6 +32,10 @@ pub struct Reading {
     pub position: Vector3<f64>,
     /// When \[s\], where recorded.
     pub time: Option<f64>,
+    /// Expanded uncertainty of each coordinate as the tracker states it: 95 %, tracker axes \[m\].
+    pub expanded: Option<Vector3<f64>>,
+    /// Temperature of the air \[°C\], where recorded.
+    pub temperature: Option<f64>,
     /// Line of the table it stood on, counted from 1; 0 where there is none.
     pub line: usize,
 }

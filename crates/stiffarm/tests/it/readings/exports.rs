@@ -59,7 +59,7 @@ fn assert_same(table: &ReadingTable, wanted: &ReadingTable, times: bool, what: &
 }
 
 #[test]
-fn ten_exports_hold_the_same_readings() -> Check {
+fn eleven_exports_hold_the_same_readings() -> Check {
     let wanted = planned(PLAIN, &rope_cell())?;
     let mut count = 0;
     let mut check = |files: &[(&str, &[u8])], columns: &str, times| -> Check {
@@ -114,10 +114,59 @@ fn ten_exports_hold_the_same_readings() -> Check {
          y_mm = 'Actual Y'\nz_mm = 'Actual Z'\ntime_s = 'Measured at'",
         true,
     )?;
-    assert_eq!(count, 10);
+    check(
+        &[export!("leica.csv")],
+        "profile = 'leica'\nname_pattern = '{posture}/{state}/{point}'",
+        true,
+    )?;
+    assert_eq!(count, 11);
     // A table of our own is still read with a profile, and one whose names stand apart.
     let own = read(&[("own.csv", PLAIN.as_bytes())], sa)?;
     assert_same(&own, &wanted, true, "own");
+    Ok(())
+}
+
+#[test]
+fn uncertainties_and_temperatures_are_those_of_their_rows() -> Check {
+    let leica = "profile = 'leica'\nname_pattern = '{posture}/{state}/{point}'";
+    let table = read(&[export!("leica.csv")], leica)?;
+    let last = &table.postures[1].states[1].readings[1];
+    let expanded = last.expanded.ok_or("none")?;
+    assert!((expanded - Vector3::new(3e-6, 0.0, 6e-6)).norm() < 1e-15);
+    assert_eq!(last.temperature, Some(21.75));
+    // What is written is read as the same; °F and µm are read.
+    let cell = rope_cell();
+    let written = stiffarm::files::table::write_readings(&table, &cell);
+    let again = readings(&written, &cell)?;
+    assert_same(&again, &table, true, "written");
+    let stated = |table: &ReadingTable| -> Vec<(Option<Vector3<f64>>, Option<f64>)> {
+        let states = table.postures.iter().flat_map(|posture| &posture.states);
+        let all = states.flat_map(|state| &state.readings);
+        all.map(|r| (r.expanded, r.temperature)).collect()
+    };
+    assert_eq!(stated(&again), stated(&table));
+    let own = "posture,state,point,x_mm,y_mm,z_mm,u95x_um,u95y_um,u95z_um,Temperature [°F]\n\
+               P1,unloaded,left,1,2,3,4,5,6,212\nP1,loaded,left,1,2,3,,,,\n";
+    let plain = planned(own, &cell)?;
+    let states = &plain.postures[0].states;
+    assert_eq!(states[0].readings[0].temperature, Some(100.0));
+    let stated = states[0].readings[0].expanded.ok_or("none")?;
+    assert!((stated - Vector3::new(4e-6, 5e-6, 6e-6)).norm() < 1e-15);
+    assert_eq!(states[1].readings[0].expanded, None);
+    let below = own.replace(",4,5,6", ",4,-5,6");
+    let error = planned(&below, &cell).unwrap_err().to_string();
+    assert!(
+        error.contains("An uncertainty is not below zero."),
+        "{error}"
+    );
+    // Without the profile the encoding has to be said.
+    let error = self::read(&[export!("leica.csv")], "").unwrap_err();
+    assert!(
+        error
+            .hint_text()
+            .unwrap_or_default()
+            .contains("encoding = \"latin-1\"")
+    );
     Ok(())
 }
 

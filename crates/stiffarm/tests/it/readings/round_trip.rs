@@ -55,6 +55,8 @@ fn any_state(
                     target,
                     position,
                     time: time.filter(|_| times),
+                    expanded: time.map(|t| Vector3::new(1e-6, 2e-6, t.abs().min(1.0) * 1e-6)),
+                    temperature: time.map(|t| 20.0 + t % 7.0),
                     line: 0,
                 })
                 .collect(),

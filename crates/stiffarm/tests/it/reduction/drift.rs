@@ -78,6 +78,51 @@ fn one_state_read_before_and_after_the_load_shows_drift_by_its_times() {
 }
 
 #[test]
+fn drift_goes_with_the_temperature() {
+    let cell = reference_cell();
+    let options = Experiment {
+        base_from_tracker: tracker_pose(),
+        states: there_and_back(1),
+        seconds_per_reading: 30.0,
+        ..Experiment::default()
+    };
+    let mut table = take(&cell, &options, 1);
+    assert!(
+        reduced_by(&cell, &table, tracker_pose())
+            .temperatures
+            .is_none()
+    );
+    // The air warms by 0.3 K in each posture, and everything moves with it.
+    let slope = Vector3::new(4e-6, -2e-6, 5e-6);
+    for (p, posture) in table.postures.iter_mut().enumerate() {
+        let count = posture.states.len();
+        for (s, state) in posture.states.iter_mut().enumerate() {
+            let warmer = 0.3 * s as f64 / (count - 1) as f64;
+            for reading in &mut state.readings {
+                reading.temperature = Some(20.0 + p as f64 + warmer);
+                reading.position += slope * warmer;
+            }
+        }
+    }
+    let result = reduced_by(&cell, &table, tracker_pose());
+    let found_here = result.temperatures.clone().unwrap();
+    assert_eq!(found_here.lowest_c, 20.0);
+    assert!((found_here.highest_c - 20.3 - (table.postures.len() - 1) as f64).abs() < 1e-12);
+    assert!((found_here.largest_change_k - 0.3).abs() < 1e-12);
+    let drift = Vector3::from(found_here.drift_m_per_k.unwrap());
+    assert!(
+        (drift - tracker_pose().rotation * slope).norm() < 1e-9,
+        "{drift}"
+    );
+    assert_eq!(found(&result, "temperature")[0].severity, Severity::Note);
+    for reading in table.postures[0].states[0].readings.iter_mut() {
+        reading.temperature = Some(18.0);
+    }
+    let result = reduced_by(&cell, &table, tracker_pose());
+    assert_eq!(found(&result, "temperature")[0].severity, Severity::Caution);
+}
+
+#[test]
 fn a_load_after_the_last_unloaded_reading_takes_the_nearest() {
     let cell = reference_cell();
     let options = Experiment {

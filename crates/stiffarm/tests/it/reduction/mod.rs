@@ -245,6 +245,48 @@ fn the_trackers_covariance_is_turned_into_base_axes() {
     assert_ne!(covariance, Matrix3::zeros());
 }
 
+#[test]
+fn what_the_tracker_states_of_a_reading_comes_before_its_accuracy() {
+    let cell = reference_cell();
+    let options = Experiment {
+        base_from_tracker: tracker_pose(),
+        states: there_and_back(2),
+        ..Experiment::default()
+    };
+    let mut table = take(&cell, &options, 1);
+    assert!(
+        reduced(&cell, &table).measured[0].displacements[0]
+            .covariance
+            .is_none()
+    );
+    for state in table.postures.iter_mut().flat_map(|p| &mut p.states) {
+        for i in 0..state.readings.len() {
+            let [before, own] = [&state.readings[..i], &state.readings[i..]];
+            let repeats = before.iter().filter(|r| r.target == own[0].target).count();
+            let size = 4e-6 * (repeats + 1) as f64;
+            state.readings[i].expanded = Some(Vector3::new(size, 0.0, 2.0 * size));
+        }
+    }
+    let result = reduced(&cell, &table);
+    let rotation = tracker_pose().rotation.to_rotation_matrix();
+    // Standard uncertainties 2 and 4 µm, not below 0.5 µm, 4 and 8 µm: means of their squares.
+    let own = Matrix3::from_diagonal(&Vector3::new(10e-12, 0.25e-12, 40e-12));
+    let wanted = rotation * own * rotation.transpose();
+    for displacement in result.measured.iter().flat_map(|m| &m.displacements) {
+        assert!((displacement.covariance.unwrap() - wanted).norm() < 1e-24);
+    }
+    // One reading without: nothing is known of the mean.
+    table.postures[0].states[1].readings[0].expanded = None;
+    let point = match table.postures[0].states[1].readings[0].target {
+        ReadingTarget::Point(point) => point,
+        ReadingTarget::Base(_) => unreachable!(),
+    };
+    let result = reduced(&cell, &table);
+    let of = |d: &Displacement| d.covariance.is_none();
+    let own = &result.measured[0].displacements;
+    assert!(own.iter().all(|d| of(d) == (d.point == point)));
+}
+
 fn largest_difference(a: &[MeasuredPosture], b: &[MeasuredPosture]) -> f64 {
     assert_eq!(a.len(), b.len());
     let mut largest = 0.0_f64;

@@ -73,7 +73,7 @@ impl JsonSchema for RawColumns {
                                     name, date, and - for one that does not matter.",
                 },
                 "profile": {
-                    "enum": ["spatialanalyzer", "powerinspect"],
+                    "enum": ["spatialanalyzer", "powerinspect", "leica"],
                     "description": "Software whose export this is: defaults of the other keys.",
                 },
                 "name": {
@@ -96,6 +96,10 @@ impl JsonSchema for RawColumns {
                 "separator": {
                     "enum": ["comma", "semicolon", "tab", "space"],
                     "description": "What separates the columns, where the heading does not show it.",
+                },
+                "encoding": {
+                    "enum": ["utf-8", "latin-1"],
+                    "description": "Encoding of the text (default: utf-8).",
                 },
                 "comment": {
                     "type": "string",

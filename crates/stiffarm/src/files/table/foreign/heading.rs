@@ -62,11 +62,13 @@ fn quantity(base: &str) -> Option<Quantity> {
     match base {
         "posture" | "state" | "point" => Some(Quantity::Name),
         "x" | "y" | "z" | "dx" | "dy" | "dz" | "along" => Some(Quantity::Length),
+        "u95x" | "u95y" | "u95z" => Some(Quantity::Length),
         "fx" | "fy" | "fz" | "load" => Some(Quantity::Force),
         "mx" | "my" | "mz" => Some(Quantity::Moment),
         "time" => Some(Quantity::Time),
         "feed" => Some(Quantity::Feed),
         "power" => Some(Quantity::Power),
+        "temperature" => Some(Quantity::Temperature),
         _ if joint("q") || joint("dq") => Some(Quantity::Angle),
         _ => None,
     }
@@ -82,7 +84,7 @@ pub(in crate::files::table) fn own_unit(name: &str) -> Option<String> {
     let unit = match unit.trim() {
         "°" => "deg".to_string(),
         unit => unit
-            .replace(['·', '*', ' '], "")
+            .replace(['·', '*', ' ', '°'], "")
             .replace('/', "_per_")
             .to_lowercase(),
     };

@@ -93,7 +93,11 @@ fn stamps(
         let Some(field) = row.fields.get(at).filter(|field| !field.text.is_empty()) else {
             continue;
         };
-        let text = field.text.trim_start_matches(DATED);
+        // Some write a text mark of Excel before a date.
+        let text = field
+            .text
+            .trim_start_matches(DATED)
+            .trim_start_matches('\'');
         let joined = date.and_then(|date| row.fields.get(date)).map(|day| {
             let day = day.text.trim_start_matches(DATED);
             // A workbook shows midnight behind a date, and the beginning of its count before a time.

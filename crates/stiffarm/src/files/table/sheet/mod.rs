@@ -186,6 +186,8 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
         moments: cell.sensor.is_some(),
         loads: !forces && cell.setup.load.each().any(|load| load.size().is_some()),
         times: true,
+        expanded: false,
+        temperatures: false,
     };
     let points = cell.setup.tool.measuring_points.iter();
     let mut points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
@@ -209,6 +211,8 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
         moments: false,
         loads: false,
         times: false,
+        expanded: false,
+        temperatures: false,
     };
     let points = cell.setup.tool.measuring_points.iter();
     let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
