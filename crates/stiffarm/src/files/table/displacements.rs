@@ -1,7 +1,8 @@
 //! `posture,[state,]point,dx_mm,dy_mm,dz_mm[,fx_n,…][,mx_nm,…][,time_s][,q1_deg,…]`.
 
-use super::columns::{MeasurementColumns, Plan, Values};
+use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
+use super::values::Values;
 use crate::error::{Code, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Displacement, MeasuredPosture, ReadingTarget};

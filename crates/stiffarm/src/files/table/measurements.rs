@@ -1,9 +1,9 @@
 //! Displacements or raw readings, as the heading says.
 
-use super::columns::Values;
 use super::displacements::displacements;
 use super::grid::Table;
 use super::readings::readings;
+use super::values::Values;
 use crate::error::{Code, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::Measurements;

@@ -45,13 +45,11 @@ mod readings;
 mod rows;
 mod sheet;
 mod text;
+mod values;
 mod workbook;
 mod write;
 
 pub use clamped::{read_clamped, write_clamped};
-pub(crate) use columns::own_heading;
-#[cfg(feature = "schema")]
-pub(crate) use columns::own_headings;
 pub use dh::read_dh_rows;
 pub use displacements::read_displacements;
 pub use log::read_log;
@@ -65,6 +63,9 @@ pub use postures::read_postures;
 pub use readings::read_readings;
 pub use sheet::write_sheet_workbook;
 pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, reading_sheet};
+pub(crate) use values::own_heading;
+#[cfg(feature = "schema")]
+pub(crate) use values::own_headings;
 pub use write::{write_displacements, write_postures, write_readings};
 
 use sha2::{Digest, Sha256};

@@ -1,8 +1,9 @@
 //! `posture,state,point,x_mm,y_mm,z_mm[,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
 
-use super::columns::{MeasurementColumns, Plan, Values};
+use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
 use super::loads;
+use super::values::Values;
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::findings::{Finding, Severity, list};
 use crate::measure::LOADS_FROM_NAMES;

@@ -1,7 +1,7 @@
 //! Writing of tables.
 
-use super::columns::Values;
 use super::postures::angle_names;
+use super::values::Values;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::measurement::{

@@ -5,9 +5,9 @@ mod workbook;
 
 pub use workbook::write_sheet_workbook;
 
-use super::columns::Values;
 use super::displacements::DEFAULT_STATE;
 use super::loads;
+use super::values::Values;
 use super::write::{Layout, degrees, line};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
