@@ -178,6 +178,17 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
             .number(mm(std))
             .words("; the cell states no noise to compare it with.");
     }
+    let ratio = match test {
+        Some(_) => given.number("/diagnosis/noise/ratio"),
+        None => Number::new("", total_std_m.map(|s| s / own.expected_std_m)),
+    };
+    if given.saved.json["options"]["weights"] == "tracker" {
+        // Sizes are in units of what the tracker states, which differ from reading to reading.
+        return text
+            .words(" What the fit leaves is ")
+            .number(ratio.significant(2))
+            .words(" times what the tracker's uncertainty explains.");
+    }
     let agreement = match (test, total_std_m) {
         (Some(test), _) => test.agreement,
         (None, Some(std)) if std > MORE_THAN_NOISE * own.expected_std_m => Agreement::Larger,
@@ -198,11 +209,6 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
             numbers(text.words(" What the fit leaves is less than the stated noise: ")).words(".")
         }
         Agreement::Larger => {
-            let ratio = Number::new("", total_std_m.map(|s| s / own.expected_std_m));
-            let ratio = match test {
-                Some(_) => given.number("/diagnosis/noise/ratio"),
-                None => ratio,
-            };
             let text = text
                 .words(" What the fit leaves is ")
                 .strong("not noise alone")
