@@ -324,6 +324,47 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
 }
 
 #[test]
+fn what_a_tracker_states_weighs_its_readings() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau -n 6 --rounds 1 --no-certificate --output plan.csv");
+    folder.ok("simulate builtin:comau plan.csv --runs 1 --readings all.csv");
+    let plain = "identify builtin:comau all.csv --elastic axes";
+    let alike = folder.json(plain);
+    // As the software of the tracker may write it: all readings alike, and the air warming up.
+    let mut rows = 0;
+    let all = folder.read("all.csv");
+    let lines = all.lines().map(|line| {
+        let added = match rows {
+            0 => "U95X [um],u95y_um,u95z_um,Temperature [°C]".to_string(),
+            _ => format!("3,3,3,{:.2}", 20.0 + 0.01 * f64::from(rows)),
+        };
+        rows += 1;
+        format!("{line},{added}\n")
+    });
+    folder.write("all.csv", lines.collect::<String>());
+    let ran = folder.run(&format!("{plain} --weights tracker"));
+    let words: Vec<&str> = ran.out.split_whitespace().collect();
+    let words = words.join(" ");
+    assert!(
+        words.contains("times what the tracker's uncertainty explains."),
+        "{words}"
+    );
+    let weighed = folder.json(&format!("{plain} --weights tracker"));
+    let stiffness = |result: &Value| -> Vec<f64> {
+        let joints = result["result"]["joints"].as_array().unwrap();
+        joints
+            .iter()
+            .map(|j| j["stiffness"].as_f64().unwrap())
+            .collect()
+    };
+    for (a, b) in stiffness(&alike).iter().zip(stiffness(&weighed)) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    let temperatures = &weighed["result"]["readings"]["reduction"]["temperatures"];
+    assert_eq!(temperatures["lowest_c"], 20.01);
+}
+
+#[test]
 fn a_rehearsal_comes_state_by_state() {
     let folder = Folder::new();
     folder.ok("select builtin:comau -n 2 --rounds 1 --no-certificate --output plan.csv");
