@@ -198,15 +198,20 @@ fn load(load: &Load) -> String {
             format!(
                 "{}, {} N {way} the anchor ({}) mm, base axes",
                 load.line(),
-                magnitude.abs(),
+                force(magnitude.abs()),
                 point(anchor.as_slice())
             )
         }
-        Load::Weight { magnitude, .. } => format!("weight, {magnitude} N along gravity"),
+        Load::Weight { magnitude, .. } => format!("weight, {} N along gravity", force(*magnitude)),
         Load::Constant { wrench: w, axes } => wrench(w, *axes),
         Load::Measured => "measured with each displacement".to_string(),
         Load::Cases(cases) => counted(cases.len(), "load case"),
     }
+}
+
+/// A force \[N\] with the digits that kilograms of a weight leave.
+fn force(newton: f64) -> String {
+    ((newton * 1e3).round() / 1e3).to_string()
 }
 
 fn wrench(wrench: &Wrench, axes: Axes) -> String {
