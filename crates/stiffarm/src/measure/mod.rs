@@ -13,5 +13,5 @@ mod series;
 pub use measured::{Measured, prepare};
 pub(crate) use measured::{all_excluded, check_names};
 pub use pending::{
-    LOADS_FROM_NAMES, MERGED_CELLS, NOT_MEASURED_YET, is_of_table, not_measured_yet,
+    LOADS_FROM_NAMES, MERGED_CELLS, NAMES_BY_SHEET, NOT_MEASURED_YET, is_of_table, not_measured_yet,
 };

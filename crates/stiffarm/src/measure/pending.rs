@@ -11,12 +11,20 @@ const MOST_NAMED: usize = 12;
 pub const NOT_MEASURED_YET: &str = "not-measured-yet";
 /// The code of the finding about merged cells, each row of which has the value of the first.
 pub const MERGED_CELLS: &str = "merged-cells";
+/// The code of the finding about readings that a sheet names, row by row.
+pub const NAMES_BY_SHEET: &str = "names-by-sheet";
 /// The code of the finding about forces that stand in the names of states alone.
 pub const LOADS_FROM_NAMES: &str = "loads-from-names";
 
 /// True for what is said of the table itself and not of its numbers.
 pub fn is_of_table(finding: &Finding) -> bool {
-    [NOT_MEASURED_YET, MERGED_CELLS, LOADS_FROM_NAMES].contains(&finding.code.as_str())
+    [
+        NOT_MEASURED_YET,
+        MERGED_CELLS,
+        NAMES_BY_SHEET,
+        LOADS_FROM_NAMES,
+    ]
+    .contains(&finding.code.as_str())
 }
 
 /// Says in one sentence which rows of a table are not filled in yet; `None` where all are.

@@ -45,7 +45,7 @@ impl MeasurementColumns {
         };
         let hint = match values {
             Values::Positions => {
-                "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm"
+                "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm; one without names is read beside the sheet in whose order it was taken: give both"
             }
             Values::Displacements => {
                 "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm"

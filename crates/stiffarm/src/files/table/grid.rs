@@ -61,6 +61,8 @@ pub(super) struct Table<'a> {
     pub(super) by_order: bool,
     /// Columns with merged cells, each row of which has the value of the first.
     pub(super) merged: Vec<String>,
+    /// Says that a sheet names the rows.
+    pub(super) named_by: Option<Finding>,
 }
 
 /// Where a column stands, and its unit if it has one.
@@ -124,6 +126,7 @@ impl<'a> Table<'a> {
             delimiter: ',',
             by_order: false,
             merged: Vec::new(),
+            named_by: None,
         }
     }
 

@@ -96,7 +96,12 @@ pub(super) fn readings(
         wrench_columns: reader.columns.wrench_columns(),
         pending: Vec::new(),
         incomplete: Vec::new(),
-        remarks: Vec::from_iter(table.merged_cells()),
+        remarks: Vec::from_iter(
+            table
+                .merged_cells()
+                .into_iter()
+                .chain(table.named_by.clone()),
+        ),
     };
     let mut named: BTreeMap<String, f64> = BTreeMap::new();
     let at_work = match growing {

@@ -17,15 +17,20 @@ impl<'a> Table<'a> {
 
     /// Reads several files with the same columns as one table.
     pub(super) fn read_all(files: &[(&[u8], &'a str)], columns: &Columns) -> Result<Self> {
-        let mut tables = files
-            .iter()
-            .map(|(bytes, file)| Table::read_one(bytes, file, columns));
-        let mut table = tables.next().unwrap_or_else(|| {
+        let tables = files.iter();
+        let tables = tables.map(|(bytes, file)| Table::read_one(bytes, file, columns));
+        let mut tables: Vec<Table<'a>> = tables.collect::<Result<_>>()?;
+        let sheet = foreign::take(&mut tables);
+        let mut tables = tables.into_iter();
+        let mut table = tables.next().ok_or_else(|| {
             let error = Error::new(Code::TooFewData, "There is no file to read.");
-            Err(error.hint("give a table"))
+            error.hint("give a table")
         })?;
         for other in tables {
-            foreign::join(&mut table, other?)?;
+            foreign::join(&mut table, other)?;
+        }
+        if let Some(sheet) = sheet {
+            foreign::put(&mut table, &sheet)?;
         }
         foreign::finish(&mut table, columns)?;
         Ok(table)

@@ -171,6 +171,83 @@ fn uncertainties_and_temperatures_are_those_of_their_rows() -> Check {
 }
 
 #[test]
+fn a_sheet_names_readings_that_have_no_names() -> Check {
+    let (name, bytes) = export!("leica.csv");
+    // The export without its first column, and a sheet of the same order.
+    let nameless: Vec<u8> = bytes
+        .split(|byte| *byte == b'\n')
+        .flat_map(|line| {
+            let from = line.iter().position(|byte| *byte == b',');
+            let rest = from.map_or(&line[..0], |at| &line[at + 1..]);
+            rest.iter().copied().chain([b'\n'])
+        })
+        .collect();
+    let rows = PLAIN.lines().skip(1).enumerate().map(|(i, row)| {
+        let names: Vec<&str> = row.split(',').take(3).collect();
+        format!(
+            "{},,,,{}\n",
+            names.join(","),
+            if names[1] == "loaded" { 100 + i } else { 0 }
+        )
+    });
+    let rows: Vec<String> = rows.collect();
+    let heading = "posture,state,point,x_mm,y_mm,z_mm,load_n\n";
+    let sheet = |rows: &[String]| (heading.to_string() + &rows.concat()).into_bytes();
+    let whole = sheet(&rows);
+    let profile = "profile = 'leica'";
+    let wanted = planned(PLAIN, &rope_cell())?;
+    // In either order.
+    for files in [
+        [("sheet.csv", &whole[..]), (name, &nameless[..])],
+        [(name, &nameless[..]), ("sheet.csv", &whole[..])],
+    ] {
+        // The loads are those of the sheet, and alike within a posture and state.
+        let error = read(&files, profile).unwrap_err().to_string();
+        assert!(error.contains("differs from"), "{error}");
+    }
+    let alike: Vec<String> = rows
+        .iter()
+        .map(|row| row.replace(",103", ",102").replace(",107", ",106"))
+        .collect();
+    let whole = sheet(&alike);
+    let table = read(&[("sheet.csv", &whole), (name, &nameless)], profile)?;
+    assert_same(&table, &wanted, true, "by a sheet");
+    assert_eq!(table.postures[1].states[1].load, Some(106.0));
+    assert_eq!(
+        table.postures[0].states[0].readings[1].temperature,
+        Some(20.25)
+    );
+    let said: Vec<&str> = table.remarks.iter().map(|f| f.sentence.as_str()).collect();
+    assert_eq!(
+        said,
+        ["leica.csv has no names: sheet.csv says row by row what its 8 readings are of."]
+    );
+    // A row more or less is not guessed at.
+    let short = sheet(&alike[..7]);
+    let error = read(&[("sheet.csv", &short), (name, &nameless)], profile).unwrap_err();
+    assert_eq!(
+        error.message(),
+        "8 readings without names stand beside 7 rows of sheet.csv, which say in which order they were taken."
+    );
+    // Alone they say what is missing.
+    let error = read(&[(name, &nameless)], profile).unwrap_err();
+    assert!(
+        error
+            .hint_text()
+            .unwrap_or_default()
+            .contains("the sheet in whose order")
+    );
+    // A sheet that is filled in is a table like any other.
+    let filled = whole.clone();
+    let filled = String::from_utf8(filled)?
+        .replace(",,,,", ",1,2,3,")
+        .into_bytes();
+    let error = read(&[("sheet.csv", &filled), (name, &nameless)], profile).unwrap_err();
+    assert_eq!(error.code(), stiffarm::Code::Conflict);
+    Ok(())
+}
+
+#[test]
 fn the_suggested_columns_read_the_export() -> Check {
     // What the message of a refused file says can be pasted.
     let (name, bytes) = export!("two-files-P1.csv");

@@ -1,15 +1,17 @@
 //! Tables that another software wrote: where their heading is, names that hold several names,
-//! times as clocks show them, several files as one table.
+//! times as clocks show them, several files as one table, names that stand in a sheet beside them.
 //!
 //! What a file needs beyond its headings stands in `[columns]` of the cell file
 //! ([`Columns`]). After [`finish`] a table is like one of our own.
 
+mod by_sheet;
 mod heading;
 mod join;
 mod names;
 mod suggest;
 mod times;
 
+pub(super) use by_sheet::{put, take};
 pub(super) use heading::{find, own_unit};
 pub(super) use join::join;
 pub(super) use suggest::suggestion;
