@@ -23,7 +23,7 @@ pub(in crate::files::table) fn take<'a>(tables: &mut Vec<Table<'a>>) -> Option<T
     };
     let sheet = &tables[at];
     let is_position = |heading: &Heading| POSITION.contains(&stem(&heading.name));
-    let positions = positions_of(&sheet.headings, is_position);
+    let positions = columns_where(&sheet.headings, is_position);
     let is_empty = |row: Row<'_>| {
         let mut fields = positions.iter().filter_map(|at| row.fields.get(*at));
         fields.all(|field| field.text.is_empty())
@@ -32,7 +32,7 @@ pub(in crate::files::table) fn take<'a>(tables: &mut Vec<Table<'a>>) -> Option<T
     is_sheet.then(|| tables.remove(at))
 }
 
-fn positions_of(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec<usize> {
+fn columns_where(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec<usize> {
     let all = headings.iter().enumerate();
     let found = all.filter(|(_, heading)| !heading.ignored && wanted(heading));
     found.map(|(at, _)| at).collect()
@@ -66,7 +66,7 @@ pub(in crate::files::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>)
         let mut stems = of_table.map(|heading| stem(&heading.name));
         stems.any(|other| other == stem(&heading.name))
     };
-    let added = positions_of(&sheet.headings, |heading| !own(heading));
+    let added = columns_where(&sheet.headings, |heading| !own(heading));
     let beside = |row: &Row<'_>| -> Vec<Field> {
         let nothing = || Field {
             text: "".into(),
