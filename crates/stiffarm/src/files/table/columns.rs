@@ -173,16 +173,17 @@ impl MeasurementColumns {
 
     /// Expanded uncertainty of the coordinates \[m\], where the row has it.
     pub(super) fn expanded(&self, table: &Table<'_>, row: &Row) -> Result<Option<Vector3<f64>>> {
-        let given = self.expanded.iter().flatten();
-        let Some(columns) = self
-            .expanded
-            .as_ref()
-            .filter(|_| !given.clone().all(|c| table.is_blank(row, *c)))
-        else {
+        let filled = |column: &Column| !table.is_blank(row, *column);
+        let columns = self.expanded.as_ref();
+        let Some(columns) = columns.filter(|columns| columns.iter().any(filled)) else {
             return Ok(None);
         };
         let expanded = vector(table, row, columns)?;
-        match given.zip(&expanded).find(|(_, value)| **value < 0.0) {
+        match columns
+            .iter()
+            .zip(&expanded)
+            .find(|(_, value)| **value < 0.0)
+        {
             Some((column, _)) => {
                 let message = "An uncertainty is not below zero.";
                 Err(table.error(row, column.at, Code::InvalidValue, message))
@@ -298,7 +299,7 @@ impl MeasurementColumns {
 
 /// The number of a column, where there is one and the row has it.
 fn number(table: &Table<'_>, row: &Row, column: Option<Column>) -> Result<Option<f64>> {
-    let column = column.filter(|column| !table.is_blank(row, *column));
+    let column = table.filled(row, column);
     column.map(|column| table.number(row, column)).transpose()
 }
 

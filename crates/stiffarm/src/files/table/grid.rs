@@ -162,8 +162,7 @@ impl<'a> Table<'a> {
     /// The rows, each with one field per column. The heading is checked
     /// before: a column that it lacks explains rows that are too long.
     pub(super) fn rows(&self) -> Result<Vec<Row<'_>>> {
-        let holds_something = |row: &Row| row.fields.iter().any(|field| !field.text.is_empty());
-        let rows: Vec<Row<'_>> = self.rows.below().filter(holds_something).collect();
+        let rows: Vec<Row<'_>> = self.rows.below().filter(|row| !row.is_empty()).collect();
         for row in &rows {
             self.check_length(row)?;
         }
@@ -315,6 +314,11 @@ impl<'a> Table<'a> {
     /// True where a field is empty.
     pub(super) fn is_blank(&self, row: &Row, column: Column) -> bool {
         row.fields[column.at].text.is_empty()
+    }
+
+    /// The column, where there is one and the row has something in it.
+    pub(super) fn filled(&self, row: &Row, column: Option<Column>) -> Option<Column> {
+        column.filter(|column| !self.is_blank(row, *column))
     }
 
     /// A finite number in SI units.

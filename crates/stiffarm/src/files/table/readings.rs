@@ -293,8 +293,7 @@ impl Reader<'_, '_> {
 
     /// Force of rope or weight \[N\], where the row has one.
     fn load(&self, row: &Row, role: Role) -> Result<Option<f64>> {
-        let column = self.columns.load;
-        let Some(column) = column.filter(|column| !self.table.is_blank(row, *column)) else {
+        let Some(column) = self.table.filled(row, self.columns.load) else {
             return Ok(None);
         };
         let load = self.table.number(row, column)?;

@@ -14,6 +14,17 @@ pub(super) struct Field {
     pub(super) other: bool,
 }
 
+impl Field {
+    /// One with nothing in it.
+    pub(super) fn empty() -> Self {
+        Field {
+            text: SmolStr::default(),
+            column: 1,
+            other: false,
+        }
+    }
+}
+
 /// A row and its line, counted from 1; it has one field per heading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Row<'t> {
@@ -23,6 +34,13 @@ pub(super) struct Row<'t> {
     pub(super) open_quote: bool,
     /// Which of the files it stands in.
     pub(super) source: usize,
+}
+
+impl Row<'_> {
+    /// True where nothing stands in any field.
+    pub(super) fn is_empty(&self) -> bool {
+        self.fields.iter().all(|field| field.text.is_empty())
+    }
 }
 
 /// Rows with their fields one after the other: a million small lists would leave

@@ -40,9 +40,9 @@ impl<'a> Table<'a> {
         if workbook::is_one(bytes) {
             return workbook::read(bytes, file, columns);
         }
-        let text = match columns.is_latin_1 && std::str::from_utf8(bytes).is_err() {
-            true => Cow::Owned(bytes.iter().copied().map(char::from).collect()),
-            false => decode(bytes).map_err(|error| {
+        let text = match decode(bytes) {
+            Err(_) if columns.is_latin_1 => bytes.iter().copied().map(char::from).collect(),
+            read => read.map_err(|error| {
                 let hint = "save the file as UTF-8 (in Excel: \"CSV UTF-8\"), or write encoding = \"latin-1\" into [columns] of the cell file";
                 error.file(file).hint(hint)
             })?,

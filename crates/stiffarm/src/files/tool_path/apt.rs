@@ -6,7 +6,7 @@
 //! for the next move. Points are x, y, z or x, y, z, i, j, k; the axis stays until another is given.
 
 use super::arc::Circle;
-use super::builder::{Builder, Place};
+use super::builder::{Builder, Feed, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Orientation};
 use crate::error::{Code, Error, Result};
 use crate::files::program::{Cursor, Number, ProgramFile, lines};
@@ -133,7 +133,7 @@ fn feature<'a>(word: &str, rest: &'a str) -> Option<&'a str> {
 fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
     let (mut unit, mut number) = (builder.form.unit, None);
     let mut is_per_turn = false;
-    (builder.feed, builder.feed_per_turn) = (None, None);
+    builder.feed = None;
     for word in words(rest) {
         match word.as_str() {
             "MMPM" | "MMPR" => unit = 1e-3,
@@ -146,10 +146,10 @@ fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
         }
         is_per_turn |= matches!(word.as_str(), "MMPR" | "IPR" | "PERREV");
     }
-    match is_per_turn {
-        true => builder.feed_per_turn = number.map(|own| own * unit),
-        false => builder.feed = number.map(|own| own * unit / 60.0),
-    }
+    builder.feed = number.map(|own| match is_per_turn {
+        true => Feed::Turn(own * unit),
+        false => Feed::Second(own * unit / 60.0),
+    });
 }
 
 /// `SPINDL/RPM,6000,CLW`, in any order; without a number the speed is as before, that of a cutting edge is none.

@@ -64,6 +64,15 @@ struct Remark {
     sentence: String,
 }
 
+/// A feed as a program states it.
+#[derive(Clone, Copy)]
+pub(super) enum Feed {
+    /// For a second \[m\].
+    Second(f64),
+    /// For a turn of the spindle \[m\].
+    Turn(f64),
+}
+
 /// What has been read so far.
 pub(super) struct Builder<'c> {
     pub cell: &'c Cell,
@@ -76,10 +85,8 @@ pub(super) struct Builder<'c> {
     pub fixed: Option<(usize, &'static str)>,
     /// Name of the feature that the points belong to.
     pub feature: Option<Arc<str>>,
-    /// Feed of the points as it is stated \[m/s\]; what is none is no point's.
-    pub feed: Option<f64>,
-    /// The same as it is stated for a turn of the spindle \[m\].
-    pub feed_per_turn: Option<f64>,
+    /// Feed of the points; what is none is no point's.
+    pub feed: Option<Feed>,
     /// Turns of the spindle \[1/s\].
     pub spindle: Option<f64>,
     remarks: BTreeMap<(&'static str, String), Remark>,
@@ -105,7 +112,6 @@ impl<'c> Builder<'c> {
             fixed: None,
             feature: None,
             feed: None,
-            feed_per_turn: None,
             spindle: None,
             remarks: BTreeMap::new(),
             frames: Vec::new(),
@@ -141,8 +147,11 @@ impl<'c> Builder<'c> {
                 axis: frame.rotation * -*axis,
             },
         };
-        let per_turn = self.feed_per_turn.zip(self.spindle);
-        let feed = self.feed.or(per_turn.map(|(feed, turns)| feed * turns));
+        let feed = match self.feed {
+            Some(Feed::Second(feed)) => Some(feed),
+            Some(Feed::Turn(feed)) => self.spindle.map(|turns| feed * turns),
+            None => None,
+        };
         self.points.push(PathPoint {
             name: (self.points.len() + 1).to_string().into(),
             line: Some(line),

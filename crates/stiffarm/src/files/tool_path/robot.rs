@@ -5,7 +5,7 @@
 //! the program says them.
 
 use super::arc::Circle;
-use super::builder::{Builder, Place};
+use super::builder::{Builder, Feed, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Form, Orientation};
 use crate::error::Result;
 use crate::files::program::{
@@ -69,7 +69,7 @@ pub(super) fn read(
             }
         };
         walk.builder.feature = leg.feature;
-        walk.builder.feed = leg.feed;
+        walk.builder.feed = leg.feed.map(Feed::Second);
         let at = |error: crate::Error| error.line(line, None).file(files[0].name.as_str());
         match via {
             Some(via) => walk.arc(line, &via, &to),

@@ -5,7 +5,7 @@
 //! the base is the base. The other way round the tracker's drift would be taken
 //! for motion of the base.
 
-use super::messages::{length, postures_first};
+use super::messages::{length, postures_first, rate};
 use super::repeatability::{SIGNIFICANCE, chi_squared_tails};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
@@ -170,14 +170,9 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
         true => "a straight line in time",
         false => "a straight line over the order of the states",
     };
-    let rate = match (drift.rate_m_per_hour, drift.rate_standard_error_m_per_hour) {
-        (Some(rate), Some(error)) => format!(
-            ", in common {} per hour (standard error {} along an axis)",
-            length(Vector3::from(rate).norm()),
-            length(error)
-        ),
-        _ => String::new(),
-    };
+    let (common, error) = (drift.rate_m_per_hour, drift.rate_standard_error_m_per_hour);
+    let rate = rate(common, error, "hour").map(|rate| format!(", in common {rate}"));
+    let rate = rate.unwrap_or_default();
     let (severity, verdict) = match drift.significance {
         Some(p) if p < SIGNIFICANCE => (
             match drift.rms_m > LARGE * drift.expected_rms_m {

@@ -1,5 +1,7 @@
 //! Numbers in sentences.
 
+use nalgebra::Vector3;
+
 /// A length in mm, or in µm below a hundredth of a millimetre.
 pub(super) fn length(m: f64) -> String {
     match m.abs() {
@@ -7,6 +9,15 @@ pub(super) fn length(m: f64) -> String {
         size if size >= 9.995e-6 => format!("{:.3} mm", m * 1e3),
         _ => format!("{:.2} µm", m * 1e6),
     }
+}
+
+/// `0.012 mm per hour (standard error 3.00 µm along an axis)`: a common rate, where there is one.
+pub(super) fn rate(rate: Option<[f64; 3]>, error: Option<f64>, per: &str) -> Option<String> {
+    let (size, error) = (Vector3::from(rate?).norm(), length(error?));
+    Some(format!(
+        "{} per {per} (standard error {error} along an axis)",
+        length(size)
+    ))
 }
 
 /// `posture 3`, or `postures 1, 2 and 3`.

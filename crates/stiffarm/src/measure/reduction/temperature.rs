@@ -1,7 +1,7 @@
 //! The temperature beside the readings: how it ran, and whether drift goes with it.
 
 use super::drift::Drift;
-use super::messages::length;
+use super::messages::{length, rate};
 use crate::findings::{Finding, Severity};
 use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
@@ -82,14 +82,11 @@ pub(super) fn temperatures(
 /// How the temperature ran.
 pub(super) fn finding(cell: &Cell, found: &Temperatures) -> Finding {
     let growth = cell.setup.robot.length() * STEEL;
-    let drift = match (found.drift_m_per_k, found.drift_standard_error_m_per_k) {
-        (Some(drift), Some(error)) => format!(
-            " The drift between reference readings goes with it by {} per kelvin (standard error {} along an axis).",
-            length(Vector3::from(drift).norm()),
-            length(error)
-        ),
-        _ => String::new(),
-    };
+    let (common, error) = (found.drift_m_per_k, found.drift_standard_error_m_per_k);
+    let drift = rate(common, error, "kelvin");
+    let drift =
+        drift.map(|rate| format!(" The drift between reference readings goes with it by {rate}."));
+    let drift = drift.unwrap_or_default();
     let (severity, advice) = match found.largest_change_k > LARGE {
         true => (
             Severity::Caution,

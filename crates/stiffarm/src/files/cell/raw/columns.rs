@@ -6,6 +6,7 @@ use toml::Spanned;
 use toml::de::DeString;
 #[cfg(feature = "schema")]
 use {
+    crate::files::cell::profiles::NAMES as PROFILES,
     crate::files::table::own_headings,
     schemars::{JsonSchema, Schema, SchemaGenerator, json_schema},
     std::borrow::Cow,
@@ -73,7 +74,7 @@ impl JsonSchema for RawColumns {
                                     name, date, and - for one that does not matter.",
                 },
                 "profile": {
-                    "enum": ["spatialanalyzer", "powerinspect", "leica"],
+                    "enum": PROFILES,
                     "description": "Software whose export this is: defaults of the other keys.",
                 },
                 "name": {

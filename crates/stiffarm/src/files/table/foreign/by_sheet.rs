@@ -43,11 +43,7 @@ fn columns_where(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec
 /// # Errors
 /// Another number of rows; a row that does not fit the heading.
 pub(in crate::files::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Result<()> {
-    fn filled<'t>(table: &'t Table<'_>) -> Vec<Row<'t>> {
-        let is_empty = |row: &Row<'_>| row.fields.iter().all(|field| field.text.is_empty());
-        table.rows.below().filter(|row| !is_empty(row)).collect()
-    }
-    let (readings, rows) = (filled(table), filled(sheet));
+    let (readings, rows) = (table.rows()?, sheet.rows()?);
     let (files, name) = (table.files.join(", "), sheet.files[0]);
     if readings.len() != rows.len() {
         let message = format!(
@@ -68,13 +64,10 @@ pub(in crate::files::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>)
     };
     let added = columns_where(&sheet.headings, |heading| !own(heading));
     let beside = |row: &Row<'_>| -> Vec<Field> {
-        let nothing = || Field {
-            text: "".into(),
-            column: 1,
-            other: false,
-        };
         let fields = added.iter().map(|at| row.fields.get(*at).cloned());
-        fields.map(|field| field.unwrap_or_else(nothing)).collect()
+        fields
+            .map(|field| field.unwrap_or_else(Field::empty))
+            .collect()
     };
     let mut out = Rows::default();
     let heading = table.rows.at(0);
@@ -86,8 +79,6 @@ pub(in crate::files::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>)
         first.chain(beside(&sheet.rows.at(0))),
     );
     for (reading, row) in readings.iter().zip(&rows) {
-        table.check_length(reading)?;
-        sheet.check_length(row)?;
         let fields = reading.fields.iter().cloned().chain(beside(row));
         out.push_as(reading, reading.source, fields);
     }

@@ -43,18 +43,13 @@ pub(in crate::files::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>)
     let source = table.files.len();
     table.files.push(other.files[0]);
     for row in other.rows.below() {
-        if row.fields.iter().all(|field| field.text.is_empty()) {
+        if row.is_empty() {
             continue;
         }
         other.check_length(&row)?;
-        let nothing = || Field {
-            text: "".into(),
-            column: 1,
-            other: false,
-        };
         let fields = places
             .iter()
-            .map(|place| place.map_or_else(nothing, |at| row.fields[at].clone()));
+            .map(|place| place.map_or_else(Field::empty, |at| row.fields[at].clone()));
         table.rows.push_as(&row, source, fields);
     }
     Ok(())

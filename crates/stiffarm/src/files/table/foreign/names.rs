@@ -17,7 +17,7 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern) -> Result<()> 
             rows.push_as(&row, row.source, row.fields.iter().cloned());
             continue;
         };
-        if row.fields.iter().all(|field| field.text.is_empty()) {
+        if row.is_empty() {
             continue;
         }
         // Said with the columns that the file has.

@@ -181,16 +181,14 @@ impl Reader<'_> {
 
     /// The feature that the row names.
     fn feature(&self, row: &Row) -> Result<Option<Arc<str>>> {
-        let column = self.columns.feature;
-        let column = column.filter(|column| !self.table.is_blank(row, *column));
+        let column = self.table.filled(row, self.columns.feature);
         let name = column.map(|column| self.table.name(row, column));
         Ok(name.transpose()?.map(Arc::from))
     }
 
     /// The feed at which the tip gets to the row's point.
     fn feed(&self, row: &Row) -> Result<Option<f64>> {
-        let column = self.columns.feed;
-        let Some(column) = column.filter(|column| !self.table.is_blank(row, *column)) else {
+        let Some(column) = self.table.filled(row, self.columns.feed) else {
             return Ok(None);
         };
         let feed = self.table.number(row, column)?;
@@ -207,8 +205,7 @@ impl Reader<'_> {
     /// The axes that the row names.
     fn own_axes(&self, row: &Row) -> Result<Option<ForceAxes>> {
         let table = self.table;
-        let column = self.columns.axes;
-        let Some(column) = column.filter(|column| !table.is_blank(row, *column)) else {
+        let Some(column) = table.filled(row, self.columns.axes) else {
             return Ok(None);
         };
         let given = table.name(row, column)?;

@@ -8,7 +8,7 @@
 mod circle;
 mod words;
 
-use super::builder::{Builder, Place};
+use super::builder::{Builder, Feed, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Orientation};
 use crate::error::Result;
 use crate::files::program::{Number, ProgramFile, lines};
@@ -261,7 +261,7 @@ impl State<'_, '_> {
             }
             930 | 940 | 950 => {
                 self.feeds = code / 10;
-                (self.builder.feed, self.builder.feed_per_turn) = (None, None);
+                self.builder.feed = None;
             }
             960 | 970 => {
                 self.is_cutting_speed = code == 960;
@@ -321,8 +321,8 @@ impl State<'_, '_> {
     fn feed(&mut self, word: &Word<'_>) {
         let own = word.number.value * self.builder.form.unit;
         match self.feeds {
-            94 => self.builder.feed = Some(own / 60.0),
-            95 => self.builder.feed_per_turn = Some(own),
+            94 => self.builder.feed = Some(Feed::Second(own / 60.0)),
+            95 => self.builder.feed = Some(Feed::Turn(own)),
             _ => {}
         }
     }
@@ -331,7 +331,8 @@ impl State<'_, '_> {
     fn inverse(&mut self, word: Option<&Word<'_>>, way: Option<f64>) {
         if self.feeds == 93 {
             let pair = word.zip(way);
-            self.builder.feed = pair.map(|(word, way)| word.number.value * way / 60.0);
+            self.builder.feed =
+                pair.map(|(word, way)| Feed::Second(word.number.value * way / 60.0));
         }
     }
 

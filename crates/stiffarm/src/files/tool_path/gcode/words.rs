@@ -70,7 +70,7 @@ pub fn words_of<'a>(
                 }
                 let read = word(line)?;
                 match first.to_ascii_uppercase() {
-                    'F' if read.is_none() => (builder.feed, builder.feed_per_turn) = (None, None),
+                    'F' if read.is_none() => builder.feed = None,
                     'S' if read.is_none() => builder.spindle = None,
                     _ => {}
                 }
