@@ -15,6 +15,7 @@ use stiffarm::files::result::SavedResult;
 use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
+use stiffarm::plan::check::LEFT_OUT;
 use stiffarm::{Code, Error, Result};
 use stiffarm_report::tell::{Given, Told, tell};
 
@@ -46,6 +47,12 @@ impl Exit {
         } else {
             Exit::Done
         }
+    }
+
+    /// [`Exit::Finding`] if one of them is serious, or names a joint that cannot be determined.
+    pub fn of_findings(findings: &[Finding]) -> Self {
+        let ends = |f: &Finding| f.severity == Severity::Serious || f.code == LEFT_OUT;
+        Exit::finding(findings.iter().any(ends))
     }
 }
 
@@ -151,8 +158,7 @@ impl Session {
             };
             self.show(&envelope, || words + &named.line() + &stiffness.line())?;
         }
-        let is_serious = |finding: &Finding| finding.severity == Severity::Serious;
-        Ok(Exit::finding(findings.iter().any(is_serious)))
+        Ok(Exit::of_findings(&findings))
     }
 
     /// What a result says.

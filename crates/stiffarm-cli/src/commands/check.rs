@@ -32,7 +32,7 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
         None => (Vec::new(), Full::None),
     };
     let result = check(&named.cell)?;
-    let exit = Exit::finding(result.is_serious());
+    let exit = Exit::of_findings(&result.findings);
     let on_stdout = target.as_ref().is_some_and(|target| target.is_stdout());
     let mut notes = String::new();
     if let Some(target) = target {

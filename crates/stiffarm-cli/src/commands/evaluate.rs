@@ -6,7 +6,7 @@ use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::files::source::Source;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::index::{Evaluated, EvaluatedGroup, EvaluatedOptions};
+use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
 
 /// Evaluates the groups.
 pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
@@ -14,8 +14,7 @@ pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
     let groups = session.read_groups(&args.postures, &named.cell.setup.robot)?;
     let (cell, _) = with_length(named.cell.clone());
     let evaluated = Evaluated::new(&cell, &groups)?.with_forecast(&cell);
-    let leaves_out = |group: &EvaluatedGroup| !group.evaluation.undetermined_joints.is_empty();
-    let exit = Exit::finding(evaluated.groups.iter().any(leaves_out));
+    let exit = Exit::of_findings(&evaluated.findings);
     let envelope = session.envelope("evaluate", None, EvaluatedOptions::of(&cell), evaluated);
     session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(exit)

@@ -70,19 +70,49 @@ fn evaluate_json() {
 #[test]
 fn evaluate_names_undetermined_joints_first() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
-    folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
-    let line = "evaluate cell.toml builtin:comau-group1";
+    folder.write(
+        "p.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,0,0,-90,0,0,0\n",
+    );
+    let line = "evaluate builtin:comau p.csv";
     let ran = folder.run(line);
     assert_eq!(ran.code, Some(1));
-    assert!(ran.out.starts_with("It cannot determine joint 6."));
+    assert!(ran.out.starts_with("It cannot determine "), "{}", ran.out);
     assert_snapshot!(ran.transcript(line));
     let value = folder.json(line);
-    assert_eq!(
-        value["result"]["groups"][0]["undetermined_joints"][0],
-        "joint 6"
-    );
-    assert!(value["result"]["groups"][0]["indices"]["condition"].is_null());
+    let group = &value["result"]["groups"][0];
+    assert!(!group["undetermined_joints"].as_array().unwrap().is_empty());
+    assert!(group["indices"]["condition"].is_null());
+}
+
+/// With the loading point on the axis of joint 6 the others are told alone.
+#[test]
+fn what_the_load_never_turns_is_left_out() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
+    let lines = [
+        "evaluate cell.toml builtin:comau-group1",
+        "select cell.toml --initial builtin:comau-group1",
+        "select cell.toml --given builtin:comau-group1 --drop 1",
+        "select cell.toml --candidates builtin:comau-group1 --count 5",
+        "simulate cell.toml builtin:comau-group1 --runs 10",
+    ];
+    for line in lines {
+        let ran = folder.run(line);
+        assert_eq!(ran.code, Some(1), "{line}: {}", ran.out);
+        assert!(
+            ran.out
+                .contains("caution: No posture within the bounds determines joint 6"),
+            "{line}: {}",
+            ran.out
+        );
+        let value = folder.json(line);
+        assert_eq!(value["result"]["findings"][0]["code"], "joint-left-out");
+        if let Some(joints) = value["result"]["joints"].as_array() {
+            assert_eq!(joints.last().unwrap(), "joint 5", "{line}");
+        }
+    }
 }
 
 #[test]

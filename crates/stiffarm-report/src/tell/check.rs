@@ -4,11 +4,11 @@ use super::postures::coarse;
 use crate::cell::usual_posture;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::findings::{Finding, Severity, list, visible};
 use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Noise, PointBound};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::check::CellCheck;
+use stiffarm::plan::check::{CellCheck, LEFT_OUT};
 use stiffarm::units::rad_to_shortest_deg;
 
 /// What a result says of `check`.
@@ -26,11 +26,17 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
             .filter(move |f| f.severity == severity)
     };
     let cautions = of(Severity::Caution).count();
+    let left_out = check.findings.iter().filter(|f| f.code == LEFT_OUT);
+    let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let came = if check.is_serious() {
         Text::default().strong("The cell cannot be used as it is.")
     } else if cautions > 0 {
         let things = counted(cautions, "thing");
-        Text::new(format!("The cell can be used; {things} to look at."))
+        let but = match left_out.is_empty() {
+            true => String::new(),
+            false => format!(", but not for {}", list(&left_out)),
+        };
+        Text::new(format!("The cell can be used{but}; {things} to look at."))
     } else if check.findings.is_empty() {
         Text::default().strong("Nothing to complain about.")
     } else {

@@ -5,6 +5,7 @@ use crate::tell::{DataTable, Depth, Form, Given, Quantity, Text, Told, counted, 
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
+use stiffarm::plan::check::LEFT_OUT;
 use stiffarm::plan::index::{Evaluated, EvaluatedGroup};
 
 /// What a result says of `evaluate`.
@@ -157,6 +158,11 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let ratio = Quantity::RATIO.digits(4);
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
+    let mut findings = context.saved.findings().into_iter();
+    let which = match findings.any(|f| f.code == LEFT_OUT) {
+        true => "every other",
+        false => "every",
+    };
     DataTable::of(caption, "group", names)
         .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
             number(g, "posture_count")
@@ -176,9 +182,10 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
                 let names = list(&shown(&evaluation.undetermined_joints));
                 return Text::default().strong(format!("not {names}"));
             }
-            match is_beyond_first_order(evaluation) {
-                true => "every joint, but too unsure".into(),
-                false => "every joint".into(),
-            }
+            let unsure = match is_beyond_first_order(evaluation) {
+                true => ", but too unsure",
+                false => "",
+            };
+            format!("{which} joint{unsure}").into()
         })
 }

@@ -13,6 +13,7 @@ use super::validate::{Model, simulate_measurements};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
+use crate::plan::check::determinable;
 use crate::plan::index::{Evaluated, Forecast, GroupEvaluation};
 use crate::plan::planned::{Chosen, ChosenOptions, MOST_POSTURES, Plan, PlanOptions, Planned};
 use nalgebra::DVector;
@@ -164,9 +165,10 @@ impl Evaluated {
     /// The same with the ± that `identify` is expected to print of each group, a plan in `cell`.
     #[must_use]
     pub fn with_forecast(mut self, cell: &Cell) -> Self {
+        let (cell, _) = determinable(cell.clone());
         for group in &mut self.groups {
             let postures = group.group().postures;
-            add(cell, &postures, &mut group.evaluation);
+            add(&cell, &postures, &mut group.evaluation);
         }
         self
     }

@@ -24,6 +24,7 @@ use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::optimise::Options;
 use crate::plan::characteristic_length::with_characteristic_length;
+use crate::plan::check::determinable;
 use crate::plan::index::{ErrorBound, GroupEvaluation, Index, error_bound, evaluate};
 use crate::plan::select::{Selection, select_from};
 use nalgebra::DVector;
@@ -193,7 +194,8 @@ pub fn study(
     options: &StudyOptions,
     control: Control<'_>,
 ) -> Result<Study> {
-    let cell = &with_characteristic_length(cell.clone())?;
+    let (cell, mut findings) = determinable(with_characteristic_length(cell.clone())?);
+    let cell = &cell;
     let prior = cell.require_prior()?.to_vec();
     let select_options = Options {
         max_iterations: options.max_iterations,
@@ -202,7 +204,6 @@ pub fn study(
 
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
     let indices = study_indices(cell);
-    let mut findings = Vec::new();
     if cell.setup.robot.limits_are_unknown() {
         findings.push(Finding::new(
             "unknown-limits",

@@ -42,6 +42,7 @@ mod numerics;
 mod once;
 mod paths;
 mod planned;
+mod plates;
 mod posture_path;
 mod predict;
 mod prediction_index;

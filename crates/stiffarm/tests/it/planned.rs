@@ -251,7 +251,7 @@ fn evenly_spread_postures() {
     let result = &planned.result;
     assert_eq!(names(&planned.postures), ["1", "2", "3", "4"]);
     assert_eq!(result.evaluation.posture_count, 4);
-    assert!(result.smallest_distance.unwrap() > 0.5 && !result.is_blocked());
+    assert!(result.smallest_distance.unwrap() > 0.5 && !result.route.is_blocked());
     for (posture, q) in planned.postures.iter().zip(&result.postures) {
         assert_eq!(&posture.q, q);
         for angle in q {

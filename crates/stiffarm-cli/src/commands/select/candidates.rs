@@ -2,13 +2,14 @@
 
 use super::job::Job;
 use crate::numbers::to_usize;
+use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::files::source::Source;
 use stiffarm::plan::planned::{CandidateRequest, plan_candidates};
 
 /// Chooses, and writes plan and sheet.
-pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
+pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Exit> {
     let (candidates, measured) = job.session.read_candidates(list, job.cell())?;
     let mut request = CandidateRequest::default();
     request.index = job.index;
@@ -23,5 +24,5 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<()> {
         Ok(planned.with_forecast())
     })?;
     drop(progress);
-    job.deliver(&planned)
+    job.deliver(&planned, &planned.result.findings)
 }

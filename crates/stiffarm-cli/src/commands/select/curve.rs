@@ -2,13 +2,14 @@
 
 use super::job::Job;
 use crate::numbers::to_usize;
+use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::{Curve, CurveRequest, plan_curve};
 
 /// Selects groups of every size up to the largest, and bounds them all.
-pub(super) fn run(job: &Job<'_>) -> Result<()> {
+pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
     let budget = &job.args.budget;
     let mut request = CurveRequest::default();
     request.index = job.index;
@@ -25,7 +26,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
     drop(progress);
     job.outputs
         .write_text(job.session, || csv(&planned.result))?;
-    job.show(&planned)
+    job.show(&planned, &planned.result.findings)
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.

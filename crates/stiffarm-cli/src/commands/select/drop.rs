@@ -2,6 +2,7 @@
 
 use super::job::Job;
 use crate::numbers::to_usize;
+use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use stiffarm::Result;
 use stiffarm::files::source::Source;
@@ -12,7 +13,7 @@ use stiffarm::plan::select::drop_evaluations;
 const EVALUATIONS: usize = 10_000;
 
 /// Compares the ways to leave postures out and writes those that stay.
-pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
+pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Exit> {
     let robot = &job.cell().setup.robot;
     let given = job.session.read_postures("given", given, robot)?;
     let mut request = DropRequest::default();
@@ -25,5 +26,5 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<()> {
     let progress = Progress::new(job.session, "leaving postures out");
     let planned = progress.watch(|control| plan_drop(job.cell(), &given, &request, control))?;
     drop(progress);
-    job.deliver(&planned)
+    job.deliver(&planned, &planned.result.findings)
 }

@@ -4,6 +4,7 @@ use crate::args::{OutputArgs, SelectArgs, SheetChoice};
 use crate::files::picture::check_picture_name;
 use crate::files::{Contents, Target, check_targets, write_all};
 use crate::numbers::to_usize;
+use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
@@ -13,6 +14,7 @@ use stiffarm::files::source::NamedCell;
 use stiffarm::files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
 };
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
@@ -44,17 +46,26 @@ impl Job<'_> {
     }
 
     /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
-    pub fn deliver<R: Serialize, O: Serialize>(&self, planned: &Planned<R, O>) -> Result<()> {
+    pub fn deliver<R: Serialize, O: Serialize>(
+        &self,
+        planned: &Planned<R, O>,
+        findings: &[Finding],
+    ) -> Result<Exit> {
         self.outputs
             .write_postures(self.session, &planned.cell, &planned.postures)?;
-        self.show(planned)
+        self.show(planned, findings)
     }
 
-    /// Tells the result.
-    pub fn show<R: Serialize, O: Serialize>(&self, planned: &Planned<R, O>) -> Result<()> {
+    /// Tells the result, and how the command ends by its findings.
+    pub fn show<R: Serialize, O: Serialize>(
+        &self,
+        planned: &Planned<R, O>,
+        findings: &[Finding],
+    ) -> Result<Exit> {
         let (session, seed) = (self.session, planned.seed);
         let envelope = session.envelope("select", seed, &planned.options, &planned.result);
-        session.deliver_told(None, &envelope, &self.named, self.args.details)
+        session.deliver_told(None, &envelope, &self.named, self.args.details)?;
+        Ok(Exit::of_findings(findings))
     }
 
     /// Shows what the work is at.

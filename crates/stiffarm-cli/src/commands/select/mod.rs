@@ -29,21 +29,19 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
         named,
         outputs,
     };
-    let mut blocked = false;
-    if let Some(list) = &args.candidates {
-        candidates::run(&job, list)?;
+    let exit = if let Some(list) = &args.candidates {
+        candidates::run(&job, list)?
     } else if args.space_filling {
-        blocked = space_filling::run(&job)?;
+        space_filling::run(&job)?
     } else if args.curve {
-        curve::run(&job)?;
+        curve::run(&job)?
     } else if let (Some(given), Some(count)) = (&args.existing.given, args.existing.drop) {
-        drop::run(&job, given, count)?;
+        drop::run(&job, given, count)?
     } else {
-        blocked = plan::run(&job)?;
-    }
-    Ok(if session.stopped() {
-        Exit::Interrupted
-    } else {
-        Exit::finding(blocked)
+        plan::run(&job)?
+    };
+    Ok(match session.stopped() {
+        true => Exit::Interrupted,
+        false => exit,
     })
 }

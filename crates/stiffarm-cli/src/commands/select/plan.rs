@@ -3,13 +3,14 @@
 use super::job::Job;
 use super::load;
 use crate::numbers::to_usize;
+use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::files::source::Source;
 use stiffarm::plan::planned::{PlanRequest, plan};
 
-/// Selects, bounds and examines the plan, and writes plan and sheet. True where a move has no free way.
-pub(super) fn run(job: &Job<'_>) -> Result<bool> {
+/// Selects, bounds and examines the plan, and writes plan and sheet.
+pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
     let request = request(job)?;
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
@@ -17,8 +18,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
         Ok(plan(job.cell(), &request, &mut watch, control)?.with_forecast())
     })?;
     drop(progress);
-    job.deliver(&planned)?;
-    Ok(planned.result.is_blocked())
+    job.deliver(&planned, &planned.result.findings)
 }
 
 /// What the command line asks for.

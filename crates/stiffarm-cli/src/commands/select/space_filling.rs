@@ -2,12 +2,13 @@
 
 use super::job::Job;
 use crate::numbers::to_usize;
+use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::plan::planned::{SpaceFillingRequest, plan_space_filling};
 
-/// Spreads the postures and writes plan and sheet. True where a move has no free way.
-pub(super) fn run(job: &Job<'_>) -> Result<bool> {
+/// Spreads the postures and writes plan and sheet.
+pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
     let mut request = SpaceFillingRequest::default();
     request.postures = job.args.count.map_or(request.postures, to_usize);
     request.seed = job.args.budget.seed.unwrap_or(request.seed);
@@ -15,6 +16,5 @@ pub(super) fn run(job: &Job<'_>) -> Result<bool> {
     let progress = Progress::new(job.session, "spreading postures");
     let planned = progress.watch(|control| plan_space_filling(job.cell(), &request, control))?;
     drop(progress);
-    job.deliver(&planned)?;
-    Ok(planned.result.is_blocked())
+    job.deliver(&planned, &planned.result.findings)
 }

@@ -40,7 +40,7 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(match result.interrupted {
         true => Exit::Interrupted,
-        false => Exit::Done,
+        false => Exit::of_findings(&result.findings),
     })
 }
 

@@ -75,6 +75,6 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(match result.interrupted || session.stopped() {
         true => Exit::Interrupted,
-        false => Exit::Done,
+        false => Exit::of_findings(&result.findings),
     })
 }

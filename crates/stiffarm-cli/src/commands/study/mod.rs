@@ -15,7 +15,6 @@ use stiffarm::estimate::simulate::SimulationOptions;
 use stiffarm::files::builtin;
 use stiffarm::files::envelope::write_result;
 use stiffarm::files::source::{NamedCell, Source};
-use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
@@ -111,13 +110,9 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     );
     finish(session, args, (&envelope, &result.files), &named, files)?;
     let result = &result.study;
-    let serious = result
-        .findings
-        .iter()
-        .any(|f| f.severity == Severity::Serious);
     Ok(match result.interrupted {
         true => Exit::Interrupted,
-        false => Exit::finding(serious),
+        false => Exit::of_findings(&result.findings),
     })
 }
 

@@ -84,7 +84,10 @@ impl<'a> Response<'a> {
             }
         }
         let free: Vec<usize> = (0..count)
-            .filter(|j| *j < fixed || variances[j - fixed] > 0.0)
+            .filter(|j| match j.checked_sub(fixed) {
+                Some(random) => variances[random] > 0.0,
+                None => !fit.solution().undetermined.contains(j),
+            })
             .collect();
         let delta = weighed(fit, &fit.system().delta, gamma);
         Ok(Response {

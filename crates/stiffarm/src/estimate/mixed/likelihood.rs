@@ -126,7 +126,8 @@ impl<'a> Likelihood<'a> {
         let sums = self
             .rows
             .at(sizes.gamma, self.left_out, &self.plain, self.alike.as_ref());
-        let free = sums.rows.checked_sub(fixed).filter(|free| *free > 0)?;
+        let free = sums.rows + self.rows.idle.len();
+        let free = free.checked_sub(fixed).filter(|free| *free > 0)?;
         let mut scale = DVector::from_element(unknowns, 1.0);
         for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {
             scale

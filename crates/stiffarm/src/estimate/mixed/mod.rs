@@ -31,7 +31,7 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, MeasuredSystem, NoiseSource, Response,
+    Estimator, Fit, IdentifyOptions, MeasuredSystem, NoiseSource, Response, rounding,
 };
 use crate::model::elastic::{Effect, ElasticClass, fitted, terms};
 use crate::model::observation::ExtraTerm;
@@ -101,13 +101,14 @@ impl MixedFit {
     ///
     /// # Errors
     /// Another estimator than that of two variances, noise that is given, extra terms;
-    /// a joint that the data do not determine; no degree of freedom.
+    /// a joint that the data do not determine though it carries load; no degree of freedom.
     pub fn new(fit: &Fit) -> Result<Self> {
         if let Some(conflict) = MixedFit::excluded_by(fit.options()) {
             return Err(conflict);
         }
         let solution = fit.solution();
-        if let Some(j) = solution.undetermined.first() {
+        let idle = solution.undetermined.as_slice();
+        if let Some(j) = idle.iter().find(|j| !is_idle(fit.system(), **j)) {
             return Err(Error::new(
                 Code::NotIdentifiable,
                 format!(
@@ -126,7 +127,14 @@ impl MixedFit {
         }
         let whitened = fit.prepared().whitened();
         let shifts = whitened.is_separable() && !solution.independent_rows;
-        let rows = Rows::new(whitened, random, classes(&effects), fit.white(), shifts);
+        let rows = Rows::new(
+            whitened,
+            random,
+            classes(&effects),
+            fit.white(),
+            idle,
+            shifts,
+        );
         if rows.rest() <= ROUNDING * fit.white().norm() {
             return Err(too_few("the joint axes leave nothing of the displacements"));
         }
@@ -236,7 +244,7 @@ impl MixedFit {
             axes: None,
             mixed: None,
         };
-        if !plain.solution.undetermined.is_empty() {
+        if plain.solution.undetermined != self.rows.idle {
             return Ok(out);
         }
         // The sizes are searched for afresh: those of all postures know the others.
@@ -264,7 +272,7 @@ impl MixedFit {
             |(_, fold)| {
                 let likelihood = Likelihood::new(&self.rows, &fold.left_out);
                 let control = self.fit.control();
-                let determined = fold.solution.undetermined.is_empty();
+                let determined = fold.solution.undetermined == self.rows.idle;
                 let found = determined
                     .then(|| likelihood.best(Some(&self.sizes), control))
                     .flatten()
@@ -286,6 +294,11 @@ fn too_few(why: &str) -> Error {
         Code::TooFewData,
         format!("Nothing can be said of what gives way beyond the joint axes: {why}."),
     )
+}
+
+/// True where no displacement depends on unknown `j`: a joint that never carries load.
+fn is_idle(system: &MeasuredSystem, j: usize) -> bool {
+    system.psi.column(j).norm() <= rounding(system)
 }
 
 /// Columns of each class.
@@ -337,6 +350,10 @@ fn compliance(
         *value *= scale(i);
     }
     let (mut covariance, of_sizes) = doubt::doubt(rows, likelihood, sizes, &solved);
+    for j in &rows.idle {
+        covariance.row_mut(*j).fill(0.0);
+        covariance.column_mut(*j).fill(0.0);
+    }
     for j in 0..covariance.ncols() {
         for i in 0..covariance.nrows() {
             covariance[(i, j)] *= scale(i) * scale(j);
@@ -355,7 +372,7 @@ fn compliance(
             doubt: Some(size_doubt(effects, fixed, std, of_sizes)),
             confidence: fit.options().confidence,
         }),
-        undetermined: Vec::new(),
+        undetermined: rows.idle.clone(),
         common: Default::default(),
         doubts: Vec::new(),
     })

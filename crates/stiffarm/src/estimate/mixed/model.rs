@@ -28,7 +28,7 @@ impl MixedModel {
         let white = whitened.whiten(&system.delta);
         let shifts = whitened.is_separable();
         Ok(MixedModel {
-            rows: Rows::new(&whitened, random.clone(), classes, &white, shifts),
+            rows: Rows::new(&whitened, random.clone(), classes, &white, &[], shifts),
         })
     }
 

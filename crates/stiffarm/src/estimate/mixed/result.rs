@@ -66,7 +66,10 @@ impl MixedFit {
             let covariance = &found.spread.as_ref()?.covariance;
             Some(quantiles.as_ref()?.of_unknown(covariance, j))
         };
-        let joint = |j: usize| estimate(&names[j], Some(found.values[j]), error(j), quantile(j));
+        let joint = |j: usize| match found.undetermined.contains(&j) {
+            true => estimate(&names[j], None, None, None),
+            false => estimate(&names[j], Some(found.values[j]), error(j), quantile(j)),
+        };
         Ok((0..names.len()).map(joint).collect())
     }
 

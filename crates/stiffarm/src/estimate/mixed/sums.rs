@@ -12,6 +12,8 @@ pub(super) struct Rows {
     all: DMatrix<f64>,
     /// Number of fixed effects.
     pub(super) fixed: usize,
+    /// Fixed effects without any share in the displacements: held at zero.
+    pub(super) idle: Vec<usize>,
     /// Columns of each class among the random effects.
     pub(super) classes: Vec<Range<usize>>,
     /// Rows of each posture.
@@ -65,12 +67,13 @@ pub(super) struct RatioSums {
 
 impl Rows {
     /// `random` has one column per random effect (m per unit of its class), not yet
-    /// white; `white` are the whitened displacements.
+    /// white; `white` are the whitened displacements; the columns of the fixed effects `idle` are zero.
     pub(super) fn new(
         whitened: &Whitened,
         random: DMatrix<f64>,
         classes: Vec<Range<usize>>,
         white: &DVector<f64>,
+        idle: &[usize],
         shifts: bool,
     ) -> Self {
         let fixed = whitened.psi().ncols();
@@ -96,7 +99,9 @@ impl Rows {
                 along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
-        let whole = all.transpose() * &all;
+        let mut whole = all.transpose() * &all;
+        // As if each had been read as zero: of the rest this changes nothing.
+        idle.iter().for_each(|j| whole[(*j, *j)] += 1.0);
         let seen = match seen.is_empty() {
             true => DMatrix::zeros(count, 0),
             false => DMatrix::from_columns(&seen),
@@ -107,6 +112,7 @@ impl Rows {
         Rows {
             all,
             fixed,
+            idle: idle.to_vec(),
             classes,
             postures,
             alike: alike.then(|| &seen * seen.transpose()),

@@ -10,7 +10,7 @@ pub use elastic::{
 pub use model_errors::ModelErrors;
 
 use crate::error::{Code, Error, Result};
-use crate::findings::list;
+use crate::findings::{Finding, list};
 use crate::model::cell::{Cell, Noise};
 use crate::model::observation::{Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
@@ -19,6 +19,7 @@ use crate::numerics::information::{Factor, whiten_posture};
 use crate::numerics::jobs::in_order;
 use crate::numerics::sample::{mean, median, standard_error};
 use crate::numerics::streams::run_rng;
+use crate::plan::check::determinable;
 use crate::plan::index::evaluate_for;
 use nalgebra::{DMatrix, DVector};
 use rand_chacha::ChaCha8Rng;
@@ -119,6 +120,9 @@ pub struct Simulation {
     pub interrupted: bool,
     /// The groups, in the order given.
     pub groups: Vec<GroupSimulation>,
+    /// Joints that the load of the cell leaves out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
 }
 
 /// Simulates identifications of every group at every noise level.
@@ -130,13 +134,14 @@ pub struct Simulation {
 ///
 /// # Errors
 /// No prior, no runs, a negative factor, or a group that cannot determine all
-/// joints (they are named).
+/// joints that the load can (they are named).
 pub fn simulate(
     cell: &Cell,
     groups: &[PostureGroup],
     options: &SimulationOptions,
     control: Control<'_>,
 ) -> Result<Simulation> {
+    let (cell, findings) = &determinable(cell.clone());
     let prior = cell.require_prior()?;
     check_amount(options.runs, &options.variance_factors)?;
     let mut jobs = Vec::new();
@@ -180,6 +185,7 @@ pub fn simulate(
                 levels: levels.to_vec(),
             })
             .collect(),
+        findings: findings.clone(),
     })
 }
 

@@ -92,7 +92,7 @@ impl<'a> Believed<'a> {
         let (mut errors, mut half_widths) = (vec![None; springs], vec![None; springs]);
         if let Some(spread) = &found.spread {
             let quantiles = spread.quantiles()?;
-            for j in 0..springs {
+            for j in (0..springs).filter(|j| !found.undetermined.contains(j)) {
                 let error = spread.covariance[(j, j)].max(0.0).sqrt();
                 errors[j] = Some(error);
                 half_widths[j] = Some(error * quantiles.of_unknown(&spread.covariance, j));

@@ -212,7 +212,7 @@ impl PostureTerms {
         }
     }
 
-    /// Linear spring columns at the measuring points, 3m × n \[m/rad\]: rows
+    /// Linear spring columns at the measuring points, 3m × springs \[m/rad\]: rows
     /// for measuring point, x, y, z; mixed by E⁻¹ where the springs are not
     /// the joints.
     pub fn spring_columns(&self, robot: &Robot) -> DMatrix<f64> {
@@ -232,7 +232,7 @@ impl PostureTerms {
         }
     }
 
-    /// This posture's block of Ψ, 3m × n, translations only, Eq. (11).
+    /// This posture's block of Ψ, 3m × springs, translations only, Eq. (11).
     pub fn block(&self, robot: &Robot) -> DMatrix<f64> {
         let mut block = self.spring_columns(robot);
         let loads = self.spring_loads(robot);
@@ -243,7 +243,7 @@ impl PostureTerms {
         block
     }
 
-    /// Rotational rows of this posture's Ψ, 3 × n \[rad\]: every point of the
+    /// Rotational rows of this posture's Ψ, 3 × springs \[rad\]: every point of the
     /// rigid tool turns alike.
     pub fn rotation_block(&self, robot: &Robot) -> DMatrix<f64> {
         let n = self.torque.len();
@@ -258,7 +258,7 @@ impl PostureTerms {
             Some(mixing) => joints * mixing,
         };
         let loads = self.spring_loads(robot);
-        for j in 0..n {
+        for j in 0..loads.len() {
             block.column_mut(j).scale_mut(loads[j]);
         }
         block

@@ -54,8 +54,10 @@ pub struct Robot {
     flange: Isometry3<f64>,
     offset: DVector<f64>,
     coupling: DMatrix<f64>,
-    /// θ-from-e matrix E⁻¹ (n × n) when the springs are not the joint axes.
+    /// Columns of the θ-from-e matrix E⁻¹ (n × springs) when the springs are not the joint axes.
     spring_mixing: Option<DMatrix<f64>>,
+    /// The joints, or elastic coordinates, that have a spring; all but where some are left out.
+    springs: Vec<usize>,
     gravity_direction: Vector3<f64>,
     origin: Origin,
     shapes: Shapes,
@@ -103,6 +105,7 @@ impl Robot {
             offset: DVector::from_iterator(n, rows.iter().map(|r| r.offset)),
             coupling: DMatrix::identity(n, n),
             spring_mixing: None,
+            springs: (0..n).collect(),
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
             shapes: Shapes::default(),
@@ -131,7 +134,23 @@ impl Robot {
         let inverse = self.check_square("E (elastic_from_theta)", &e_from_theta)?;
         let identity = DMatrix::identity(self.joint_count(), self.joint_count());
         self.spring_mixing = (e_from_theta != identity).then_some(inverse);
+        self.springs = (0..self.joint_count()).collect();
         Ok(self)
+    }
+
+    /// The same arm with some of its springs alone, counted from 0, ascending; the rest is rigid.
+    ///
+    /// # Panics
+    /// A spring that the robot does not have.
+    #[must_use]
+    pub(crate) fn with_springs(mut self, kept: &[usize]) -> Self {
+        let n = self.joint_count();
+        let mixing = self.spring_mixing.take();
+        let mixing =
+            mixing.unwrap_or_else(|| DMatrix::identity(n, n).select_columns(&self.springs));
+        self.spring_mixing = Some(mixing.select_columns(kept));
+        self.springs = kept.iter().map(|s| self.springs[*s]).collect();
+        self
     }
 
     /// Sets the machine's limits of the controller angles \[rad\], one pair per joint.
@@ -295,14 +314,15 @@ impl Robot {
         self.joints.len()
     }
 
-    /// Number of springs, the unknowns of an identification (n today).
+    /// Number of springs, the unknowns of an identification: n but where some are left out.
     pub fn spring_count(&self) -> usize {
-        self.joints.len()
+        self.springs.len()
     }
 
     /// Names of the springs, in the order of the columns of Ψ.
     pub fn spring_names(&self) -> Vec<String> {
-        self.joints.iter().map(|j| j.name.clone()).collect()
+        let springs = self.springs.iter();
+        springs.map(|s| self.joints[*s].name.clone()).collect()
     }
 
     /// True when no limits of the controller angles were given and ±360° stand
@@ -335,7 +355,7 @@ impl Robot {
         &self.coupling
     }
 
-    /// E⁻¹ (n × n) where the springs are not simply the joint axes.
+    /// Columns of E⁻¹ (n × springs) where the springs are not simply the joint axes.
     pub fn spring_mixing(&self) -> Option<&DMatrix<f64>> {
         self.spring_mixing.as_ref()
     }

@@ -1,5 +1,7 @@
 //! Joints that the load or the measuring points leave in the dark, with the reason.
 
+use super::prepared::determinable;
+use super::reason::{ROUNDING, drop_rounding, reach, reason};
 use crate::error::Result;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
@@ -7,7 +9,7 @@ use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
 use crate::numerics::information::Factor;
 use crate::units::m_to_mm;
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// What a check found out about one joint, over all sampled postures.
@@ -25,8 +27,6 @@ pub struct JointExcitation {
     pub largest_displacement_m: Option<f64>,
 }
 
-/// Lengths and torques below this, relative to the arm's, are rounding.
-const ROUNDING: f64 = 1e-9;
 /// A joint should move a reflector by this many standard deviations of the noise.
 const VISIBLE: f64 = 3.0;
 
@@ -58,8 +58,11 @@ pub(super) fn check(
         .map(|prior| largest_displacements(&psi, prior));
     moved.iter_mut().for_each(|moved| drop_rounding(moved));
     let names = robot.spring_names();
+    let (_, left_out) = determinable(cell.clone());
     for &j in &undetermined {
-        findings.push(dark_joint(cell, terms, j, &names[j], &undetermined));
+        let alone = left_out.iter().find(|f| f.subject == names[j]);
+        let dark = || dark_joint(cell, terms, j, &names[j], &undetermined);
+        findings.push(alone.cloned().unwrap_or_else(dark));
     }
     blind_points(cell, terms, &undetermined, findings);
     if let Some(moved) = &moved {
@@ -75,14 +78,6 @@ pub(super) fn check(
         .collect())
 }
 
-/// Sets to zero what is rounding beside the largest.
-fn drop_rounding(values: &mut [f64]) {
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    for value in values.iter_mut().filter(|v| **v <= ROUNDING * largest) {
-        *value = 0.0;
-    }
-}
-
 /// Largest ‖Ψ_j‖/k_j over postures and points \[m\]: how far joint j alone
 /// moves a measuring point.
 fn largest_displacements(psi: &DMatrix<f64>, prior: &[f64]) -> Vec<f64> {
@@ -96,11 +91,6 @@ fn largest_displacements(psi: &DMatrix<f64>, prior: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// Length of the arm, against which rounding is measured \[m\].
-fn reach(cell: &Cell) -> f64 {
-    cell.setup.robot.length() + cell.setup.tool.tcp().norm()
-}
-
 /// The finding about a joint that no posture can determine.
 fn dark_joint(
     cell: &Cell,
@@ -109,11 +99,7 @@ fn dark_joint(
     name: &str,
     undetermined: &[usize],
 ) -> Finding {
-    let because = if cell.setup.robot.spring_mixing().is_some() {
-        "the load or the measuring points leave its elastic coordinate out".to_string()
-    } else {
-        reason(cell, terms, j, undetermined)
-    };
+    let because = reason(cell, terms, j, undetermined);
     // A measured moment may still reach a joint that forces cannot.
     let (severity, may) = match cell.setup.load {
         Load::Measured => (
@@ -124,50 +110,6 @@ fn dark_joint(
     };
     let sentence = format!("With this cell {may} {name}: {because}.");
     Finding::new("undetermined-joint", severity, name, sentence)
-}
-
-/// Why joint j stays unknown, as a clause.
-fn reason(cell: &Cell, terms: &[&PostureTerms], j: usize, undetermined: &[usize]) -> String {
-    let n = cell.setup.robot.joint_count();
-    let near = ROUNDING * reach(cell);
-    let always = |test: &dyn Fn(&PostureTerms) -> bool| terms.iter().all(|t| test(t));
-    let seen = |t: &PostureTerms| t.columns.chunks_exact(n).any(|c| c[j].norm() > near);
-    if always(&|t| t.wrench.force.norm() == 0.0 && t.wrench.moment.norm() == 0.0) {
-        return "the load is zero".to_string();
-    }
-    if always(&|t| t.loading_columns[j].norm() <= near && t.wrench.moment.norm() == 0.0) {
-        return "the loading point lies on its axis, so that the load has no lever; move the loading point \
-                off the axis"
-            .to_string();
-    }
-    if always(&|t| !seen(t)) {
-        return "every measuring point lies on its axis and stays where it is; put a reflector beside the axis"
-            .to_string();
-    }
-    let along = |t: &PostureTerms| t.wrench.force.cross(&t.frames.axes()[j]).norm();
-    if always(&|t| along(t) <= ROUNDING * t.wrench.force.norm() && t.wrench.moment.norm() == 0.0) {
-        return "the load is parallel to its axis in every posture (a purely vertical load on a floor-mounted \
-                robot does that to joint 1); pull sideways"
-            .to_string();
-    }
-    let axis_passes = |anchor: &Vector3<f64>| {
-        always(&|t| {
-            let offset = anchor - t.frames.origins()[j];
-            offset.cross(&t.frames.axes()[j]).norm() <= near
-        })
-    };
-    let anchored = |load: &Load| matches!(load, Load::Rope { anchor, .. } if axis_passes(anchor));
-    if cell.setup.load.each().all(anchored) {
-        let line = cell.setup.load.line();
-        return format!(
-            "the {line}'s anchor lies on its axis, so that the force passes through the axis; move the anchor"
-        );
-    }
-    if undetermined.len() > 1 {
-        return "its share of the displacements cannot be told from that of other joints; add measuring points"
-            .to_string();
-    }
-    "the load has no moment about its axis".to_string()
 }
 
 /// Measuring points on the axis of a joint that other points do see.

@@ -6,10 +6,13 @@
 //! the whole cell and not of one plan.
 
 mod excitation;
+mod prepared;
+mod reason;
 mod slips;
 mod work;
 
 pub use excitation::JointExcitation;
+pub use prepared::{LEFT_OUT, determinable, prepared};
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, list};

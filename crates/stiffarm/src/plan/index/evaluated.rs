@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use crate::model::posture::{Posture, PostureGroup};
+use crate::plan::check::determinable;
 use crate::plan::feasibility::on_machine_limits;
 use serde::{Deserialize, Serialize};
 
@@ -86,18 +87,22 @@ pub struct Evaluated {
 }
 
 impl Evaluated {
-    /// Evaluates groups of postures.
+    /// Evaluates groups of postures, of the joints that the cell's load can determine.
     ///
     /// # Errors
     /// As [`evaluate`].
     pub fn new(cell: &Cell, groups: &[PostureGroup]) -> Result<Self> {
+        let (cell, mut left_out) = determinable(cell.clone());
         let evaluated = groups
             .iter()
-            .map(|g| EvaluatedGroup::new(cell, &g.name, &g.postures))
+            .map(|g| EvaluatedGroup::new(&cell, &g.name, &g.postures))
             .collect::<Result<Vec<_>>>()?;
         Ok(Evaluated {
             joints: cell.setup.robot.spring_names(),
-            findings: findings(cell, groups, &evaluated),
+            findings: {
+                left_out.extend(findings(&cell, groups, &evaluated));
+                left_out
+            },
             groups: evaluated,
         })
     }

@@ -117,7 +117,7 @@ impl IndexFunction {
             weights: Vec::new(),
             adjoint: vec![0.0; n * n],
             adjoints: vec![0.0; if drop_one { n * n * postures } else { 0 }],
-            row: vec![0.0; n * count],
+            row: vec![0.0; setup.robot.joint_count() * count],
         };
         function.components = vec![0.0; function.component_count()];
         function.weights = function.components.clone();
@@ -157,7 +157,7 @@ impl IndexFunction {
                 free + usize::from(self.given.count > 0)
             }
             Index::DropOne => free + self.given.count,
-            Index::WorstJoint => self.kernel.joint_count(),
+            Index::WorstJoint => self.criterion.unknowns(),
             _ => 0,
         }
     }

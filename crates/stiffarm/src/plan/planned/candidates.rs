@@ -7,8 +7,7 @@ use crate::model::cell::Cell;
 use crate::model::measurement::Candidate;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
-use crate::plan::characteristic_length::with_length;
-use crate::plan::check::robot_doubts;
+use crate::plan::check::prepared;
 use crate::plan::feasibility::on_limits;
 use crate::plan::index::Index;
 use crate::plan::select::{CandidateOptions, CandidateSelection, limits_of, select_candidates};
@@ -102,7 +101,7 @@ pub fn plan_candidates(
     control: Control<'_>,
 ) -> Result<Planned<Chosen, ChosenOptions>> {
     check_count(request.postures)?;
-    let (cell, _) = with_length(cell.clone());
+    let (cell, mut findings) = prepared(cell);
     let (index, count) = (request.index, request.postures);
     let options = CandidateOptions {
         seed: request.seed,
@@ -117,7 +116,6 @@ pub fn plan_candidates(
     });
     let postures: Vec<Posture> = chosen.collect();
     let limits = limits_of(&cell, &postures)?;
-    let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(on_limits(&cell, &postures, &limits));
     let result = Chosen {
         joints: cell.setup.robot.spring_names(),

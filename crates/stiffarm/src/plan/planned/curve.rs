@@ -7,8 +7,7 @@ use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::plan::certificate::{CertificateOptions, certify};
-use crate::plan::characteristic_length::with_length;
-use crate::plan::check::robot_doubts;
+use crate::plan::check::prepared;
 use crate::plan::index::Index;
 use crate::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select};
 use serde::{Deserialize, Serialize};
@@ -119,7 +118,7 @@ pub fn plan_curve(
     control: Control<'_>,
 ) -> Result<Planned<Curve, CurveOptions>> {
     check_count(request.postures)?;
-    let (cell, _) = with_length(cell.clone());
+    let (cell, findings) = prepared(cell);
     let (index, largest) = (request.index, request.postures);
     let global = GlobalOptions {
         seed: request.seed,
@@ -145,7 +144,7 @@ pub fn plan_curve(
         index,
         sizes: sizes(index, points, bound_of_one),
         certificate_missing: missing,
-        findings: robot_doubts(&cell.setup.robot),
+        findings,
     };
     let options = CurveOptions {
         mode: Mode::Curve,

@@ -6,8 +6,7 @@ use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
-use crate::plan::characteristic_length::with_length;
-use crate::plan::check::robot_doubts;
+use crate::plan::check::prepared;
 use crate::plan::index::Index;
 use crate::plan::select::{Dropped, drop_postures};
 use serde::{Deserialize, Serialize};
@@ -80,14 +79,13 @@ pub fn plan_drop(
     request: &DropRequest,
     control: Control<'_>,
 ) -> Result<Planned<DropResult, DropOptions>> {
-    let (cell, _) = with_length(cell.clone());
+    let (cell, mut findings) = prepared(cell);
     let dropped = drop_postures(&cell, request.index, given, request.drop, control);
     let dropped = dropped.map_err(|error| match (error.code(), given.len()) {
         (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", given.len() - 1)),
         _ => error,
     })?;
     let postures = dropped.kept.iter().map(|p| given[*p].clone()).collect();
-    let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(cell.posture_findings(given));
     let result = DropResult {
         posture_names: given.iter().map(|p| p.name.clone()).collect(),

@@ -10,7 +10,7 @@ use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::characteristic_length::with_length;
-use crate::plan::check::robot_doubts;
+use crate::plan::check::{prepared, robot_doubts};
 use crate::plan::feasibility::on_limits;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation};
 use crate::plan::route::blocked_moves;
@@ -49,7 +49,11 @@ pub fn plan(
     control: Control<'_>,
 ) -> Result<Planned<Plan, PlanOptions>> {
     request.check()?;
-    let (cell, _) = with_length(cell.clone());
+    let (cell, mut findings) = match request.load.is_empty() {
+        true => prepared(cell),
+        // A load that is chosen may reach what the cell's own does not.
+        false => (with_length(cell.clone()).0, robot_doubts(&cell.setup.robot)),
+    };
     let global = global_options(request);
     let initial = request.initial.as_deref();
     let given = request.given.as_slice();
@@ -89,7 +93,6 @@ pub fn plan(
     };
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let same = |stops: &Vec<usize>| stops.iter().map(|p| postures[*p].name.clone()).collect();
-    let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(cell.posture_findings(known));
     findings.extend(blocked_moves(&postures, &route));
     findings.extend(on_limits(&cell, &postures, &selection.limits));

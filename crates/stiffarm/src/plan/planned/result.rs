@@ -103,10 +103,3 @@ pub struct Plan {
     /// without a free way, and postures on limits.
     pub findings: Vec<Finding>,
 }
-
-impl Plan {
-    /// Whether a move between the postures has no free way.
-    pub fn is_blocked(&self) -> bool {
-        self.route.is_blocked()
-    }
-}

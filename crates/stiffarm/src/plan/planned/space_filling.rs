@@ -7,8 +7,7 @@ use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::{Control, Termination};
-use crate::plan::characteristic_length::with_length;
-use crate::plan::check::robot_doubts;
+use crate::plan::check::prepared;
 use crate::plan::index::{GroupEvaluation, evaluate};
 use crate::plan::route::{Route, blocked_moves};
 use crate::plan::select::{smallest_distance, smallest_margin, space_filling};
@@ -91,13 +90,6 @@ pub struct SpaceFillingPlan {
     pub findings: Vec<Finding>,
 }
 
-impl SpaceFillingPlan {
-    /// Whether a move between the postures has no free way.
-    pub fn is_blocked(&self) -> bool {
-        self.route.is_blocked()
-    }
-}
-
 /// Spreads postures evenly and says what they are worth; a stop of `control` ends it with the best so far.
 ///
 /// # Errors
@@ -108,7 +100,7 @@ pub fn plan_space_filling(
     control: Control<'_>,
 ) -> Result<Planned<SpaceFillingPlan, SpaceFillingOptions>> {
     check_count(request.postures)?;
-    let (cell, _) = with_length(cell.clone());
+    let (cell, mut findings) = prepared(cell);
     let found = space_filling(&cell, request.postures, request.seed, control)?;
     let driving = Driving {
         step_deg: request.angle_step_deg,
@@ -120,7 +112,6 @@ pub fn plan_space_filling(
     let (angles, route) = driving.driven(&cell, &found.postures)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
     let postures = group.postures;
-    let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(blocked_moves(&postures, &route));
     let result = SpaceFillingPlan {
         joints: cell.setup.robot.spring_names(),

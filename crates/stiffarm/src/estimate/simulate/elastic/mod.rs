@@ -28,6 +28,7 @@ use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::sample::{mean, median, standard_error};
 use crate::numerics::streams::run_rng;
+use crate::plan::check::determinable;
 use crate::plan::index::posture_terms;
 use crate::plan::index::prediction::PredictionModel;
 use nalgebra::DVector;
@@ -74,6 +75,7 @@ pub fn simulate_elastic(
     options: &ElasticSimulationOptions,
     control: Control<'_>,
 ) -> Result<ElasticSimulation> {
+    let (cell, findings) = &determinable(cell.clone());
     cell.require_prior()?;
     check_amount(options.runs, &options.variance_factors)?;
     let (sizes, sizes_from) = cell.elastic_sizes()?;
@@ -122,6 +124,7 @@ pub fn simulate_elastic(
         runs: options.runs,
         interrupted: fewest.is_some_and(|runs| runs < options.runs),
         groups: out,
+        findings: findings.clone(),
     })
 }
 

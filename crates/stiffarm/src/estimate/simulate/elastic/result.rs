@@ -1,7 +1,7 @@
 //! What an elastic simulation is asked and gives.
 
 use crate::estimate::elastic::ElasticChoice;
-use crate::findings::{length, percent};
+use crate::findings::{Finding, length, percent};
 use crate::model::elastic::{ElasticSizes, ElasticSource};
 use serde::{Deserialize, Serialize};
 
@@ -129,6 +129,9 @@ pub struct ElasticSimulation {
     pub interrupted: bool,
     /// The groups, in the order given.
     pub groups: Vec<ElasticGroup>,
+    /// Joints that the load of the cell leaves out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<Finding>,
 }
 
 impl ElasticSimulation {

@@ -57,7 +57,7 @@ pub(super) struct Batch {
     pub scene_anchor: Vec3,
     pub scene_loading: Vec3,
     // Reverse.
-    /// Derivative of the index by the information, n × n by columns.
+    /// Derivative of the index by the information, springs × springs by columns.
     pub adjoint: Vec<Lanes>,
     pub dexterity_weight: Lanes,
     pub tcp_adjoint: Vec<Vec3>,
@@ -101,7 +101,7 @@ impl Batch {
             scratch: vec6.clone(),
             spring_loads: lanes.clone(),
             blocks: vec6.clone(),
-            information: vec![ZERO; n * (n + 1) / 2],
+            information: vec![ZERO; model.springs * (model.springs + 1) / 2],
             tcp_columns: vec3.clone(),
             normalised: vec6.clone(),
             orthogonal: vec6.clone(),
@@ -123,7 +123,7 @@ impl Batch {
             scene_gradient: lanes.clone(),
             scene_anchor: ZERO3,
             scene_loading: ZERO3,
-            adjoint: vec![ZERO; n * n],
+            adjoint: vec![ZERO; model.springs * model.springs],
             dexterity_weight: ZERO,
             tcp_adjoint: vec3.clone(),
             axis_adjoint: vec3.clone(),

@@ -14,7 +14,11 @@ pub(super) fn forward(model: &Model, batch: &mut Batch, n: usize) {
     frames(model, batch, n);
     points_and_load(model, batch, n);
     if model.has_information {
-        information(model, batch, n);
+        // Equal numbers let the compiler unroll.
+        match model.springs == n {
+            true => information(model, batch, n, n),
+            false => information(model, batch, n, model.springs),
+        }
     }
     if let Some(inverse_length) = model.inverse_length {
         super::dexterity::forward(batch, n, inverse_length);
@@ -101,14 +105,14 @@ fn points_and_load(model: &Model, batch: &mut Batch, n: usize) {
     }
 }
 
-/// ΨᵀPΨ of each posture in units of the compliances.
+/// ΨᵀPΨ of each posture in units of the compliances, `springs` × `springs`.
 ///
 /// All measuring points together count as their centroid, √(m(1 − ρm)) times,
 /// and their second moments: Σ_a (z_j × r_aj)·(z_k × r_ak) = m c̄_j·c̄_k + z_jᵀ S z_k
 /// with c̄ the columns at the centroid and S = Σ (|d|² I − d dᵀ). So six rows
 /// stand for 3m, whatever the number of points.
 #[inline(always)]
-fn information(model: &Model, batch: &mut Batch, n: usize) {
+fn information(model: &Model, batch: &mut Batch, n: usize, springs: usize) {
     // Columns of (R·S^½)ᵀ: rows of the moments' root in base axes.
     let root: [Vec3; 3] = three!(|i| {
         three!(|r| {
@@ -139,7 +143,7 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
         // Columns J E⁻¹ and loads E⁻ᵀ Γ of the springs.
         let joints = &mut batch.scratch[..n];
         joints.copy_from_slice(columns);
-        for s in 0..n {
+        for s in 0..springs {
             let (mut column, mut load) = (ZERO6, ZERO);
             for i in 0..n {
                 let factor = mixing[(i, s)];
@@ -150,15 +154,15 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
             loads[s] = load;
         }
     }
-    let blocks = &mut batch.blocks[..n];
-    for s in 0..n {
+    let blocks = &mut batch.blocks[..springs];
+    for s in 0..springs {
         // Ψ_ij = J^m_ij Γ_j, Eq. (11).
         loads[s] = loads[s] * model.compliance[s];
         blocks[s] = six!(|r| columns[s][r] * loads[s]);
     }
-    let packed = &mut batch.information[..n * (n + 1) / 2];
+    let packed = &mut batch.information[..springs * (springs + 1) / 2];
     let mut at = 0;
-    for s in 0..n {
+    for s in 0..springs {
         let column: Vec6 = blocks[s];
         for t in 0..=s {
             packed[at] = dot6(&column, &blocks[t]);

@@ -66,6 +66,9 @@ pub(super) struct Model {
     /// Symmetric root of the second moments of the measuring points about
     /// their centroid, Σ (|d|² I − d dᵀ).
     pub root_moments: [[f64; 3]; 3],
+    /// Number of springs.
+    pub springs: usize,
+    /// n × springs where the springs are not the joints.
     pub mixing: Option<DMatrix<f64>>,
     pub compliance: Vec<f64>,
     pub load: KernelLoad,
@@ -169,6 +172,7 @@ impl Model {
             centroid: centroid.into(),
             root_count: (m * (1.0 - common_weight * m)).max(0.0).sqrt(),
             root_moments: symmetric_root(&moments)?,
+            springs: robot.spring_count(),
             mixing: robot.spring_mixing().cloned(),
             compliance,
             load,

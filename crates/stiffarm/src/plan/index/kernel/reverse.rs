@@ -26,7 +26,11 @@ pub(super) fn reverse(model: &Model, batch: &mut Batch, n: usize) {
         );
     }
     if model.has_information {
-        information(model, batch, n);
+        // Equal numbers let the compiler unroll.
+        match model.springs == n {
+            true => information(model, batch, n, n),
+            false => information(model, batch, n, model.springs),
+        }
     }
     add_axis_gradient(
         &batch.axes[..n],
@@ -42,18 +46,18 @@ pub(super) fn reverse(model: &Model, batch: &mut Batch, n: usize) {
     }
 }
 
-/// Through d⟨A, G⟩ = 2⟨B A, dB⟩, columns and loads of the springs.
+/// Through d⟨A, G⟩ = 2⟨B A, dB⟩, columns and loads of `count` springs.
 #[inline(always)]
-fn information(model: &Model, batch: &mut Batch, n: usize) {
-    let blocks = &batch.blocks[..n];
-    let adjoint = &batch.adjoint[..n * n];
+fn information(model: &Model, batch: &mut Batch, n: usize, count: usize) {
+    let blocks = &batch.blocks[..count];
+    let adjoint = &batch.adjoint[..count * count];
     // Adjoints of the springs' columns and loads.
     let column_adjoint = &mut batch.scratch[..n];
     let torque_adjoint = &mut batch.torque_adjoint[..n];
-    for s in 0..n {
+    for s in 0..count {
         let mut x = ZERO6;
-        for t in 0..n {
-            let factor = adjoint[s * n + t];
+        for t in 0..count {
+            let factor = adjoint[s * count + t];
             x = six!(|r| x[r] + blocks[t][r] * factor);
         }
         let x: Vec6 = six!(|r| x[r] + x[r]);
@@ -67,7 +71,7 @@ fn information(model: &Model, batch: &mut Batch, n: usize) {
         loads.copy_from_slice(torque_adjoint);
         for i in 0..n {
             let (mut column, mut load) = (ZERO6, ZERO);
-            for s in 0..n {
+            for s in 0..count {
                 let factor = mixing[(i, s)];
                 column = six!(|r| column[r] + springs[s][r] * factor);
                 load += loads[s] * factor;

@@ -43,11 +43,12 @@ impl Pool {
         accept: Option<&Accept>,
     ) -> Result<Self> {
         let n = cell.setup.robot.joint_count();
+        let springs = cell.setup.robot.spring_count();
         let mut kernel = Kernel::new(cell, wanted, CHUNK)?;
         let mut rng = candidate_rng(seed);
         let mut pool = Pool {
             joints: n,
-            triangle: n * (n + 1) / 2,
+            triangle: springs * (springs + 1) / 2,
             angles: Vec::new(),
             information: Vec::new(),
             log_dexterity: Vec::new(),

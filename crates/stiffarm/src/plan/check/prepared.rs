@@ -1,0 +1,80 @@
+//! The cell as a plan sees it: with its characteristic length, and with the springs alone that its load
+//! can determine.
+
+use super::reason::{drop_rounding, reason};
+use super::robot_doubts;
+use crate::findings::{Finding, Severity};
+use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::model::observation::PostureTerms;
+use crate::plan::characteristic_length::with_length;
+use crate::plan::feasibility::spread;
+
+/// Code of the finding about a joint that the load of a cell leaves out.
+pub const LEFT_OUT: &str = "joint-left-out";
+/// Postures that are looked at for a spring that moves a measuring point.
+const POSTURES: u32 = 64;
+
+/// The cell that a plan is made for, and what to distrust about it: its characteristic length computed where it was
+/// left open, and as [`determinable`].
+pub fn prepared(cell: &Cell) -> (Cell, Vec<Finding>) {
+    let (cell, left_out) = determinable(cell.clone());
+    let mut findings = robot_doubts(&cell.setup.robot);
+    findings.extend(left_out);
+    (with_length(cell).0, findings)
+}
+
+/// The cell with those springs alone that its load moves a measuring point by, and a finding [`LEFT_OUT`]
+/// for each of the others.
+///
+/// A weight on an arm that stands on the floor has no torque about joint 1 whatever the posture: its column of the
+/// observation matrix is zero, and with it no index would exist. The remaining columns are those of the whole cell.
+/// A cell whose load moves all, or none, or is only known by measurement, stays as it is.
+pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
+    let Some((terms, left_out)) = left_out(&cell) else {
+        return (cell, Vec::new());
+    };
+    let robot = &cell.setup.robot;
+    let (count, names) = (robot.spring_count(), robot.spring_names());
+    let looked_at: Vec<&PostureTerms> = terms.iter().collect();
+    let finding = |j: &usize| {
+        let name = &names[*j];
+        let why = reason(&cell, &looked_at, *j, &left_out);
+        let sentence = format!(
+            "No posture within the bounds determines {name} under the load of this cell: {why}. Plans and what they \
+             promise leave it out, as if it were rigid."
+        );
+        Finding::new(LEFT_OUT, Severity::Caution, name, sentence)
+    };
+    let findings = left_out.iter().map(finding).collect();
+    let kept: Vec<usize> = (0..count).filter(|j| !left_out.contains(j)).collect();
+    if let Some(prior) = &mut cell.prior {
+        *prior = kept.iter().map(|j| prior[*j]).collect();
+    }
+    cell.setup.robot = cell.setup.robot.with_springs(&kept);
+    (cell, findings)
+}
+
+/// The springs whose columns of Ψ are zero at all postures, and the terms of these; `None` where there is no such
+/// spring, or no other.
+fn left_out(cell: &Cell) -> Option<(Vec<PostureTerms>, Vec<usize>)> {
+    let robot = &cell.setup.robot;
+    let count = robot.spring_count();
+    let fits = cell.prior.as_ref().is_none_or(|prior| prior.len() == count);
+    if cell.setup.load == Load::Measured || !fits || cell.bounds.len() != robot.joint_count() {
+        return None;
+    }
+    let setups = cell.setup.cases();
+    let states = (0..POSTURES).flat_map(|i| setups.iter().map(move |setup| (setup, i)));
+    let terms = states.map(|(setup, i)| PostureTerms::new(setup, &spread(cell, i), None).ok());
+    let terms: Vec<PostureTerms> = terms.collect::<Option<_>>()?;
+    let mut largest = vec![0.0_f64; count];
+    for terms in &terms {
+        for (largest, column) in largest.iter_mut().zip(terms.block(robot).column_iter()) {
+            *largest = largest.max(column.amax());
+        }
+    }
+    drop_rounding(&mut largest);
+    let still: Vec<usize> = (0..count).filter(|j| largest[*j] == 0.0).collect();
+    (1..count).contains(&still.len()).then_some((terms, still))
+}

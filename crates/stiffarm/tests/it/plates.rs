@@ -1,0 +1,170 @@
+//! Plates on an arm that stands on the floor: a weight has no torque about joint 1, and everything goes on without it.
+
+use crate::common::prelude::*;
+use crate::common::{entrywise_error, random_group};
+use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::simulate::simulate_elastic_measurements;
+use stiffarm::plan::check::determinable;
+use stiffarm::plan::planned::{PlanRequest, plan};
+
+/// The reference cell with a weight, and the joints that the weight turns.
+fn plates() -> (Cell, Cell) {
+    let mut cell = reference_cell();
+    cell.setup.load = hanging(500.0);
+    let (others, findings) = determinable(cell.clone());
+    assert_eq!(findings.len(), 1);
+    (cell, others)
+}
+
+#[test]
+fn a_joint_that_the_load_never_turns_is_left_out_by_name() {
+    let (cell, others) = plates();
+    let finding = &determinable(cell.clone()).1[0];
+    assert_eq!(
+        (finding.subject.as_str(), finding.severity),
+        ("joint 1", Severity::Caution)
+    );
+    assert!(
+        finding.sentence.contains("pull sideways"),
+        "{}",
+        finding.sentence
+    );
+    assert_eq!(others.setup.robot.spring_count(), 5);
+    assert_eq!(others.setup.robot.spring_names()[0], "joint 2");
+    assert_eq!(
+        others.prior.as_deref(),
+        cell.prior.as_deref().map(|k| &k[1..])
+    );
+    // Once more changes nothing, nor where the load turns every joint, nor where it turns none.
+    assert_eq!(determinable(others.clone()), (others, Vec::new()));
+    let mut without = cell.clone();
+    without.setup.load = hanging(0.0);
+    for whole in [reference_cell(), without] {
+        assert_eq!(determinable(whole.clone()), (whole, Vec::new()));
+    }
+    // Loads beside each other count together.
+    let mut pulled = cell.clone();
+    pulled.setup.load = Load::Cases(
+        [reference_cell().setup.load, cell.setup.load.clone()]
+            .into_iter()
+            .enumerate()
+            .map(|(i, load)| stiffarm::model::load::LoadCase {
+                name: i.to_string(),
+                load,
+                loading_point: None,
+            })
+            .collect(),
+    );
+    assert!(determinable(pulled).1.is_empty());
+}
+
+#[test]
+fn the_indices_of_the_others_are_those_of_their_columns() {
+    let (cell, others) = plates();
+    let group = random_group();
+    let whole = observation_matrix(&cell.setup, &group, Rows::Translations).unwrap();
+    assert_eq!(whole.column(0).amax(), 0.0);
+    let theirs = whole.columns(1, 5).into_owned();
+    let psi = observation_matrix(&others.setup, &group, Rows::Translations).unwrap();
+    assert_eq!(psi, theirs);
+
+    let found = evaluate(&others, "others", &group).unwrap();
+    let sigma = theirs.clone().svd(false, false).singular_values;
+    let scaled = DMatrix::from_fn(theirs.nrows(), 5, |i, j| {
+        theirs[(i, j)] / others.prior.as_ref().unwrap()[j]
+    });
+    let inverse = (scaled.transpose() * &scaled).try_inverse().unwrap();
+    let std = others.noise.displacement_std();
+    let expected = [
+        (Index::Condition, sigma.max() / sigma.min()),
+        (Index::ExpectedError, std * (inverse.trace() / 5.0).sqrt()),
+        (Index::WorstJoint, std * inverse.diagonal().max().sqrt()),
+        (Index::D, std * inverse.determinant().powf(0.1)),
+    ];
+    for (index, expected) in expected {
+        let own = found.indices.get(index).unwrap();
+        assert!(
+            (own / expected - 1.0).abs() < 1e-9,
+            "{index:?} {own} {expected}"
+        );
+    }
+    let plain = evaluate(&cell, "whole", &group).unwrap();
+    assert_eq!(plain.k_jn, found.k_jn);
+    let errors = |from: &[Option<f64>]| from.iter().map(|e| e.unwrap()).collect::<Vec<_>>();
+    let pair = [
+        &plain.relative_standard_error[1..],
+        &found.relative_standard_error,
+    ]
+    .map(errors);
+    assert!(entrywise_error(&pair[0], &pair[1]) < 1e-9);
+}
+
+#[test]
+fn gradients_of_the_others_are_those_of_differences() {
+    let (_, others) = plates();
+    let group = random_group();
+    let at: Vec<f64> = group.iter().flatten().copied().collect();
+    for index in Index::ALL {
+        let mut function = IndexFunction::new(&others, index, group.len()).unwrap();
+        let (value, gradient) = function.log_and_gradient(&at);
+        assert!(value.is_finite(), "{index:?}");
+        let largest = gradient.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+        for i in (0..at.len()).step_by(5) {
+            let h = 5e-5;
+            let mut moved = |by: f64| {
+                let mut q = at.clone();
+                q[i] += by;
+                function.value(&q)
+            };
+            let difference = (moved(h) - moved(-h)) / (2.0 * h);
+            assert!(
+                (difference - gradient[i]).abs() < 1e-5 * largest,
+                "{index:?} {i}: {difference} {}",
+                gradient[i]
+            );
+        }
+    }
+}
+
+#[test]
+fn a_plan_for_the_others_is_bounded_and_says_what_it_leaves_out() {
+    let (cell, others) = plates();
+    let mut request = PlanRequest::default();
+    request.rounds = Some(2);
+    let found = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+    let result = &found.result;
+    assert_eq!(result.joints, others.setup.robot.spring_names());
+    assert!(result.findings.iter().any(|f| f.code == "joint-left-out"));
+    let efficiency = result.certificate.as_ref().unwrap().efficiency.unwrap();
+    assert!((0.9..=1.0 + 1e-9).contains(&efficiency), "{efficiency}");
+    let error = |group: &[Vec<f64>]| {
+        let found = evaluate(&others, "group", group).unwrap();
+        found.indices.expected_error.unwrap()
+    };
+    let group: Vec<Vec<f64>> = found.postures.iter().map(|p| p.q.clone()).collect();
+    assert!(error(&group) < 0.7 * error(&random_group()));
+    assert!((error(&group) / result.selection.value - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn the_mixed_model_of_the_others_does_not_hear_of_the_joint() {
+    let (cell, others) = plates();
+    let postures = numbered(random_group());
+    let measured = simulate_elastic_measurements(&cell, &postures, 3).unwrap();
+    let options = IdentifyOptions::default();
+    let of = |cell: &Cell| MixedFit::new(&Fit::new(cell, &measured, &options).unwrap()).unwrap();
+    let (whole, fewer) = (of(&cell), of(&others));
+    let (a, b) = (whole.compliance(), fewer.compliance());
+    assert_eq!((&a.undetermined, a.values[0]), (&vec![0], 0.0));
+    assert!((whole.likelihood_ratio() - fewer.likelihood_ratio()).abs() < 1e-6);
+    let values = a.values.as_slice();
+    assert!(relative_error(&values[1..], b.values.as_slice()) < 1e-6);
+    let [a, b] = [a, b].map(|found| found.spread.as_ref().unwrap());
+    assert!((a.sigma / b.sigma - 1.0).abs() < 1e-9);
+    assert_eq!(a.covariance.row(0).amax(), 0.0);
+    let own = a.covariance.clone().remove_row(0).remove_column(0);
+    assert!(relative_error(own.as_slice(), b.covariance.as_slice()) < 1e-5);
+    let joints = whole.joints().unwrap();
+    assert_eq!(joints[0].verdict, Verdict::Undetermined);
+    assert!(joints[1..].iter().all(|joint| joint.interval[0].is_some()));
+}
