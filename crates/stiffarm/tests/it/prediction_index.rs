@@ -7,6 +7,8 @@ use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
 use stiffarm::model::cell::Task;
 use stiffarm::model::elastic::ElasticSizes;
+use stiffarm::plan::planned::{PlanRequest, plan};
+use stiffarm::plan::select::{GlobalOptions, select};
 
 const POSTURES: usize = 4;
 
@@ -307,4 +309,52 @@ fn very_many_postures_take_no_more_room_than_their_unknowns() {
     assert!((ratio / 20.0_f64.sqrt() - 1.0).abs() < 0.1, "{ratio}");
     let (a, b) = (many.drop_one.unwrap(), many.expected_error.unwrap());
     assert!(a >= b && a < 1.001 * b, "{a} {b}");
+}
+
+/// 75.4313 µm: the best of 100 rounds from each of six seeds, and found again by every seed tried.
+#[test]
+fn a_short_search_finds_the_best_known_plan() {
+    let cell = default_cell();
+    let mut options = GlobalOptions::default();
+    (options.seed, options.rounds) = (2, Some(2));
+    let found = select(&cell, Index::Prediction, 6, &options, Control::default()).unwrap();
+    let ratio = found.value / 75.4313e-6;
+    assert!((1.0 - 1e-6..1.005).contains(&ratio), "{ratio}");
+}
+
+/// A wrist the other way round has the same axes and the same Ψ, but what gives way beyond the axes bends otherwise.
+#[test]
+fn a_plan_is_driven_as_it_was_found() {
+    let mut cell = default_cell();
+    cell.tasks.clear();
+    let mut request = PlanRequest::default();
+    (request.index, request.rounds, request.postures) = (Index::Prediction, Some(1), 5);
+    (request.certificate, request.angle_step_deg) = (false, None);
+    let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+    let selection = &planned.result.selection;
+    let found = selection.improvements.last().unwrap().value.unwrap();
+    assert!(
+        selection.value <= found * (1.0 + 1e-9),
+        "{} {found}",
+        selection.value
+    );
+    let flipped = |q: &[f64]| {
+        let mut q = q.to_vec();
+        let turned = |angle: f64| if angle > 0.0 { angle - PI } else { angle + PI };
+        (q[3], q[4], q[5]) = (turned(q[3]), -q[4], turned(q[5]));
+        q
+    };
+    let group: Vec<Vec<f64>> = planned.postures.iter().map(|p| p.q.clone()).collect();
+    let value = |group: &[Vec<f64>], index| {
+        evaluate(&cell, "group", group)
+            .unwrap()
+            .indices
+            .get(index)
+            .unwrap()
+    };
+    let other: Vec<Vec<f64>> = group.iter().map(|q| flipped(q)).collect();
+    let same = value(&other, Index::ExpectedError) / value(&group, Index::ExpectedError);
+    assert!((same - 1.0).abs() < 1e-9, "{same}");
+    let other = value(&other, Index::Prediction) / value(&group, Index::Prediction);
+    assert!((other - 1.0).abs() > 1e-3, "{other}");
 }

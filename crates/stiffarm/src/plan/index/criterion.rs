@@ -17,10 +17,15 @@ pub(crate) struct Value {
 }
 
 impl Value {
-    const INFINITE: Value = Value {
-        smooth: f64::INFINITY,
-        exact: f64::INFINITY,
-    };
+    pub(crate) const INFINITE: Value = Value::plain(f64::INFINITY);
+
+    /// Without anything to smooth.
+    pub(crate) const fn plain(value: f64) -> Self {
+        Value {
+            smooth: value,
+            exact: value,
+        }
+    }
 }
 
 /// An index of one information matrix: every index but the classical one, and
@@ -124,10 +129,7 @@ impl Criterion {
                     *a = v * factor;
                 }
                 let value = self.log_root_determinant();
-                Value {
-                    smooth: value,
-                    exact: value,
-                }
+                Value::plain(value)
             }
             _ => self.spectral(m, n),
         }
@@ -195,10 +197,7 @@ impl Criterion {
             *a *= factor;
         }
         let value = 0.5 * (trace / count).ln();
-        Value {
-            smooth: value,
-            exact: value,
-        }
+        Value::plain(value)
     }
 
     /// Indices of the singular values σ = √λ.
@@ -239,10 +238,7 @@ impl Criterion {
                 *slope = -0.5 / (v * v.sqrt() * sum);
             }
             let value = sum.ln();
-            Value {
-                smooth: value,
-                exact: value,
-            }
+            Value::plain(value)
         } else {
             slopes.fill(0.0);
             let high = add_extreme(
@@ -327,10 +323,7 @@ fn add_extreme(
     weights: &mut [f64],
 ) -> Value {
     if share == 0.0 {
-        return Value {
-            smooth: 0.0,
-            exact: 0.0,
-        };
+        return Value::plain(0.0);
     }
     let log = extreme.ln();
     let exact = share * log;

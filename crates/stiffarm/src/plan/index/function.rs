@@ -349,10 +349,7 @@ impl IndexFunction {
         self.kernel.forward(q);
         if let Some(prediction) = &mut self.prediction {
             let value = prediction.evaluate(q);
-            return Value {
-                smooth: value,
-                exact: value,
-            };
+            return Value::plain(value);
         }
         if self.index.uses_dexterity() {
             for p in 0..count {
@@ -363,27 +360,17 @@ impl IndexFunction {
             }
         }
         if !self.index.uses_observation() {
-            return Value {
-                smooth: 0.0,
-                exact: 0.0,
-            };
+            return Value::plain(0.0);
         }
         let size = self.total.len();
         self.total.fill(0.0);
         self.given.add_information(&mut self.total);
         self.kernel.add_information(&mut self.total);
-        let constant = Value {
-            smooth: self.log_factor,
-            exact: self.log_factor,
-        };
-        let infinite = Value {
-            smooth: f64::INFINITY,
-            exact: f64::INFINITY,
-        };
+        let constant = Value::plain(self.log_factor);
         match self.index {
             Index::WorstJoint => {
                 if !self.criterion.invert(&self.total) {
-                    return infinite;
+                    return Value::INFINITE;
                 }
                 for (j, component) in self.components.iter_mut().enumerate() {
                     *component = self.criterion.joint(j);
@@ -409,7 +396,7 @@ impl IndexFunction {
                     }
                     let value = self.criterion.evaluate(&self.rest);
                     if !value.exact.is_finite() {
-                        return infinite;
+                        return Value::INFINITE;
                     }
                     self.components[c] = value.exact;
                     self.adjoints[c * square..(c + 1) * square]
@@ -430,6 +417,11 @@ impl IndexFunction {
     fn largest_component(&self) -> f64 {
         let largest = self.components.iter().copied().reduce(f64::max);
         largest.unwrap_or(0.0)
+    }
+
+    /// The index prediction.
+    pub(crate) fn prediction_mut(&mut self) -> Option<&mut PredictionFunction> {
+        self.prediction.as_deref_mut()
     }
 
     /// The given postures.

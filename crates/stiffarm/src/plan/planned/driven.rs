@@ -14,6 +14,8 @@ pub(super) struct Driving<'a> {
     pub seed: u64,
     /// Keeps order and equivalents.
     pub keep: bool,
+    /// Keeps the wrist as it is.
+    pub keep_wrist: bool,
     /// The caller's own constraint.
     pub accept: Option<&'a Accept>,
 }
@@ -42,6 +44,7 @@ impl Driving<'_> {
         let options = RouteOptions {
             keep_order: self.keep,
             keep_angles: self.keep || self.accept.is_some(),
+            keep_wrist: self.keep_wrist,
             step_deg: self.step_deg,
             seed: self.seed,
         };

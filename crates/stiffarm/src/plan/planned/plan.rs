@@ -12,7 +12,7 @@ use crate::numerics::control::Control;
 use crate::plan::characteristic_length::with_length;
 use crate::plan::check::{prepared, robot_doubts};
 use crate::plan::feasibility::on_limits;
-use crate::plan::index::{EvaluatedGroup, GroupEvaluation};
+use crate::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
 use crate::plan::route::blocked_moves;
 use crate::plan::select::{
     GlobalOptions, LimitPrice, LocalOptions, Selection, Sensitivity, SensitivityOptions,
@@ -67,6 +67,7 @@ pub fn plan(
         seed: request.seed,
         // A search that was stopped keeps its order.
         keep: initial.is_some() || control.stopped(),
+        keep_wrist: request.index == Index::Prediction,
         accept: request.accept.as_ref(),
     };
     let (group, route) = driving.driven(&cell, &selection.group)?;

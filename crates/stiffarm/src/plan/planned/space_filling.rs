@@ -107,6 +107,7 @@ pub fn plan_space_filling(
         seed: request.seed,
         // A search that was stopped keeps its order.
         keep: found.termination == Termination::Interrupted,
+        keep_wrist: false,
         accept: None,
     };
     let (angles, route) = driving.driven(&cell, &found.postures)?;

@@ -1,5 +1,6 @@
 //! Postures that measure the same: other turns of the joints, and the wrist the other way round.
 
+use super::found::RouteOptions;
 use super::rounding::nearest;
 use crate::error::Result;
 use crate::model::cell::{Cell, PostureMargins};
@@ -18,17 +19,19 @@ pub(super) struct Equivalents<'a> {
     margins: PostureMargins<'a>,
     inverse: InverseKinematics,
     step_deg: Option<f64>,
+    keep_wrist: bool,
     most: usize,
 }
 
 impl<'a> Equivalents<'a> {
     /// Of a plan whose angles are whole steps, or any; of each posture the `most` of the smallest angles.
-    pub fn new(cell: &'a Cell, step_deg: Option<f64>, most: usize) -> Result<Self> {
+    pub fn new(cell: &'a Cell, options: &RouteOptions, most: usize) -> Result<Self> {
         Ok(Equivalents {
             cell,
             margins: cell.posture_margins()?,
             inverse: InverseKinematics::new(&cell.setup.robot),
-            step_deg,
+            step_deg: options.step_deg,
+            keep_wrist: options.keep_wrist || cell.setup.robot.spring_mixing().is_some(),
             most,
         })
     }
@@ -73,7 +76,8 @@ impl<'a> Equivalents<'a> {
     }
 
     /// Whether flange and joint axes are where they are in `frames`. An axis that points the other way
-    /// leaves a column of Ψ as it is, because the column holds the axis twice; where springs mix axes it does not.
+    /// leaves a column of Ψ as it is, because the column holds the axis twice; where springs mix axes, and beyond the
+    /// axes, it does not.
     fn has_the_same_axes(&self, frames: &Frames, q: &[f64]) -> bool {
         let robot = &self.cell.setup.robot;
         let other = Frames::new(robot, q);
@@ -88,7 +92,7 @@ impl<'a> Equivalents<'a> {
             let same = |sign: f64| {
                 (a - b * sign).norm() < SAME_AXIS && (moved - moves * sign).norm() < SAME_AXIS
             };
-            same(1.0) || (robot.spring_mixing().is_none() && same(-1.0))
+            same(1.0) || (!self.keep_wrist && same(-1.0))
         })
     }
 }

@@ -11,6 +11,9 @@ pub struct RouteOptions {
     pub keep_order: bool,
     /// Keeps their angles; else equivalent postures may stand in.
     pub keep_angles: bool,
+    /// Looks for no equivalents with the wrist the other way round: they have the same axes, but an arm that gives
+    /// way beyond them bends otherwise.
+    pub keep_wrist: bool,
     /// Steps of which the plan's angles are whole multiples \[deg\], where they are.
     pub step_deg: Option<f64>,
     /// Seed of the random numbers.

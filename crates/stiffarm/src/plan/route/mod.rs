@@ -110,7 +110,7 @@ fn standing_places(
     control: Control<'_>,
 ) -> Result<(Vec<Vec<f64>>, Vec<usize>)> {
     let most = (MOST_PLACES / plan.len().max(1)).clamp(1, MOST_EQUIVALENTS);
-    let mut equivalents = Equivalents::new(cell, options.step_deg, most)?;
+    let mut equivalents = Equivalents::new(cell, options, most)?;
     let (mut stands, mut of) = (Vec::new(), Vec::new());
     for (posture, q) in plan.iter().enumerate() {
         control.check()?;

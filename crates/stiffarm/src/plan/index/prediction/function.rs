@@ -51,6 +51,37 @@ impl PredictionFunction {
         })
     }
 
+    /// Of `candidates` the one that is worth most beside the free postures `q` \[rad\] but the one at `at`; `None`
+    /// where the others do not determine every joint.
+    pub(crate) fn best_instead(
+        &mut self,
+        q: &[f64],
+        at: usize,
+        candidates: &[&[f64]],
+    ) -> Option<usize> {
+        if !self.place(q) {
+            return None;
+        }
+        let per = self.model.rows_per_posture();
+        let others = Rows {
+            all: self
+                .rows
+                .all
+                .clone()
+                .remove_rows(self.given + per * at, per),
+            fixed: self.rows.fixed,
+        };
+        let mut terms = self.terms[at].clone();
+        let readings = |q: &&[f64]| {
+            terms.update(&self.setup, q).ok()?;
+            Some(self.model.readings(&terms))
+        };
+        let blocks: Option<Vec<DMatrix<f64>>> = candidates.iter().map(readings).collect();
+        let all = self.model.stacked(&blocks?);
+        let (gains, _) = Posterior::new(&others)?.gains(&all, per, self.model.targets())?;
+        (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]))
+    }
+
     /// ln of the index at the free postures `q` \[rad\], one after the other; infinite
     /// where it does not exist.
     pub(crate) fn value(&mut self, q: &[f64]) -> f64 {

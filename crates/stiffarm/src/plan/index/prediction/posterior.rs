@@ -101,6 +101,26 @@ impl<'a> Posterior<'a> {
     }
 }
 
+impl Posterior<'_> {
+    /// What each candidate, `per` rows of `all`, would take from the mean square error of `targets`, and the error
+    /// without any: with P the covariance of what its readings and the targets leave open, ‖(P_cc + I)^(−1/2) P_ct‖².
+    pub(crate) fn gains(&self, all: &Rows, per: usize, targets: &Rows) -> Option<(Vec<f64>, f64)> {
+        let predicted = self.open(targets)?;
+        let open = self.open(all)?;
+        let cross = open.covariance(&predicted);
+        let gains = (0..all.all.nrows() / per).map(|c| {
+            let own = open.own(per * c, per);
+            let factor = Cholesky::new(own + DMatrix::identity(per, per))?;
+            let mut seen = cross.rows(per * c, per).into_owned();
+            factor
+                .l_dirty()
+                .solve_lower_triangular_mut(&mut seen)
+                .then(|| seen.norm_squared())
+        });
+        Some((gains.collect::<Option<Vec<f64>>>()?, predicted.variance()))
+    }
+}
+
 /// What the readings of a group leave open of further rows: their covariance is
 /// U Uᵀ − cᵀc + d dᵀ.
 pub(crate) struct Open<'b> {

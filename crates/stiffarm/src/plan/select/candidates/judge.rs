@@ -11,8 +11,8 @@ use crate::plan::index::criterion::Criterion;
 use crate::plan::index::inputs::{Inputs, criterion, log_factor};
 use crate::plan::index::prediction::{Posterior, PredictionModel, Rows};
 use crate::plan::select::exchange::Judge;
+use nalgebra::DMatrix;
 use nalgebra::linalg::Cholesky;
-use nalgebra::{DMatrix, Dyn};
 
 /// What branch and bound needs beside the judgement.
 pub(super) trait Bounded: Judge + Clone + Send + Sync {
@@ -227,35 +227,15 @@ impl PredictionJudge {
             fixed: self.all.fixed,
         }
     }
-
-    /// What each candidate takes from the mean square error: with P the covariance of
-    /// what its readings and the targets leave open, ‖(P_cc + I)^(−1/2) P_ct‖².
-    fn gains(&self, rest: &[usize]) -> Option<(Vec<f64>, f64)> {
-        let rows = self.rows_of(rest);
-        let posterior = Posterior::new(&rows)?;
-        let targets = self.model.targets();
-        let predicted = posterior.open(targets)?;
-        let error = predicted.variance();
-        let open = posterior.open(&self.all)?;
-        let cross = open.covariance(&predicted);
-        let per = self.model.rows_per_posture();
-        let gains = (0..self.all.all.nrows() / per).map(|c| {
-            let own = open.own(per * c, per);
-            let factor = Cholesky::<f64, Dyn>::new(own + DMatrix::identity(per, per))?;
-            let mut seen = cross.rows(per * c, per).into_owned();
-            factor
-                .l_dirty()
-                .solve_lower_triangular_mut(&mut seen)
-                .then(|| seen.norm_squared())
-        });
-        Some((gains.collect::<Option<Vec<f64>>>()?, error))
-    }
 }
 
 impl Judge for PredictionJudge {
     fn hold(&mut self, rest: &[usize]) {
         self.held = rest.to_vec();
-        self.gains = self.gains(rest);
+        let rows = self.rows_of(rest);
+        let per = self.model.rows_per_posture();
+        let posterior = Posterior::new(&rows);
+        self.gains = posterior.and_then(|p| p.gains(&self.all, per, self.model.targets()));
     }
 
     fn with(&mut self, candidate: usize) -> f64 {

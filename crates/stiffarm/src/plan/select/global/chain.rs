@@ -139,8 +139,27 @@ impl Chain {
             .iter()
             .flat_map(|at| pool.angles(*at).iter().copied())
             .collect();
+        if by_exchange {
+            for p in 0..self.count {
+                self.exchange(rng, pool, &mut x, p);
+            }
+        }
         self.add_load(rng, &mut x);
         x
+    }
+
+    /// Puts the candidate that is worth most in the place of posture `p`; true where that could be told.
+    fn exchange(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, x: &mut [f64], p: usize) -> bool {
+        if !self.local.predicts() {
+            return false;
+        }
+        let drawn = self.candidates(rng, pool);
+        let candidates: Vec<&[f64]> = drawn.iter().map(|at| pool.angles(*at)).collect();
+        let best = self.local.best_instead(x, p, &candidates);
+        if let Some(best) = best {
+            x[p * self.joints..(p + 1) * self.joints].copy_from_slice(candidates[best]);
+        }
+        best.is_some()
     }
 
     /// True when the pool's information is that of the search: it is not where
@@ -193,8 +212,10 @@ impl Chain {
                     own[j] = lower[j] + (upper[j] - lower[j]) * rng.random::<f64>();
                 }
                 _ => {
-                    let at = rng.random_range(0..pool.len());
-                    own.copy_from_slice(pool.angles(at));
+                    if !self.exchange(rng, pool, &mut x, p) {
+                        let at = rng.random_range(0..pool.len());
+                        x[p * n..(p + 1) * n].copy_from_slice(pool.angles(at));
+                    }
                 }
             }
         }

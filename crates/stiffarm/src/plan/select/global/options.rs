@@ -54,8 +54,8 @@ impl Schedule {
         if index == Index::Prediction {
             return Schedule {
                 tries: 1,
-                rounds: 20,
-                patience: 8,
+                rounds: 24,
+                patience: 10,
             };
         }
         // Many local minima take more rounds, and large groups longer rounds.
