@@ -79,7 +79,7 @@ pub fn run_captured(words: &[OsString], host: Host) -> Captured {
 fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: Host) -> u8 {
     // What help and usage errors need before the words are parsed.
     let color = args::color_of(words);
-    let command = Cli::command().color(color);
+    let command = args::grouped(Cli::command()).color(color);
     let parsed = command.try_get_matches_from(words);
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,

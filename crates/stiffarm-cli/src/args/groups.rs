@@ -1,0 +1,130 @@
+//! The commands as `stiffarm --help` lists them: by what a day's work asks for.
+
+use crate::screen::{columns, lines};
+use clap::Command;
+
+/// Groups of commands, in the order of the work.
+const GROUPS: [(&str, &[&str]); 5] = [
+    (
+        "Plan",
+        &[
+            "init", "check", "select", "evaluate", "simulate", "coverage", "zones", "robots",
+            "capsules",
+        ],
+    ),
+    (
+        "Measure",
+        &["route", "export", "pose", "register", "measure"],
+    ),
+    ("Identify", &["identify", "validate"]),
+    ("Work", &["predict", "compensate", "map"]),
+    ("Show", &["study", "report", "schema", "completions", "man"]),
+];
+
+/// Of commands with many options those that `-h` shows; `--help` shows all.
+const EVERYDAY: [(&str, &[&str]); 2] = [
+    (
+        "select",
+        &[
+            "index",
+            "count",
+            "curve",
+            "candidates",
+            "given",
+            "add",
+            "time_limit",
+            "seed",
+            "output",
+            "sheet",
+            "report",
+            "force",
+            "details",
+        ],
+    ),
+    (
+        "identify",
+        &[
+            "postures",
+            "registration",
+            "exclude",
+            "elastic",
+            "estimator",
+            "noise",
+            "output",
+            "report",
+            "force",
+            "details",
+        ],
+    ),
+];
+
+/// Columns before what a command does.
+const NAMES: usize = 15;
+
+/// The command with its help by groups; a command that stands in none is not listed.
+pub fn grouped(command: Command) -> Command {
+    let header = command.get_styles().get_header();
+    let between = format!("\n{}", " ".repeat(NAMES));
+    let mut listed = String::new();
+    for (heading, names) in GROUPS {
+        listed += &format!("{header}{heading}:{header:#}\n");
+        for name in names {
+            let about = command.find_subcommand(name).and_then(Command::get_about);
+            let about = about.map(ToString::to_string).unwrap_or_default();
+            let about = lines(&about, columns().saturating_sub(NAMES)).join(&between);
+            listed += &format!("  {name:<width$}{about}\n", width = NAMES - 2);
+        }
+    }
+    EVERYDAY
+        .iter()
+        .fold(command, |command, (name, options)| {
+            command.mut_subcommand(name, |one| {
+                one.mut_args(|arg| {
+                    let shown = arg.is_positional() || options.contains(&arg.get_id().as_str());
+                    arg.hide_short_help(!shown)
+                })
+            })
+        })
+        .mut_subcommands(|one| one.hide(true))
+        .override_usage("stiffarm [OPTIONS] <COMMAND>")
+        .before_help(listed)
+        .help_template(
+            "{about-with-newline}\n{usage-heading} {usage}\n\n{before-help}{all-args}{after-help}",
+        )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn every_command_stands_in_one_group() {
+        let command = crate::args::Cli::command();
+        let shown = command.get_subcommands().filter(|one| !one.is_hide_set());
+        let mut shown: Vec<&str> = shown.map(Command::get_name).collect();
+        let mut listed: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|(_, names)| *names)
+            .copied()
+            .collect();
+        shown.sort_unstable();
+        listed.sort_unstable();
+        assert_eq!(shown, listed);
+    }
+
+    #[test]
+    fn everyday_options_are_options() {
+        let command = crate::args::Cli::command();
+        for (name, options) in EVERYDAY {
+            let one = command.find_subcommand(name).unwrap();
+            for option in options {
+                let mut arguments = one.get_arguments();
+                assert!(
+                    arguments.any(|arg| arg.get_id() == option),
+                    "{name} {option}"
+                );
+            }
+        }
+    }
+}
