@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell_bytes_with;
 use stiffarm::files::table::sha256_hex;
-use stiffarm::plan::characteristic_length::with_length;
+use stiffarm::plan::check::prepared;
 use stiffarm::{Cell, Code, Error, Result};
 
 /// A robot cell, ready to be used.
@@ -58,10 +58,10 @@ impl PyCell {
         })
     }
 
-    /// The cell with the characteristic length of Eq. (20), where the robot has one.
+    /// The cell with the characteristic length of Eq. (20), where the robot has one, and the springs that its load can
+    /// determine.
     pub fn complete(&self) -> &Cell {
-        self.complete
-            .get_or_init(|| with_length(self.cell.clone()).0)
+        self.complete.get_or_init(|| prepared(&self.cell, true).0)
     }
 
     /// SHA-256 of the text and of each mesh, by its role; meshes are large, and every call asks.

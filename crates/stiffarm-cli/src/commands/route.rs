@@ -92,8 +92,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     };
     let envelope = session.envelope("route", Some(args.seed), options, &result);
     session.deliver_told(None, &envelope, &named, args.details)?;
-    let serious = |f: &Finding| f.severity == Severity::Serious;
-    Ok(Exit::finding(result.findings.iter().any(serious)))
+    Ok(Exit::of_findings(&result.findings))
 }
 
 /// The stops under the names that their postures have in the plan.

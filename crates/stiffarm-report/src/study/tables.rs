@@ -161,7 +161,8 @@ fn expected(study: &Study) -> Table {
 }
 
 fn illustration_case(study: &Study) -> Table {
-    let published = published_for(&study.robot);
+    // The paper's rows are those of all six joints.
+    let published = published_for(&study.robot).filter(|_| study.joints.len() == 6);
     let cases = illustration(study);
     let mut headings = vec!["joint".to_string()];
     headings.extend(cases.iter().map(|(name, _)| (*name).to_string()));
@@ -326,7 +327,8 @@ fn stiffness(study: &Study) -> Table {
 
 /// The same side by side, beside the paper's Table 6, for the page.
 pub(crate) fn stiffness_side_by_side(study: &Study) -> Table {
-    let published = published_for(&study.robot);
+    // The paper's rows are those of all six joints.
+    let published = published_for(&study.robot).filter(|_| study.joints.len() == 6);
     let mut headings = vec!["joint".to_string(), "truth".to_string()];
     headings.extend(study.groups.iter().map(|g| g.name.clone()));
     if published.is_some() {

@@ -158,10 +158,12 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let ratio = Quantity::RATIO.digits(4);
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
-    let mut findings = context.saved.findings().into_iter();
-    let which = match findings.any(|f| f.code == LEFT_OUT) {
-        true => "every other",
-        false => "every",
+    let findings = context.saved.findings();
+    let left_out = findings.iter().filter(|f| f.code == LEFT_OUT);
+    let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
+    let which = match left_out.is_empty() {
+        true => "every joint".to_string(),
+        false => format!("all but {}", list(&left_out)),
     };
     DataTable::of(caption, "group", names)
         .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
@@ -186,6 +188,6 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
                 true => ", but too unsure",
                 false => "",
             };
-            format!("{which} joint{unsure}").into()
+            format!("{which}{unsure}").into()
         })
 }

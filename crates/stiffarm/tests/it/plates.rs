@@ -101,8 +101,21 @@ fn the_indices_of_the_others_are_those_of_their_columns() {
 
 #[test]
 fn gradients_of_the_others_are_those_of_differences() {
-    let (_, others) = plates();
+    let (_, mut others) = plates();
     let group = random_group();
+    // Work that pushes sideways turns the joint that was left out.
+    let found = evaluate(&others, "sideways", &group).unwrap().indices;
+    assert_eq!((found.task, found.prediction), (None, None));
+    for index in [Index::Task, Index::Prediction] {
+        let error = IndexFunction::new(&others, index, group.len())
+            .err()
+            .unwrap();
+        assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
+        assert!(error.message().contains("turns joint 1"), "{error}");
+    }
+    for task in &mut others.tasks {
+        (task.wrench, task.axes) = (Wrench::force(Vector3::z() * -300.0), Axes::Base);
+    }
     let at: Vec<f64> = group.iter().flatten().copied().collect();
     for index in Index::ALL {
         let mut function = IndexFunction::new(&others, index, group.len()).unwrap();

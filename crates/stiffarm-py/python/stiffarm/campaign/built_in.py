@@ -18,9 +18,16 @@ from .kinds import Known, text
 from .task import Task
 
 
-def by_joint(stem: str, values: Sequence[Any] | None) -> dict[str, Any]:
-    """Columns ``stem_joint1``, ``stem_joint2``, …"""
-    return {f"{stem}_joint{number}": value for number, value in enumerate(values or (), start=1)}
+def by_joint(stem: str, values: Sequence[Any] | None, numbers: Sequence[int] | None = None) -> dict[str, Any]:
+    """Columns ``stem_joint1``, ``stem_joint2``, …, or those of the joints with these ``numbers``."""
+    each = values or ()
+    return {f"{stem}_joint{number}": value for number, value in zip(numbers or range(1, len(each) + 1), each)}
+
+
+def _numbers(cell: Any, joints: Sequence[str]) -> list[int]:
+    """Numbers of the joints that a result speaks of: the load of the cell may leave some out."""
+    names = list(cell.spring_names)
+    return [names.index(joint) + 1 for joint in joints]
 
 
 #: Indices that are not numbers alone.
@@ -62,7 +69,8 @@ def select(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
     figures |= {name: data[name] for name in ("evaluations", "rounds", "termination")}
     if data.get("certificate"):
         figures["efficiency"] = data["certificate"].get("efficiency")
-    figures |= by_joint("expected_relative_deviation", evaluation["expected_deviation"])
+    numbers = _numbers(cell_of(values, shared), data["joints"])
+    figures |= by_joint("expected_relative_deviation", evaluation["expected_deviation"], numbers)
     figures["postures_deg"] = data["postures_deg"]
     return figures
 
@@ -77,10 +85,11 @@ def _group(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]
 def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
     """Deviations of the stiffness over simulated identifications, relative to the truth."""
     own = {k: v for k, v in options.items() if k not in ("select", "postures_file")}
+    cell = cell_of(values, shared)
     result = commands.simulate(
-        cell_of(values, shared), _group(values, options, shared), levels=[1.0], seed=values.get("seed", 1), **own
-    )
-    group = result.to_dict()["groups"][0]
+        cell, _group(values, options, shared), levels=[1.0], seed=values.get("seed", 1), **own
+    ).to_dict()
+    group = result["groups"][0]
     level = group["levels"][0]
     mean = level["mean_deviation"]
     figures: dict[str, Any] = {
@@ -88,9 +97,10 @@ def simulate(values: Values, options: Mapping[str, Any], shared: Mapping[str, An
         "relative_deviation_worst_joint": max(mean),
         "runs": level["runs"],
     }
-    figures |= by_joint("relative_deviation", mean)
-    figures |= by_joint("relative_deviation_standard_error", level["standard_error"])
-    figures |= by_joint("expected_relative_deviation", level["expected_deviation"])
+    numbers = _numbers(cell, result["joints"])
+    figures |= by_joint("relative_deviation", mean, numbers)
+    figures |= by_joint("relative_deviation_standard_error", level["standard_error"], numbers)
+    figures |= by_joint("expected_relative_deviation", level["expected_deviation"], numbers)
     figures["postures_deg"] = group["postures_deg"]
     return figures
 

@@ -122,18 +122,20 @@ def expected(
     if isinstance(value, Evaluated):
         data = value.to_dict()
         groups = [group.get("evaluation", group) for group in data["groups"]]
-        rows = [(group["name"], group) for group in groups]
-        joints = data["joints"]
+        rows = [(group["name"], {**group, "joints": data["joints"]}) for group in groups]
     else:
         plans = _look.by_name(value, Plan, "what evaluate or select found")
-        rows = [(name, plan.to_dict()["evaluation"]) for name, plan in plans.items()]
-        joints = next(iter(plans.values())).to_dict()["joints"]
+        dicts = {name: plan.to_dict() for name, plan in plans.items()}
+        rows = [(name, {**plan["evaluation"], "joints": plan["joints"]}) for name, plan in dicts.items()]
+    # The load of a cell may leave joints out.
+    longest_first = sorted((row["joints"] for _, row in rows), key=len, reverse=True)
+    joints = list(dict.fromkeys(joint for own in longest_first for joint in own))
     with _look.axes(ax, width_in, 2.5) as into:
         _look.light_grid(into, "y")
         entries = []
         for g, (name, row) in enumerate(rows):
-            y = 100 * _look.floats(row.get("relative_standard_error") or [None] * len(joints))
-            x = np.arange(len(joints)) + _side(g, len(rows))
+            y = 100 * _look.floats(row.get("relative_standard_error") or [None] * len(row["joints"]))
+            x = np.array([joints.index(joint) for joint in row["joints"]]) + _side(g, len(rows))
             (line,) = into.plot(x, y, _look.marker(g), color=_look.colour(g), markersize=5)
             entries.append((line, name))
         _look.plain_log(into)

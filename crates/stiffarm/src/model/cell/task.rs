@@ -56,10 +56,28 @@ impl Task {
     /// Γ = Jᵀ W there, both mixed by E⁻¹ where the springs are not the joints.
     ///
     /// # Errors
-    /// As [`PostureTerms::new`].
+    /// As [`PostureTerms::new`]; a task that turns a joint which the robot has as rigid.
     pub fn block(&self, robot: &Robot) -> Result<DMatrix<f64>> {
-        let terms = PostureTerms::new(&self.setup(robot), &self.q, None)?;
-        Ok(terms.block(robot))
+        Ok(self.terms(robot)?.1.block(robot))
+    }
+
+    /// The set-up of the task, and its terms.
+    ///
+    /// # Errors
+    /// As [`block`](Self::block).
+    pub(crate) fn terms(&self, robot: &Robot) -> Result<(Setup, PostureTerms)> {
+        let setup = self.setup(robot);
+        let terms = PostureTerms::new(&setup, &self.q, None)?;
+        if let Some(joint) = robot.left_out_but_turned(terms.torque()) {
+            let message = format!(
+                "Task {} turns {joint}, of which the load of the cell tells nothing.",
+                self.name
+            );
+            return Err(Error::new(Code::NotIdentifiable, message)
+                .key("task")
+                .hint("leave the task out, or add a load that turns the joint (load.case)"));
+        }
+        Ok((setup, terms))
     }
 }
 

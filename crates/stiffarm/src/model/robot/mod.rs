@@ -58,6 +58,8 @@ pub struct Robot {
     spring_mixing: Option<DMatrix<f64>>,
     /// The joints, or elastic coordinates, that have a spring; all but where some are left out.
     springs: Vec<usize>,
+    /// Those that were left out, each with its column of E⁻¹.
+    left_out: Vec<(usize, DVector<f64>)>,
     gravity_direction: Vector3<f64>,
     origin: Origin,
     shapes: Shapes,
@@ -106,6 +108,7 @@ impl Robot {
             coupling: DMatrix::identity(n, n),
             spring_mixing: None,
             springs: (0..n).collect(),
+            left_out: Vec::new(),
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
             shapes: Shapes::default(),
@@ -135,6 +138,7 @@ impl Robot {
         let identity = DMatrix::identity(self.joint_count(), self.joint_count());
         self.spring_mixing = (e_from_theta != identity).then_some(inverse);
         self.springs = (0..self.joint_count()).collect();
+        self.left_out.clear();
         Ok(self)
     }
 
@@ -148,6 +152,11 @@ impl Robot {
         let mixing = self.spring_mixing.take();
         let mixing =
             mixing.unwrap_or_else(|| DMatrix::identity(n, n).select_columns(&self.springs));
+        for (s, spring) in self.springs.iter().enumerate() {
+            if !kept.contains(&s) {
+                self.left_out.push((*spring, mixing.column(s).into_owned()));
+            }
+        }
         self.spring_mixing = Some(mixing.select_columns(kept));
         self.springs = kept.iter().map(|s| self.springs[*s]).collect();
         self
@@ -323,6 +332,24 @@ impl Robot {
     pub fn spring_names(&self) -> Vec<String> {
         let springs = self.springs.iter();
         springs.map(|s| self.joints[*s].name.clone()).collect()
+    }
+
+    /// True where springs lie on no single joint's axis.
+    pub(crate) fn mixes_springs(&self) -> bool {
+        let mixed = |mixing: &DMatrix<f64>| {
+            let mut columns = mixing.column_iter();
+            columns.any(|column| column.iter().filter(|v| **v != 0.0).count() > 1)
+        };
+        self.spring_mixing.as_ref().is_some_and(mixed)
+    }
+
+    /// Name of a joint that was left out and that the joint torques Γ \[N·m\] turn.
+    pub(crate) fn left_out_but_turned(&self, torque: &[f64]) -> Option<&str> {
+        let torque = DVector::from_column_slice(torque);
+        let rounding = 1e-9 * torque.amax();
+        let mut left_out = self.left_out.iter();
+        let turned = left_out.find(|(_, column)| column.dot(&torque).abs() > rounding);
+        turned.map(|(joint, _)| self.joints[*joint].name.as_str())
     }
 
     /// True when no limits of the controller angles were given and ±360° stand

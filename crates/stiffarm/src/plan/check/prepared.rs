@@ -15,17 +15,20 @@ pub const LEFT_OUT: &str = "joint-left-out";
 /// Postures that are looked at for a spring that moves a measuring point.
 const POSTURES: u32 = 64;
 
-/// The cell that a plan is made for, and what to distrust about it: its characteristic length computed where it was
-/// left open, and as [`determinable`].
-pub fn prepared(cell: &Cell) -> (Cell, Vec<Finding>) {
-    let (cell, left_out) = determinable(cell.clone());
+/// The cell of a plan, with its characteristic length, and [`determinable`] where its load is `given`; and what to
+/// distrust about it.
+pub fn prepared(cell: &Cell, given: bool) -> (Cell, Vec<Finding>) {
+    let (cell, left_out) = match given {
+        true => determinable(cell.clone()),
+        false => (cell.clone(), Vec::new()),
+    };
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(left_out);
     (with_length(cell).0, findings)
 }
 
-/// The cell with those springs alone that its load moves a measuring point by, and a finding [`LEFT_OUT`]
-/// for each of the others.
+/// The cell with those springs alone whose loads move a measuring point, and a finding [`LEFT_OUT`] for each of the
+/// others.
 ///
 /// A weight on an arm that stands on the floor has no torque about joint 1 whatever the posture: its column of the
 /// observation matrix is zero, and with it no index would exist. The remaining columns are those of the whole cell.
@@ -39,7 +42,7 @@ pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
     let looked_at: Vec<&PostureTerms> = terms.iter().collect();
     let finding = |j: &usize| {
         let name = &names[*j];
-        let why = reason(&cell, &looked_at, *j, &left_out);
+        let why = reason(&cell, &looked_at, *j, &[*j]);
         let sentence = format!(
             "No posture within the bounds determines {name} under the load of this cell: {why}. Plans and what they \
              promise leave it out, as if it were rigid."
@@ -55,8 +58,8 @@ pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
     (cell, findings)
 }
 
-/// The springs whose columns of Ψ are zero at all postures, and the terms of these; `None` where there is no such
-/// spring, or no other.
+/// Terms at all postures, and the springs whose columns of Ψ are zero there; `None` where there is no such spring, or
+/// no other.
 fn left_out(cell: &Cell) -> Option<(Vec<PostureTerms>, Vec<usize>)> {
     let robot = &cell.setup.robot;
     let count = robot.spring_count();

@@ -334,7 +334,12 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     }
     let task = match cell.tasks.is_empty() {
         true => None,
-        false => weighted.mapped_error(&task_rows(cell)?).map(|e| std * e),
+        false => match task_rows(cell) {
+            Ok(rows) => weighted.mapped_error(&rows).map(|e| std * e),
+            // A task that turns what is left out.
+            Err(error) if error.code() == Code::NotIdentifiable => None,
+            Err(error) => return Err(error),
+        },
     };
     let rms = rms(&relative);
     let worst = relative

@@ -97,12 +97,10 @@ impl Evaluated {
             .iter()
             .map(|g| EvaluatedGroup::new(&cell, &g.name, &g.postures))
             .collect::<Result<Vec<_>>>()?;
+        left_out.extend(findings(&cell, groups, &evaluated));
         Ok(Evaluated {
             joints: cell.setup.robot.spring_names(),
-            findings: {
-                left_out.extend(findings(&cell, groups, &evaluated));
-                left_out
-            },
+            findings: left_out,
             groups: evaluated,
         })
     }

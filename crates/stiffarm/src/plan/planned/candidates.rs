@@ -101,7 +101,10 @@ pub fn plan_candidates(
     control: Control<'_>,
 ) -> Result<Planned<Chosen, ChosenOptions>> {
     check_count(request.postures)?;
-    let (cell, mut findings) = prepared(cell);
+    let measured = |c: &Candidate| c.wrench.is_some() || c.states.iter().any(|s| s.1.is_some());
+    let measured_wrenches = candidates.iter().any(measured);
+    // The wrenches of measured postures are not the load of the cell.
+    let (cell, mut findings) = prepared(cell, !measured_wrenches);
     let (index, count) = (request.index, request.postures);
     let options = CandidateOptions {
         seed: request.seed,
@@ -120,7 +123,7 @@ pub fn plan_candidates(
     let result = Chosen {
         joints: cell.setup.robot.spring_names(),
         candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
-        measured_wrenches: candidates.iter().any(|c| c.wrench.is_some()),
+        measured_wrenches,
         postures: postures.iter().map(|p| p.q.clone()).collect(),
         posture_names: postures.iter().map(|p| p.name.clone()).collect(),
         findings,

@@ -118,7 +118,7 @@ pub fn plan_curve(
     control: Control<'_>,
 ) -> Result<Planned<Curve, CurveOptions>> {
     check_count(request.postures)?;
-    let (cell, findings) = prepared(cell);
+    let (cell, findings) = prepared(cell, true);
     let (index, largest) = (request.index, request.postures);
     let global = GlobalOptions {
         seed: request.seed,

@@ -79,7 +79,7 @@ pub fn plan_drop(
     request: &DropRequest,
     control: Control<'_>,
 ) -> Result<Planned<DropResult, DropOptions>> {
-    let (cell, mut findings) = prepared(cell);
+    let (cell, mut findings) = prepared(cell, true);
     let dropped = drop_postures(&cell, request.index, given, request.drop, control);
     let dropped = dropped.map_err(|error| match (error.code(), given.len()) {
         (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", given.len() - 1)),

@@ -9,8 +9,7 @@ use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
-use crate::plan::characteristic_length::with_length;
-use crate::plan::check::{prepared, robot_doubts};
+use crate::plan::check::prepared;
 use crate::plan::feasibility::on_limits;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
 use crate::plan::route::blocked_moves;
@@ -49,11 +48,9 @@ pub fn plan(
     control: Control<'_>,
 ) -> Result<Planned<Plan, PlanOptions>> {
     request.check()?;
-    let (cell, mut findings) = match request.load.is_empty() {
-        true => prepared(cell),
-        // A load that is chosen may reach what the cell's own does not.
-        false => (with_length(cell.clone()).0, robot_doubts(&cell.setup.robot)),
-    };
+    // A load that may move can reach what the cell's own does not.
+    let moves = request.load.anchor.is_some() || request.load.loading_point.is_some();
+    let (cell, mut findings) = prepared(cell, !moves);
     let global = global_options(request);
     let initial = request.initial.as_deref();
     let given = request.given.as_slice();

@@ -100,7 +100,7 @@ pub fn plan_space_filling(
     control: Control<'_>,
 ) -> Result<Planned<SpaceFillingPlan, SpaceFillingOptions>> {
     check_count(request.postures)?;
-    let (cell, mut findings) = prepared(cell);
+    let (cell, mut findings) = prepared(cell, true);
     let found = space_filling(&cell, request.postures, request.seed, control)?;
     let driving = Driving {
         step_deg: request.angle_step_deg,

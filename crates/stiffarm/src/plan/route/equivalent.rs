@@ -1,4 +1,4 @@
-//! Postures that measure the same: other turns of the joints, and the wrist the other way round.
+//! Postures that measure the same about the joint axes: other turns of the joints, and the wrist the other way round.
 
 use super::found::RouteOptions;
 use super::rounding::nearest;
@@ -31,7 +31,7 @@ impl<'a> Equivalents<'a> {
             margins: cell.posture_margins()?,
             inverse: InverseKinematics::new(&cell.setup.robot),
             step_deg: options.step_deg,
-            keep_wrist: options.keep_wrist || cell.setup.robot.spring_mixing().is_some(),
+            keep_wrist: options.keep_wrist || cell.setup.robot.mixes_springs(),
             most,
         })
     }

@@ -3,8 +3,8 @@
 //!
 //! Selection decides which postures are worth measuring; nothing here changes what they are worth, but
 //! for the rounding of their angles. Postures are measured standing still, so the order is free,
-//! and of the postures that measure the same (other turns, the wrist the other way round) the one
-//! is taken that is nearest.
+//! and of the postures that measure the same (other turns; about the axes alone also the wrist the other
+//! way round, see [`RouteOptions::keep_wrist`]) the one is taken that is nearest.
 
 mod blocked;
 mod equivalent;

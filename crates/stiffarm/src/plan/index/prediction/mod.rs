@@ -273,11 +273,7 @@ impl PredictionModel {
 /// No tasks where the load comes with measurements; no posture inside the limits.
 pub(crate) fn work_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
     if !cell.tasks.is_empty() {
-        let at_task = |task: &Task| {
-            let setup = task.setup(&cell.setup.robot);
-            let terms = PostureTerms::new(&setup, &task.q, None)?;
-            Ok((setup, terms))
-        };
+        let at_task = |task: &Task| task.terms(&cell.setup.robot);
         return cell.tasks.iter().map(at_task).collect();
     }
     if cell.setup.load == Load::Measured {

@@ -35,6 +35,7 @@ pub(super) struct Chain {
     pub local: Local,
     criterion: Criterion,
     base: Base,
+    index: Index,
     joints: usize,
     count: usize,
     /// Where the chain is now.
@@ -52,6 +53,7 @@ impl Chain {
             local,
             criterion,
             base,
+            index,
             joints,
             count,
             current: None,
@@ -150,7 +152,7 @@ impl Chain {
 
     /// Puts the candidate that is worth most in the place of posture `p`; true where that could be told.
     fn exchange(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, x: &mut [f64], p: usize) -> bool {
-        if !self.local.predicts() {
+        if self.index != Index::Prediction {
             return false;
         }
         let drawn = self.candidates(rng, pool);

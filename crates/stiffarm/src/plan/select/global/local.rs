@@ -148,11 +148,6 @@ impl Local {
         accept.is_none_or(|accept| accept.accepts_all(&x[..self.angles], self.joints))
     }
 
-    /// True under the index prediction.
-    pub fn predicts(&self) -> bool {
-        self.function.index() == Index::Prediction
-    }
-
     /// As `PredictionFunction::best_instead`; `None` under another index.
     pub fn best_instead(&mut self, x: &[f64], at: usize, candidates: &[&[f64]]) -> Option<usize> {
         let function = self.function.prediction_mut()?;
