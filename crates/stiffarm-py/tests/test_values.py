@@ -445,3 +445,16 @@ def test_serious_findings_of_readings_are_counted() -> None:
     wrong = stiffarm.identify(cell, frame, brief=True)
     assert [finding.code for finding in wrong.findings if finding.severity == "serious"] == ["exchanged-points"]
     assert repr(wrong).endswith("; 1 serious finding>")
+
+
+def test_plates_leave_joint_1_out_everywhere(cell: stiffarm.Cell, group: stiffarm.Postures) -> None:
+    hung = cell.with_changes({"load": stiffarm.weight(mass_kg=50), "limits": {"rope_length_mm": None}, "task": None})
+    found = stiffarm.evaluate(hung, group)
+    assert found.to_dict()["joints"] == [f"joint {j}" for j in range(2, 7)]
+    assert [finding.subject for finding in found.findings if finding.code == "joint-left-out"] == ["joint 1"]
+    of_arrays = stiffarm.indices(hung, group.angles, ["expected_error", "d"])
+    for name, value in of_arrays.items():
+        assert value == pytest.approx(found.to_dict()["groups"][0]["indices"][name], rel=1e-9)
+    plans = {name: stiffarm.select(one, count=3, rounds=1) for name, one in (("plates", hung), ("rope", cell))}
+    ticks = stiffarm.plot.expected(plans).get_xticklabels()
+    assert [tick.get_text() for tick in ticks] == [f"joint {j}" for j in range(1, 7)]
