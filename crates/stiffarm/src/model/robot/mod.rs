@@ -56,9 +56,7 @@ pub struct Robot {
     coupling: DMatrix<f64>,
     /// Columns of the θ-from-e matrix E⁻¹ (n × springs) when the springs are not the joint axes.
     spring_mixing: Option<DMatrix<f64>>,
-    /// The joints, or elastic coordinates, that have a spring; all but where some are left out.
-    springs: Vec<usize>,
-    /// Those that were left out, each with its column of E⁻¹.
+    /// The joints, or elastic coordinates, whose springs were left out, each with its column of E⁻¹.
     left_out: Vec<(usize, DVector<f64>)>,
     gravity_direction: Vector3<f64>,
     origin: Origin,
@@ -107,7 +105,6 @@ impl Robot {
             offset: DVector::from_iterator(n, rows.iter().map(|r| r.offset)),
             coupling: DMatrix::identity(n, n),
             spring_mixing: None,
-            springs: (0..n).collect(),
             left_out: Vec::new(),
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
@@ -137,7 +134,6 @@ impl Robot {
         let inverse = self.check_square("E (elastic_from_theta)", &e_from_theta)?;
         let identity = DMatrix::identity(self.joint_count(), self.joint_count());
         self.spring_mixing = (e_from_theta != identity).then_some(inverse);
-        self.springs = (0..self.joint_count()).collect();
         self.left_out.clear();
         Ok(self)
     }
@@ -150,15 +146,14 @@ impl Robot {
     pub(crate) fn with_springs(mut self, kept: &[usize]) -> Self {
         let n = self.joint_count();
         let mixing = self.spring_mixing.take();
-        let mixing =
-            mixing.unwrap_or_else(|| DMatrix::identity(n, n).select_columns(&self.springs));
-        for (s, spring) in self.springs.iter().enumerate() {
+        let mixing = mixing.unwrap_or_else(|| DMatrix::identity(n, n));
+        let springs: Vec<usize> = self.springs().collect();
+        for (s, spring) in springs.into_iter().enumerate() {
             if !kept.contains(&s) {
-                self.left_out.push((*spring, mixing.column(s).into_owned()));
+                self.left_out.push((spring, mixing.column(s).into_owned()));
             }
         }
         self.spring_mixing = Some(mixing.select_columns(kept));
-        self.springs = kept.iter().map(|s| self.springs[*s]).collect();
         self
     }
 
@@ -325,13 +320,20 @@ impl Robot {
 
     /// Number of springs, the unknowns of an identification: n but where some are left out.
     pub fn spring_count(&self) -> usize {
-        self.springs.len()
+        self.joints.len() - self.left_out.len()
     }
 
     /// Names of the springs, in the order of the columns of Ψ.
     pub fn spring_names(&self) -> Vec<String> {
-        let springs = self.springs.iter();
-        springs.map(|s| self.joints[*s].name.clone()).collect()
+        self.springs()
+            .map(|s| self.joints[s].name.clone())
+            .collect()
+    }
+
+    /// The joints, or elastic coordinates, that have a spring.
+    fn springs(&self) -> impl Iterator<Item = usize> {
+        let is_left_out = |joint: usize| self.left_out.iter().any(|(own, _)| *own == joint);
+        (0..self.joints.len()).filter(move |joint| !is_left_out(*joint))
     }
 
     /// True where springs lie on no single joint's axis.

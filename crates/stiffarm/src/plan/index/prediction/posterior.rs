@@ -99,9 +99,7 @@ impl<'a> Posterior<'a> {
             .copy_from(&(b * rest * 2.0));
         Some((error, out))
     }
-}
 
-impl Posterior<'_> {
     /// What each candidate, `per` rows of `all`, would take from the mean square error of `targets`, and the error
     /// without any: with P the covariance of what its readings and the targets leave open, ‖(P_cc + I)^(−1/2) P_ct‖².
     pub(crate) fn gains(&self, all: &Rows, per: usize, targets: &Rows) -> Option<(Vec<f64>, f64)> {
