@@ -141,7 +141,7 @@ def main():
         for name in found
         for key, of in (("across_max_m", across), ("feed_max_m", along))
     ]
-    commanded = np.array([point["command_deg"] for point in compensated["points"]])
+    commanded = np.array([point["command_q_deg"] for point in compensated["points"]])
     corrected, corrected_axis = tip(commanded)
     print(f"{own.sum()} points and {(~own).sum()} near corners, {len(found)} features, deflection up to {1e3 * np.linalg.norm(shift, axis=1).max():.3f} mm")
     for what, value, unit in (

@@ -41,6 +41,14 @@ RESULTS = {
     "StiffnessMap": ["map"],
     "Validated": ["validate"],
 }
+#: Results of commands that answer several questions: the argument that asks for it, and what it is then.
+MODES = {
+    "Chosen": ("candidates", "TableLike | PosturesLike"),
+    "Curve": ("curve", "Literal[True]"),
+    "Dropped": ("drop", "int | Literal[True]"),
+    "Placement": ("place", "TableLike | PosturesLike"),
+    "SpaceFilling": ("space_filling", "Literal[True]"),
+}
 #: Types of arguments.
 KINDS = {
     "flag": "bool",
@@ -144,13 +152,13 @@ class Types:
             return plain[types] + none
         if types == "array":
             items = one.get("items", {})
-            if items.get("type") in ("number", "integer") or is_matrix(items):
+            if is_numeric(one):
                 return f"NDArray[Any]{none}"
             target = items.get("$ref", "").rsplit("/", 1)[-1]
-            if target and "properties" in whole["$defs"][target] and not nullable:
-                return f"list[{self.names[command, target]}]"
-            if items.get("type") == "string":
-                return f"list[str]{none}"
+            if target and "properties" in whole["$defs"][target]:
+                return f"list[{self.names[command, target]}]{none}"
+            if items.get("type") in ("string", "boolean"):
+                return f"list[{plain[items['type']]}]{none}"
         return "Any"
 
 
@@ -159,11 +167,14 @@ def root(whole: Schema) -> str:
     return str(whole["properties"]["result"]["$ref"].rsplit("/", 1)[1])
 
 
-def is_matrix(items: Schema) -> bool:
-    """Whether rows are of one fixed length."""
-    inner = items.get("items", {})
-    fixed = items.get("minItems") is not None and items.get("minItems") == items.get("maxItems")
-    return items.get("type") == "array" and fixed and inner.get("type") in ("number", "integer")
+def is_numeric(value: Schema) -> bool:
+    """Numbers, some of which may be ``null``, or lists of them: an array."""
+    types = value.get("type")
+    types = set(types if isinstance(types, list) else [types]) - {"null"}
+    if types == {"array"}:
+        inside = [*value.get("prefixItems", []), *([value["items"]] if "items" in value else [])]
+        return bool(inside) and all(map(is_numeric, inside))
+    return bool(types) and types <= {"number", "integer"}
 
 
 def reached(whole: Schema, name: str) -> set[str]:
@@ -210,37 +221,53 @@ def keys() -> str:
 
 def functions() -> str:
     """The text of ``commands.pyi``."""
-    out = ["import os", "from collections.abc import Callable, Sequence", "from typing import Any", ""]
-    out += ["from numpy.typing import ArrayLike", "", "from ._inputs import PosturesLike, Progress, TableLike"]
+    out = ["import os", "from collections.abc import Callable, Sequence", "from typing import Any, Literal, overload", ""]
+    out += ["import numpy as np", "from numpy.typing import ArrayLike, NDArray", "", "from ._inputs import PosturesLike, Progress, TableLike"]
     out += ["from ._result import Result", f"from .results import {', '.join(RESULTS)}", "from .cell import Cell", ""]
     out += ["def names() -> list[str]: ..."]
     for spec in printed("docs", "commands"):
         name = spec["name"]
         found = [one for one, schemas in RESULTS.items() if any(s == name or s.startswith(f"{name}-") for s in schemas)]
-        returned = "dict[str, Any]" if name == "schema" else " | ".join(found) or "Result"
-        places = [one for one in spec["arguments"] if one["option"] is None]
-        places += [one for one in spec["arguments"] if one["short"]]
-        options = [one for one in spec["arguments"] if one not in places]
-        words: list[str] = []
-        for one in places:
-            open_ = bool(words and words[-1].endswith("= ..."))
-            words.append(parameter(one, open_ or not one["required"]))
-        words += ["*", *[parameter(one, True) for one in options]]
-        tables = [one for one in spec["arguments"] if one["kind"] == "input" and one["name"] not in ("cell", "stiffness")]
-        words += ["degrees: bool = ..."] * bool(tables)
-        words += ["accept: Callable[[Any], Any] | None = ..."] * (name == "select")
-        words += ["progress: Progress = ..."]
-        out += ["", f"def {name}(", *[f"    {word}," for word in words], f") -> {returned}:"]
-        out += [*quoted(f"{spec['about']}.", 4)]
+        asked = {MODES[one][0]: one for one in found if one in MODES}
+        [returned] = [one for one in found if one not in MODES] or ["dict[str, Any]" if name == "schema" else "Result"]
+        for mode in [*asked, None]:
+            out += ["", *["@overload"] * bool(asked), *signature(spec, asked.get(mode or "", returned), mode, set(asked))]
+            out += [*quoted(f"{spec['about']}.", 4)]
     return "\n".join(out) + "\n"
+
+
+def signature(spec: Schema, returned: str, mode: str | None, modes: set[str]) -> list[str]:
+    """A function as it is called in one mode: the argument that asks for it is required, those of others are not given."""
+
+    def typed(argument: Schema, is_optional: bool) -> str:
+        name = argument["name"]
+        if name == mode:
+            return f"{name}: {MODES[returned][1]}"
+        if name in modes:
+            return f"{name}: {'Literal[False]' if argument['kind'] == 'flag' else 'None'} = ..."
+        return parameter(argument, is_optional)
+
+    places = [one for one in spec["arguments"] if one["option"] is None]
+    places += [one for one in spec["arguments"] if one["short"]]
+    options = [one for one in spec["arguments"] if one not in places]
+    words: list[str] = []
+    for one in places:
+        open_ = bool(words and words[-1].endswith("= ..."))
+        words.append(typed(one, open_ or not one["required"]))
+    words += ["*", *[typed(one, True) for one in options]]
+    tables = [one for one in spec["arguments"] if one["kind"] == "input" and one["name"] not in ("cell", "stiffness")]
+    words += ["degrees: bool = ..."] * bool(tables)
+    words += ["accept: Callable[[NDArray[np.float64]], bool] | None = ..."] * (spec["name"] == "select")
+    words += ["progress: Progress = ..."]
+    return [f"def {spec['name']}(", *[f"    {word}," for word in words], f") -> {returned}:"]
 
 
 def parameter(argument: Schema, is_optional: bool) -> str:
     """An argument with its type."""
     name, kind = argument["name"], KINDS[argument["kind"]]
     kind = "Cell | str | os.PathLike[str]" if name == "cell" and not argument["several"] else kind
-    if argument["kind"] == "text" and not argument["choices"]:
-        kind = "str | os.PathLike[str] | float | Sequence[float]"
+    if argument["kind"] == "text":
+        kind = f"Literal[{', '.join(map(repr, argument['choices']))}]" if argument["choices"] else "str | float | Sequence[float]"
     kind += f" | Sequence[{kind}]" if argument["several"] else ""
     kind += " | bool" if argument["bare"] else ""
     none = "" if argument["kind"] == "flag" else " | None"

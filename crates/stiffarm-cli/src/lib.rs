@@ -30,7 +30,7 @@ mod text;
 pub use commands::generated::generated as schemas;
 pub use described::{Argument, Described, Kind, described};
 pub use host::Host;
-pub use saved::{page, told};
+pub use saved::{Telling, page, told};
 
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};

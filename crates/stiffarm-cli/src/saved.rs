@@ -6,16 +6,35 @@ use crate::text;
 use stiffarm::Result;
 use stiffarm::files::result::read_result;
 use stiffarm::model::cell::Cell;
+use stiffarm_report::page::render_told;
 use stiffarm_report::tell::{Given, tell};
 
-/// What a result says, in words: a result as `--json` prints it, and its cell where that is at hand.
+/// How much of a result is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Telling {
+    /// What came out, what is serious, every caution: a few lines.
+    Verdict,
+    /// What the command prints.
+    Summary,
+    /// What the command prints with `--details`.
+    Details,
+    /// Verdict, cautions and the table to read first as HTML, for a notebook.
+    Html,
+}
+
+/// What a result says: a result as `--json` prints it, and its cell where that is at hand.
 ///
 /// # Errors
 /// A text that holds no result, or one that is not told.
-pub fn told(json: &str, cell: Option<&Cell>, details: bool) -> Result<String> {
+pub fn told(json: &str, cell: Option<&Cell>, how: Telling) -> Result<String> {
     let saved = read_result(json.as_bytes(), "result")?;
     let told = tell(&Given::new(&saved, cell).in_words())?;
-    Ok(plain(&text::told(&told, details)))
+    Ok(match how {
+        Telling::Verdict => plain(&text::verdict(&told)),
+        Telling::Summary => plain(&text::told(&told, false)),
+        Telling::Details => plain(&text::told(&told, true)),
+        Telling::Html => render_told(&told),
+    })
 }
 
 /// The page of a result as `--json` prints it, with its cell where that is at hand.

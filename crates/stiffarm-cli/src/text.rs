@@ -9,14 +9,13 @@ use stiffarm_report::tell::{Block, DataTable, Depth, Piece, SEEN_AT_ONCE, Sectio
 /// Most rows of a table without details: a few dozen can be read.
 const MOST_ROWS: usize = 36;
 
-/// The verdict, the table to read first, what to know and to do, and the rest as far as it is asked for.
-pub fn told(told: &Told, details: bool) -> String {
-    let [done, came, next] = &told.verdict;
-    let of = |severity: Severity| told.findings.iter().filter(move |f| f.severity == severity);
+/// What came out, and what is serious.
+fn opening(told: &Told) -> String {
+    let [_, came, _] = &told.verdict;
     // What is serious may be what came out.
     let said = came.plain();
     let (first, serious): (Vec<&Finding>, Vec<&Finding>) =
-        of(Severity::Serious).partition(|f| said.starts_with(&f.sentence));
+        of(told, Severity::Serious).partition(|f| said.contains(&f.sentence));
     let mut out = match first.is_empty() {
         true => sentence(came),
         false => {
@@ -25,10 +24,27 @@ pub fn told(told: &Told, details: bool) -> String {
         }
     };
     out.extend(serious.into_iter().map(finding));
+    out
+}
+
+/// Findings of a weight.
+fn of(told: &Told, severity: Severity) -> impl Iterator<Item = &Finding> {
+    told.findings.iter().filter(move |f| f.severity == severity)
+}
+
+/// The result in a few lines: what came out, what is serious, every caution.
+pub fn verdict(told: &Told) -> String {
+    opening(told) + &of(told, Severity::Caution).map(finding).collect::<String>()
+}
+
+/// The verdict, the table to read first, what to know and to do, and the rest as far as it is asked for.
+pub fn told(told: &Told, details: bool) -> String {
+    let [done, _, next] = &told.verdict;
+    let mut out = opening(told);
     if let Some(key) = &told.key {
         out += &format!("\n{}\n", table(key, details));
     }
-    let cautions: Vec<&Finding> = of(Severity::Caution).collect();
+    let cautions: Vec<&Finding> = of(told, Severity::Caution).collect();
     let seen = if details {
         cautions.len()
     } else {
@@ -41,7 +57,7 @@ pub fn told(told: &Told, details: bool) -> String {
         out += &line(&format!("{word}: {more} more, with --details"));
     }
     if details {
-        out.extend(of(Severity::Note).map(finding));
+        out.extend(of(told, Severity::Note).map(finding));
     }
     out += &sentence(&Text::new("Next: ").then(next.clone()));
     let (shown, hidden): (Vec<&Section>, Vec<&Section>) = told
@@ -58,7 +74,7 @@ pub fn told(told: &Told, details: bool) -> String {
     out += &sentence(done);
     let titles = hidden.iter().map(|section| &*section.title);
     let mut hidden: Vec<&str> = folded.into_iter().chain(titles).collect();
-    if of(Severity::Note).next().is_some() {
+    if of(told, Severity::Note).next().is_some() {
         hidden.push("Notes");
     }
     if !hidden.is_empty() && !details {

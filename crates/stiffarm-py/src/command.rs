@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::ffi::OsString;
 use stiffarm::files::envelope::to_json;
 use stiffarm::files::source::beside;
-use stiffarm_cli::{Host, described, run_captured};
+use stiffarm_cli::{Host, Telling, described, run_captured};
 
 /// An input that is no file.
 #[derive(FromPyObject)]
@@ -62,13 +62,18 @@ pub fn commands(py: Python<'_>) -> PyResult<String> {
     to_json(&described()).raised(py)
 }
 
-/// What a result says, in words.
+/// What a result says: `how` is "verdict", "summary", "details" or "html".
 #[pyfunction]
-#[pyo3(signature = (json, cell, details))]
-pub fn told(py: Python<'_>, json: &str, cell: Option<&PyCell>, details: bool) -> PyResult<String> {
+#[pyo3(signature = (json, cell, how))]
+pub fn told(py: Python<'_>, json: &str, cell: Option<&PyCell>, how: &str) -> PyResult<String> {
+    let how = match how {
+        "verdict" => Telling::Verdict,
+        "details" => Telling::Details,
+        "html" => Telling::Html,
+        _ => Telling::Summary,
+    };
     let cell = cell.map(|cell| &cell.cell);
-    py.detach(|| stiffarm_cli::told(json, cell, details))
-        .raised(py)
+    py.detach(|| stiffarm_cli::told(json, cell, how)).raised(py)
 }
 
 /// The page of a result.

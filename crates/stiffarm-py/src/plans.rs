@@ -8,7 +8,7 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use stiffarm::estimate::validate::{Model, simulate_measurements as simulated};
 use stiffarm::files::envelope::to_json;
-use stiffarm::files::table::{write_displacements, write_readings};
+use stiffarm::files::table::{write_simulated, write_simulated_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{CertificateOptions, certify_further};
@@ -80,10 +80,10 @@ pub fn simulate_measurements(
         if readings {
             let done = Experiment::as_measured(cell);
             let table = experiment(cell, &postures, truth, &done, seed, 0)?;
-            return Ok(write_readings(&table, cell));
+            return Ok(write_simulated_readings(table, cell));
         }
         let measured = simulated(cell, &postures, truth, Model::Equilibrium, seed, 0)?;
-        Ok(write_displacements(&measured, cell))
+        Ok(write_simulated(measured, cell))
     })
     .raised(py)
 }

@@ -124,8 +124,8 @@ JUNK: dict[str, Any] = {
     "no built-in": "builtin:missing",
 }
 
-#: Functions that take values of a cell file, which test_cells tests, or nothing.
-OTHERS = {"cases", "index_names", "measured", "rope", "set_threads", "tool", "weight", "wrench"}
+#: Functions that take nothing of these.
+OTHERS = {"index_names", "set_threads"}
 
 #: Values that are not wrong, and with which a function works for long, or for ever.
 SLOW = {
@@ -151,7 +151,7 @@ def readable(error: StiffarmError) -> None:
 
 
 #: Functions, and those ways to call them that take other options.
-NAMES = sorted(n for n in stiffarm.__all__ if inspect.isfunction(getattr(stiffarm, n)) and n not in OTHERS)
+NAMES = sorted(n for n in [*stiffarm.__all__, "map"] if inspect.isfunction(getattr(stiffarm, n)) and n not in OTHERS)
 MODES = ["select, candidates", "select, curve", "select, drop", "select, space_filling"]
 
 
@@ -217,7 +217,7 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     refused(lambda: stiffarm.identify(cell, [measured, measured], clamped=True), "usage", key="clamped")
     refused(lambda: stiffarm.map(cell, "prior", plane=("z", 800)), "wrong-type", key="plane")
     refused(lambda: stiffarm.select(cell, output=[1, 2]), "wrong-type", key="output")
-    refused(lambda: stiffarm.weight(), "usage", key="mass_kg")
+    refused(lambda: stiffarm.cell.weight(), "usage", key="mass_kg")
 
 
 def test_unknown_names(cell: stiffarm.Cell) -> None:
@@ -327,15 +327,15 @@ def test_cells(cell: stiffarm.Cell, tmp_path: Path, monkeypatch: pytest.MonkeyPa
         "from_dict": lambda x: stiffarm.Cell.from_dict(x),
         "from_dict, a value": lambda x: stiffarm.Cell.from_dict({"robot": x}),
         "with_changes, a load": lambda x: cell.with_changes({"load": {"magnitude_n": x}}),
-        "of, the robot": lambda x: stiffarm.Cell.of(x, stiffarm.tool([0] * 3, {"1": [0] * 3}), stiffarm.measured()),
-        "of, the tool": lambda x: stiffarm.Cell.of("fanuc-m20ia", x, stiffarm.measured()),
-        "of, the load": lambda x: stiffarm.Cell.of("fanuc-m20ia", stiffarm.tool([0] * 3, {"1": [0] * 3}), x),
-        "rope": lambda x: stiffarm.rope(x, 500),
-        "weight": lambda x: stiffarm.weight(mass_kg=x),
-        "wrench": lambda x: stiffarm.wrench(x),
-        "cases": lambda x: stiffarm.cases(a=x),
-        "tool": lambda x: stiffarm.tool(x, {"1": [0] * 3}),
-        "tool, a point": lambda x: stiffarm.tool([0] * 3, {"1": x}),
+        "of, the robot": lambda x: stiffarm.Cell.of(x, stiffarm.cell.tool([0] * 3, {"1": [0] * 3}), stiffarm.cell.measured()),
+        "of, the tool": lambda x: stiffarm.Cell.of("fanuc-m20ia", x, stiffarm.cell.measured()),
+        "of, the load": lambda x: stiffarm.Cell.of("fanuc-m20ia", stiffarm.cell.tool([0] * 3, {"1": [0] * 3}), x),
+        "rope": lambda x: stiffarm.cell.rope(x, 500),
+        "weight": lambda x: stiffarm.cell.weight(mass_kg=x),
+        "wrench": lambda x: stiffarm.cell.wrench(x),
+        "cases": lambda x: stiffarm.cell.cases(a=x),
+        "tool": lambda x: stiffarm.cell.tool(x, {"1": [0] * 3}),
+        "tool, a point": lambda x: stiffarm.cell.tool([0] * 3, {"1": x}),
         "save": lambda x: cell.save(x),
         "Robot": lambda x: stiffarm.Robot(x),
         "catalogue": lambda x: stiffarm.Robot.catalogue(x),

@@ -116,8 +116,8 @@ def test_the_same_arm_through_three_doors_gives_the_same_plan_value(tmp_path: Pa
     for robot in robots:
         cell = stiffarm.Cell.of(
             robot,
-            stiffarm.tool([0, 0, 200], {"tcp": [0, 0, 250], "side": [100, 0, 150]}),
-            stiffarm.rope([2000, 500, 0], 500),
+            stiffarm.cell.tool([0, 0, 200], {"tcp": [0, 0, 250], "side": [100, 0, 150]}),
+            stiffarm.cell.rope([2000, 500, 0], 500),
             stiffness_nm_per_rad=[1e6] * 6,
         )
         found.append(stiffarm.indices(cell, q, ["condition", "expected_error", "d"]))

@@ -185,12 +185,12 @@ def test_deflection_has_every_point_and_its_band(cell: Any, found: Any) -> None:
 
 def test_curve_with_its_bound(cell: Any) -> None:
     result = stiffarm.select(cell, curve=True, count=3, rounds=1)
-    ax = plot.curve(result)
+    ax = plot.number_of_postures(result)
     best, bound = ax.lines
     assert list(best.get_xdata()) == [1, 2, 3]
     assert np.all(bound.get_ydata() <= best.get_ydata())
     labels_have_units(ax)
-    classical = plot.curve(stiffarm.select(cell, curve=True, count=2, rounds=1, index="condition", no_certificate=True))
+    classical = plot.number_of_postures(stiffarm.select(cell, curve=True, count=2, rounds=1, index="condition", no_certificate=True))
     assert len(classical.lines) == 1 and "condition" in classical.get_ylabel()
 
 
@@ -198,7 +198,7 @@ def test_map_has_a_cell_for_every_node(cell: Any) -> None:
     result = stiffarm.map(cell, "prior", steps=4)
     nodes = result.to_dict()["nodes"]
     for at in (None, ("y", 0.0), ("x", 1500.0)):
-        ax = plot.map(result, at=at)
+        ax = plot.stiffness_map(result, at=at)
         mesh = ax.collections[0]
         axis, place = ("z", 1000.0) if at is None else at
         grid = 1e3 * np.array(result.to_dict()[f"{axis}_m"])
@@ -212,14 +212,14 @@ def test_map_has_a_cell_for_every_node(cell: Any) -> None:
         assert "[N/mm]" in ax.figure.axes[-1].get_ylabel()
         ax.figure.canvas.draw()
     with pytest.raises(stiffarm.StiffarmError) as error:
-        plot.map(result, "colour")
+        plot.stiffness_map(result, "colour")
     assert error.value.code == "unknown-name"
     with pytest.raises(stiffarm.StiffarmError):
-        plot.map(result, at=("w", 0.0))
+        plot.stiffness_map(result, at=("w", 0.0))
 
 
 def test_cell_has_every_posture_point_and_load(cell: Any, plan: Any) -> None:
-    ax = plot.cell(cell, plan, front=2)
+    ax = plot.scene(cell, plan, front=2)
     assert sum(line.get_gid() == "posture" for line in ax.lines) == 5
     assert sum(line.get_gid() == "link" for line in ax.lines) >= 10
     reflectors = [line for line in ax.lines if line.get_marker() == "o"]
@@ -235,15 +235,15 @@ def test_cell_has_every_posture_point_and_load(cell: Any, plan: Any) -> None:
     np.testing.assert_allclose(ax._box_aspect / ax._box_aspect[0], np.array(spans) / spans[0], rtol=1e-9)
     assert min(sizes(ax.figure)) >= 8
     with pytest.raises(stiffarm.StiffarmError):
-        plot.cell(cell, plan, front=6)
+        plot.scene(cell, plan, front=6)
     with pytest.raises(stiffarm.StiffarmError):
-        plot.cell(cell, plan, ax=plt.figure().add_subplot())
+        plot.scene(cell, plan, ax=plt.figure().add_subplot())
     with pytest.raises(stiffarm.StiffarmError):
-        plot.cell(cell, np.zeros((2, 5)))
+        plot.scene(cell, np.zeros((2, 5)))
 
 
 def test_cell_shows_what_stands_around(plan: Any) -> None:
-    ax = plot.cell(stiffarm.Cell.built_in("comau-shapes"), plan)
+    ax = plot.scene(stiffarm.Cell.built_in("comau-shapes"), plan)
     assert sum(line.get_gid() == "obstacle" for line in ax.lines) == 3 * 12
     assert any(line.get_gid() == "tool" for line in ax.lines)
     assert "tracker" in drawn(ax.figure)
@@ -253,19 +253,19 @@ def test_every_kind_of_load_has_its_direction(cell: Any) -> None:
     q = np.array([[0.1, 0.2, -1.6, 0.3, 0.7, 0.2]])
     turn = cell.robot.pose(q[0])[:3, :3]
     cases: dict[str, tuple[dict[str, Any], np.ndarray]] = {
-        "weight": (stiffarm.weight(mass_kg=50), np.array([0.0, 0, -1])),
-        "base": (stiffarm.wrench([0, 300, 0]), np.array([0.0, 1, 0])),
-        "tool": (stiffarm.wrench([0, 300, 0], axes="tool"), turn[:, 1]),
+        "weight": (stiffarm.cell.weight(mass_kg=50), np.array([0.0, 0, -1])),
+        "base": (stiffarm.cell.wrench([0, 300, 0]), np.array([0.0, 1, 0])),
+        "tool": (stiffarm.cell.wrench([0, 300, 0], axes="tool"), turn[:, 1]),
     }
     for load, direction in cases.values():
         changed = stiffarm.Cell.from_dict({**cell.to_dict(), "load": load, "limits": {}})
-        ax = plot.cell(changed, q)
+        ax = plot.scene(changed, q)
         (arrow,) = ax.collections
         (loading,) = [line for line in ax.lines if line.get_marker() == "D"]
         start = np.array([axis[0] for axis in loading.get_data_3d()])
         tip = max(arrow._segments3d[0], key=lambda end: float(np.linalg.norm(end - start)))
         np.testing.assert_allclose((tip - start) / np.linalg.norm(tip - start), direction, atol=1e-9)
-    measured = plot.cell(stiffarm.Cell.built_in("fanuc-r2000ic"))
+    measured = plot.scene(stiffarm.Cell.built_in("fanuc-r2000ic"))
     assert not measured.collections
 
 
@@ -306,7 +306,7 @@ def test_names_are_text(cell: Any, group: Any, plan: Any) -> None:
     assert {f"{name}, 95 %" for name in shown} <= set(drawn(plot.stiffness(dict.fromkeys(HOSTILE, found)).figure))
     assert not any(t.get_parse_math() for t in residuals.get_xticklabels())
     points = stiffarm.Cell.from_dict(
-        cell.to_dict() | {"tool": stiffarm.tool([200, 0, 250], {"$x$": [150, 0, 200], "</script>": [0, 150, 200]})}
+        cell.to_dict() | {"tool": stiffarm.cell.tool([200, 0, 250], {"$x$": [150, 0, 200], "</script>": [0, 150, 200]})}
     )
     found = stiffarm.identify(points, stiffarm.simulate_measurements(points, plan))
     assert {"point $x$", "point </script>"} <= set(drawn(plot.residuals(found).figure))
@@ -330,7 +330,7 @@ def test_given_axes_are_drawn_into_and_keep_their_sizes(cell: Any, found: Any) -
 
 
 def test_texts_are_large_enough_in_a_column(cell: Any, found: Any, plan: Any) -> None:
-    for ax in (plot.stiffness(found), plot.residuals(found), plot.cell(cell, plan), plot.expected(plan)):
+    for ax in (plot.stiffness(found), plot.residuals(found), plot.scene(cell, plan), plot.expected(plan)):
         drawn(ax.figure)
         assert ax.figure.get_figwidth() == 3.5
         assert min(sizes(ax.figure)) >= 8
@@ -338,7 +338,7 @@ def test_texts_are_large_enough_in_a_column(cell: Any, found: Any, plan: Any) ->
 
 def test_nothing_is_shown(cell: Any, plan: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plt, "show", lambda *_, **__: pytest.fail("shown"))
-    plot.cell(cell, plan)
+    plot.scene(cell, plan)
 
 
 def test_without_matplotlib_the_message_says_what_to_install(found: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,12 +35,13 @@ cell = stiffarm.Cell.built_in("comau")
 folder = Path("somewhere")
 checked: results.Checked = stiffarm.check(cell, figure=folder / "arm.svg", posture="all")
 sampled: int = checked.postures_sampled
-plan = stiffarm.select(cell, count=6, index="expected_error", rounds=2, accept=lambda q: bool(q[0] > 0), time_limit=5)
-assert isinstance(plan, results.Plan)
+plan: results.Plan = stiffarm.select(cell, count=6, index="expected_error", rounds=2, accept=lambda q: bool(q[0] > 0), time_limit=5)
 value: float = plan.value
-stiffarm.select("cell.toml", curve=True, count=8)
+curve: results.Curve = stiffarm.select("cell.toml", curve=True, count=8)
+chosen: results.Chosen = stiffarm.select(cell, candidates=plan, count=4)
+filling: results.SpaceFilling = stiffarm.select(cell, 8, space_filling=True)
 stiffarm.select(cell, initial=plan, angle_step_deg=0.5)
-dropped = stiffarm.select(cell, given=plan.postures, drop=True)
+dropped: results.Dropped = stiffarm.select(cell, given=plan.postures, drop=True)
 measured = stiffarm.simulate_measurements(cell, plan)
 evaluated: results.Evaluated = stiffarm.evaluate(cell, {"mine": np.zeros((3, 6))}, degrees=True)
 evaluated = stiffarm.evaluate(cell, [plan, "plan.csv", folder / "other.csv"])
@@ -56,8 +57,8 @@ predicted: results.Predicted = stiffarm.predict(cell, found, "path.csv", force_n
 predicted = stiffarm.predict(cell, [1e6] * 6, near_deg=[0.0] * 6, free_turn=True)
 deflection: float = predicted.deflection_max_m
 compensated: results.Compensated = stiffarm.compensate(cell, "prior", "path.csv", output=folder / "commands.csv")
-mapped = stiffarm.map(cell, found, plane="z=800", steps=5, direction=(1.0, 0.0, 0.0))
-placed = stiffarm.map(cell, found, place="path.csv", steps=[3, 3, 2], yaw_deg=[0.0, 45.0])
+mapped: results.StiffnessMap = stiffarm.map(cell, found, plane="z=800", steps=5, direction=(1.0, 0.0, 0.0))
+placed: results.Placement = stiffarm.map(cell, found, place="path.csv", steps=[3, 3, 2], yaw_deg=[0.0, 45.0])
 registered: results.Registered = stiffarm.register(measured, std_mm=0.03)
 others: list[stiffarm.Result] = [
     stiffarm.capsules(["a.stl", folder / "b.stl"], unit="mm"),

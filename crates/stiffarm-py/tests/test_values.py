@@ -132,18 +132,23 @@ def test_results(
     assert found.joints
     frame = found.to_frame("pandas")
     assert len(frame) == 6 and list(frame.columns)[:6] == [
-        "name", "stiffness", "half_width", "standard_error", "interval_low", "interval_high",
+        "joint", "stiffness_nm_per_rad", "relative_half_width", "standard_error_nm_per_rad", "interval_low_nm_per_rad",
+        "interval_high_nm_per_rad",
     ]  # fmt: skip
     # The intervals of a frame are those of the page, readings and systematic errors together.
     totals = [own["interval_nm_per_rad"] for own in document["result"]["systematic_errors"]["uncertainty"]]
-    assert [list(ends) for ends in zip(frame["interval_low"], frame["interval_high"], strict=True)] == totals
+    low, high = (frame[f"interval_{end}_nm_per_rad"] for end in ("low", "high"))
+    assert [list(ends) for ends in zip(low, high, strict=True)] == totals
     assert set(frame["interval_holds"]) == {"all_errors"}
-    assert (frame["readings_interval_low"] > frame["interval_low"]).all()
+    assert (frame["readings_interval_low_nm_per_rad"] > low).all()
     brief = stiffarm.identify(cell, stiffarm.simulate_measurements(cell, group), brief=True)
     assert set(brief.to_frame("pandas")["interval_holds"]) == {"readings"}
     parts = document["result"]["diagnosis"], document["result"]["systematic_errors"]
     assert [f.sentence for f in found.findings] == [f["sentence"] for part in parts for f in part["findings"]]
-    assert repr(found).startswith("<Identified: k = ")
+    # The verdict of the command with all that it warns of.
+    said = " ".join(repr(found).split())
+    assert said.startswith("<Identified: The stiffness is known to ± ")
+    assert [f.sentence in said for f in found.findings] == [f.severity != "note" for f in found.findings]
     with pytest.raises(stiffarm.StiffarmError, match="exists"):
         found.save(found.save(tmp_path / "found.json"))
     assert found.save(tmp_path / "found.json", overwrite=True).read_text(encoding="utf-8") == found.to_json()
@@ -182,8 +187,12 @@ def test_every_result_tells_itself(
     ]
     for kind, one in results:
         assert type(one) is kind and repr(one).startswith(f"<{kind.__name__}: ")
-        if kind is not own.Registered:
-            assert one.table().row_count > 0 or kind is own.Checked
+        frame = one.to_frame("pandas")
+        assert len(frame) > 0 and not any(frame[name].isna().all() for name in frame)
+        if one._figure:
+            assert one.plot() is not None
+        shown = one._repr_html_()
+        assert shown.startswith("<p><b>") and one.page()._repr_html_().startswith("<iframe srcdoc=")
         assert str(one) == one.told().rstrip("\n") and len(one.told(details=True)) >= len(one.told()) > 80
         page = one.report(tmp_path / "page.html", overwrite=True).read_text(encoding="utf-8")
         assert page.lower().startswith("<!doctype html>")
@@ -236,7 +245,7 @@ def test_cells(cell: stiffarm.Cell, tmp_path: Path) -> None:
     assert more.name == "more" and more.to_dict()["load"] == {**cell.to_dict()["load"], "magnitude_n": 600}
     assert cell.to_dict()["load"]["magnitude_n"] == 500
     assert more.with_changes({"load": {"magnitude_n": 500}, "name": cell.name}).to_dict() == cell.to_dict()
-    hung = cell.with_changes({"load": stiffarm.weight(mass_kg=30)})
+    hung = cell.with_changes({"load": stiffarm.cell.weight(mass_kg=30)})
     assert hung.to_dict()["load"] == {"kind": "weight", "mass_kg": 30.0}
     assert "stiffness" not in cell.with_changes({"stiffness": None}).to_dict()
 
@@ -327,10 +336,14 @@ def test_pages(cell: stiffarm.Cell, found: stiffarm.results.Identified) -> None:
     shown.append(stiffarm.identify(cell, measured)._repr_html_())
     shown.append(stiffarm.evaluate(cell, {HOSTILE: named})._repr_html_())
     for page in shown:
-        assert tags(page) <= {"p", "b", "table", "thead", "tbody", "tr", "th", "td"}, page
+        elements = {tag for tag in tags(page) if " " not in tag}
+        attributes = {tag.split()[1] for tag in tags(page) - elements}
+        assert elements <= {"p", "b", "table", "thead", "tbody", "tr", "th", "td", "ul", "li", "span", "code", "div", "strong"}, page
+        plain = ("class", "scope", "role", "tabindex")
+        assert all(name in plain or name.startswith(("aria-", "data-")) for name in attributes), page
     assert "&lt;script&gt;" in shown[0]
     for page in (found._repr_html_(), stiffarm.select(cell, count=3, rounds=1)._repr_html_()):
-        assert page.count("<table>") == page.count("</table>") == 1
+        assert page.count("<table") == page.count("</table>") == 1
     many = stiffarm.Table({"x": list(range(100))})._repr_html_()
     assert "80 further rows" in many and many.count("<tr>") == 21
 
@@ -431,6 +444,15 @@ def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
     assert np.array_equal(stiffarm.observation_matrix(cell, frame), stiffarm.observation_matrix(cell, own.angles))
     with pytest.raises(stiffarm.StiffarmError, match="not those of postures"):
         stiffarm.Postures.of(frame.rename(columns={"q2_deg": "q2"}))
+    # The frame of a path has what its points are beside their postures.
+    bend = stiffarm.predict(cell, "prior", own, cell_load=True)
+    assert stiffarm.Postures.of(bend.to_frame()) == own
+
+
+def test_arrays_of_a_result_cannot_be_written_to(found: stiffarm.results.Identified) -> None:
+    for array in (found.joints[0].interval, found.covariance):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0.0
 
 
 def test_serious_findings_of_readings_are_counted() -> None:
@@ -438,17 +460,17 @@ def test_serious_findings_of_readings_are_counted() -> None:
     plan = stiffarm.select(cell, space_filling=True, count=8)
     table = stiffarm.simulate_measurements(cell, plan, readings=True)
     sound = stiffarm.identify(cell, table, brief=True)
-    assert "serious" not in repr(sound)
+    assert "SERIOUS" not in repr(sound) and "Serious" not in sound._repr_html_()
     frame = table.to_frame()
     exchanged = (frame.posture == "3") & frame.point.isin(["1", "2"])
     frame.loc[exchanged, "point"] = frame.loc[exchanged, "point"].map({"1": "2", "2": "1"})
     wrong = stiffarm.identify(cell, frame, brief=True)
     assert [finding.code for finding in wrong.findings if finding.severity == "serious"] == ["exchanged-points"]
-    assert repr(wrong).endswith("; 1 serious finding>")
+    assert repr(wrong).count("SERIOUS: ") == 1 and "Serious:" in wrong._repr_html_()
 
 
 def test_plates_leave_joint_1_out_everywhere(cell: stiffarm.Cell, group: stiffarm.Postures) -> None:
-    hung = cell.with_changes({"load": stiffarm.weight(mass_kg=50), "task": None})
+    hung = cell.with_changes({"load": stiffarm.cell.weight(mass_kg=50), "task": None})
     found = stiffarm.evaluate(hung, group)
     assert found.to_dict()["joints"] == [f"joint {j}" for j in range(2, 7)]
     assert [finding.subject for finding in found.findings if finding.code == "joint-left-out"] == ["joint 1"]

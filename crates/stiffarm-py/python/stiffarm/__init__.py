@@ -22,7 +22,7 @@ from ._result import Record, Result
 from ._stiffarm import __version__, set_threads
 from ._table import Table
 from .arrays import certificate, index_names, indices, observation_matrix, simulate_measurements
-from .cell import Cell, cases, measured, rope, tool, weight, wrench
+from .cell import Cell
 from .commands import (
     capsules,
     check,
@@ -32,7 +32,6 @@ from .commands import (
     export,
     identify,
     init,
-    map,
     measure,
     pose,
     predict,
@@ -47,6 +46,8 @@ from .commands import (
     validate,
     zones,
 )
+# Not in __all__: it would hide the builtin.
+from .commands import map as map
 from .objective import Objective
 from .paths import read_path, write_path
 from .postures import Postures
@@ -65,7 +66,6 @@ __all__ = [
     "Table",
     "__version__",
     "capsules",
-    "cases",
     "certificate",
     "check",
     "compensate",
@@ -76,9 +76,7 @@ __all__ = [
     "index_names",
     "indices",
     "init",
-    "map",
     "measure",
-    "measured",
     "observation_matrix",
     "plot",
     "pose",
@@ -87,7 +85,6 @@ __all__ = [
     "register",
     "report",
     "robots",
-    "rope",
     "route",
     "schema",
     "select",
@@ -95,10 +92,7 @@ __all__ = [
     "simulate",
     "simulate_measurements",
     "study",
-    "tool",
     "validate",
-    "weight",
-    "wrench",
     "write_path",
     "zones",
 ]

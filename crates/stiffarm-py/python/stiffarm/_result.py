@@ -88,14 +88,19 @@ def _array(values: list[Any]) -> np.ndarray | None:
         return None
     number = (int, float)
     if all(v is None or (isinstance(v, number) and not isinstance(v, bool)) for v in values):
-        if all(isinstance(v, int) for v in values):
-            return np.array(values)
-        return np.array([np.nan if v is None else v for v in values], dtype=float)
+        whole = all(isinstance(v, int) for v in values)
+        return _fixed(np.array(values if whole else [np.nan if v is None else v for v in values]))
     if all(isinstance(v, list) for v in values):
         rows = [_array(v) for v in values]
         if all(row is not None for row in rows) and len({row.shape for row in rows if row is not None}) == 1:
-            return np.array(rows)
+            return _fixed(np.array(rows))
     return None
+
+
+def _fixed(array: np.ndarray) -> np.ndarray:
+    """It is made afresh at each look: what one writes into it would be lost."""
+    array.flags.writeable = False
+    return array
 
 
 class Result(Record):
@@ -109,6 +114,9 @@ class Result(Record):
 
     #: Keys that lead to the rows of :meth:`to_frame`.
     _rows: ClassVar[tuple[str, ...]] = ()
+
+    #: Function of :mod:`stiffarm.plot` that draws it.
+    _figure: ClassVar[str] = ""
 
     #: True where Ctrl-C stopped the work and this is the best so far.
     interrupted: bool
@@ -198,19 +206,43 @@ class Result(Record):
         Raises:
             StiffarmError: A result of a command that prints no more than its values.
         """
-        return _stiffarm.told(self._text, self._native(), details)
+        return self._told("details" if details else "summary")
+
+    def _told(self, how: str) -> str:
+        return _stiffarm.told(self._text, self._native(), how).rstrip("\n")
 
     def _native(self) -> _stiffarm.Cell | None:
         return None if self._cell is None else self._cell._native
 
+    def page(self) -> Page:
+        """The result as one offline page, with the cell in 3D where the result was made in this process; a notebook
+        shows it in place.
+
+        Raises:
+            StiffarmError: A result that has no page.
+        """
+        return Page(_stiffarm.page(self._text, self._native()))
+
     def report(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Writes the result as one offline page, with the cell in 3D where the result was made in this process.
+        """Writes :meth:`page` to a file.
 
         Raises:
             StiffarmError: A result that has no page, a file that exists or cannot be written.
         """
-        page = _stiffarm.page(self._text, self._native())
-        return write_file(path, page, overwrite=overwrite)
+        return write_file(path, self.page(), overwrite=overwrite)
+
+    def plot(self, **options: Any) -> Any:
+        """Draws the result with the function of :mod:`stiffarm.plot` that its class has, which says what the options are;
+        ``ax=`` are axes to draw into.
+
+        Raises:
+            StiffarmError: A result that has no figure, or matplotlib is not installed.
+        """
+        if not self._figure:
+            raise StiffarmError(f"A {type(self).__name__} has no figure.", "unsupported", hint="page() has what can be seen of it")
+        from . import plot
+
+        return getattr(plot, self._figure)(self, **options)
 
     def table(self) -> Table:
         """The main table of the result, a row each; see :meth:`to_frame`."""
@@ -227,32 +259,22 @@ class Result(Record):
 
     def __str__(self) -> str:
         try:
-            return self.told().rstrip("\n")
+            return self.told()
         except StiffarmError:
             return repr(self)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self._headline()}{self._weight()}>"
-
-    def _weight(self) -> str:
-        """How many findings are serious, where any is."""
-        serious = sum(finding.severity == "serious" for finding in self.findings)
-        return "" if serious == 0 else f"; {serious} serious finding{'s' if serious > 1 else ''}"
-
-    def _headline(self) -> str:
-        return ", ".join(list(self._data)[:6])
+        try:
+            said = self._told("verdict")
+        except StiffarmError:
+            said = f"{self.command}, with {', '.join(self._data)}"
+        return f"<{type(self).__name__}: {said}>"
 
     def _repr_html_(self) -> str:
-        from ._html import table
-
-        out = f"<p><b>{html.escape(type(self).__name__)}</b>: {html.escape(self._headline())}</p>"
-        for finding in self.findings:
-            severity, sentence = html.escape(finding.severity), html.escape(finding.sentence)
-            out += f"<p><b>{severity}</b>: {sentence}</p>"
         try:
-            return out + table(self.table())
+            return self._told("html")
         except StiffarmError:
-            return out
+            return f"<p>{html.escape(repr(self))}</p>"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._text, self.interrupted, self._cell)
@@ -261,6 +283,16 @@ class Result(Record):
         return isinstance(other, Result) and self._text == other._text
 
     __hash__ = None  # type: ignore[assignment]
+
+
+class Page(str):
+    """A page of HTML; a notebook shows it in a frame of its own."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        # The frame keeps styles and scripts of the page and those of the notebook apart.
+        return f'<iframe srcdoc="{html.escape(self)}" style="width: 100%; height: 800px; border: 0"></iframe>'
 
 
 def write_file(to: str | os.PathLike[str], contents: str | bytes, *, overwrite: bool) -> Path:
@@ -293,15 +325,8 @@ def _table_of(rows: list[dict[str, Any]]) -> Table:
     for row in flat:
         names.update(dict.fromkeys(row))
     columns = {name: [row.get(name) for row in flat] for name in names}
-    # A record that some rows lack has its columns; the empty one under its own name says nothing.
-    is_record = {name for name in columns if any(other.startswith(f"{name}_") for other in columns)}
-    return Table(
-        {
-            name: values
-            for name, values in columns.items()
-            if name not in is_record or any(value is not None for value in values)
-        }
-    )
+    # A column without a value says nothing.
+    return Table({name: values for name, values in columns.items() if any(value is not None for value in values)})
 
 
 def _cells(prefix: str, row: dict[str, Any]) -> Iterator[tuple[str, Any]]:
@@ -310,15 +335,17 @@ def _cells(prefix: str, row: dict[str, Any]) -> Iterator[tuple[str, Any]]:
         if isinstance(value, dict):
             yield from _cells(f"{name}_", value)
         elif isinstance(value, list):
-            axes = "xyz" if len(value) == 3 else None
             for i, one in enumerate(value):
                 if not isinstance(one, (list, dict)):
-                    yield _component(name, axes[i] if axes else str(i + 1)), one
+                    yield _component(name, i, len(value)), one
         else:
             yield name, value
 
 
-def _component(name: str, which: str) -> str:
-    """``deflection_m`` and ``x`` give ``deflection_x_m``: the unit stays last."""
+def _component(name: str, i: int, of: int) -> str:
+    """``shift_m`` gives ``shift_x_m``, ``q_deg`` gives ``q1_deg`` as in a posture file: the unit stays last."""
     stem, mark, unit = name.rpartition("_")
-    return f"{stem}_{which}_{unit}" if mark and unit in ("m", "mm", "deg", "n", "nm", "rad") else f"{name}_{which}"
+    stem, unit = (stem, f"_{unit}") if mark and unit in ("m", "mm", "deg", "n", "nm", "rad") else (name, "")
+    if stem == "q" or stem.endswith("_q"):
+        return f"{stem}{i + 1}{unit}"
+    return f"{stem}_{'xyz'[i] if of == 3 else i + 1}{unit}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -89,10 +90,11 @@ class Postures:
 
     @classmethod
     def _of_table(cls, table: Table) -> Postures:
-        """Postures of columns ``q1_deg``, ``q2_deg``, ... and, where there is one, ``posture``; others are refused."""
+        """Postures of columns ``q1_deg``, ``q2_deg``, ... and their names in ``posture`` or ``point``, among others."""
         columns = [f"q{j}_deg" for j in range(1, len(table) + 1)]
-        columns = [name for name in columns if name in table]
-        others = [name for name in table if name not in (*columns, "posture")]
+        columns = columns[: [*(name in table for name in columns), False].index(False)]
+        # A joint that is written otherwise would be lost.
+        others = [name for name in table if name not in columns and (not columns or re.match(r"q_?\d", name))]
         if others or not columns:
             raise StiffarmError(
                 f"These columns are not those of postures: {', '.join(others) or 'there are none'}.",
@@ -100,7 +102,8 @@ class Postures:
                 {"key": others[0]} if others else {},
                 hint="posture, q1_deg, q2_deg, ...; angles without names as an array, in radians or with degrees=True",
             )
-        names = [str(name) for name in table["posture"]] if "posture" in table else None
+        called = next((name for name in ("posture", "point") if name in table), None)
+        names = None if called is None else [str(name) for name in table[called]]
         return cls(np.column_stack([table[name] for name in columns]), names, degrees=True)
 
     @classmethod

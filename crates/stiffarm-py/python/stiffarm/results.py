@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from .postures import Postures
 
 
+#: Units of what an identification says of a joint.
+_UNITS = dict.fromkeys(("stiffness", "interval", "standard_error"), "_nm_per_rad")
+
+
 class _WithPostures(Result):
     __slots__ = ()
 
@@ -40,25 +44,14 @@ class Checked(Result, _keys.CheckedKeys):
     """What to know about a cell before anybody measures: :func:`stiffarm.check`."""
 
     __slots__ = ()
-    _rows: ClassVar[tuple[str, ...]] = ("findings",)
-
-    def _headline(self) -> str:
-        within, sampled = self._data["postures_within_limits"], self._data["postures_sampled"]
-        return f"{len(self._data['findings'])} findings; {within} of {sampled} random postures are within the limits"
+    _rows: ClassVar[tuple[str, ...]] = ("joints",)
 
 
 class Plan(_WithPostures, _keys.PlanKeys):
     """Postures to measure, and what they are worth: :func:`stiffarm.select`."""
 
     __slots__ = ()
-
-    def _headline(self) -> str:
-        index, value = self._data["index"], self._data["value"]
-        out = f"{len(self._data['postures_deg'])} postures, {index} = {value:.4g}"
-        certificate = self._data.get("certificate")
-        if certificate and certificate.get("efficiency"):
-            out += f", {100 * certificate['efficiency']:.1f} % of the best possible"
-        return out
+    _figure: ClassVar[str] = "expected"
 
 
 class Chosen(_WithPostures, _keys.ChosenKeys):
@@ -66,27 +59,17 @@ class Chosen(_WithPostures, _keys.ChosenKeys):
 
     __slots__ = ()
 
-    def _headline(self) -> str:
-        return f"{', '.join(self._data['posture_names'])}: {self._data['index']} = {self._data['value']:.4g}"
-
 
 class SpaceFilling(_WithPostures, _keys.SpaceFillingKeys):
     """Postures that cover the joint space evenly: :func:`stiffarm.select` with ``space_filling``."""
 
     __slots__ = ()
 
-    def _headline(self) -> str:
-        return f"{len(self._data['postures_deg'])} postures"
-
 
 class Dropped(_WithPostures, _keys.DroppedKeys):
     """What each given posture is worth, and which ones stay: :func:`stiffarm.select` with ``drop``."""
 
     __slots__ = ()
-
-    def _headline(self) -> str:
-        names = self._data["posture_names"]
-        return f"without {', '.join(names[p] for p in self._data['dropped'])}: index {self._data['value']:.4g}"
 
     @property
     def kept_postures(self) -> Postures:
@@ -99,15 +82,14 @@ class Curve(Result, _keys.CurveKeys):
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("sizes",)
+    _figure: ClassVar[str] = "number_of_postures"
 
 
 class Evaluated(Result, _keys.EvaluatedKeys):
     """Every index of groups of postures: :func:`stiffarm.evaluate`."""
 
     __slots__ = ()
-
-    def _headline(self) -> str:
-        return ", ".join(group["name"] for group in self._data["groups"])
+    _figure: ClassVar[str] = "expected"
 
     def table(self) -> Table:
         """A row per group: its name, number of postures, and every index."""
@@ -125,10 +107,7 @@ class Simulation(Result, _keys.SimulationKeys):
     """Monte Carlo of identifications with tracker noise: :func:`stiffarm.simulate`."""
 
     __slots__ = ()
-
-    def _headline(self) -> str:
-        groups = ", ".join(group["name"] for group in self._data["groups"])
-        return f"{self._data['runs']} runs of {groups}"
+    _figure: ClassVar[str] = "simulation"
 
     def table(self) -> Table:
         """A row per group, noise level and joint: simulated and expected deviation (fractions)."""
@@ -167,6 +146,7 @@ class Identified(Result, _keys.IdentifiedKeys):
     """Joint stiffness and how far to trust it: :func:`stiffarm.identify`."""
 
     __slots__ = ()
+    _figure: ClassVar[str] = "stiffness"
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
@@ -205,17 +185,14 @@ class Identified(Result, _keys.IdentifiedKeys):
         for joint in self._estimates()["joints"]:
             row: dict[str, Any] = {}
             for key, value in joint.items():
+                unit = next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
+                unit = "_rad_per_nm" if key.startswith("compliance") else unit
                 if key.endswith("interval"):
-                    row[f"{key}_low"], row[f"{key}_high"] = value or (None, None)
+                    row[f"{key}_low{unit}"], row[f"{key}_high{unit}"] = value or (None, None)
                 elif not isinstance(value, (dict, list)):
-                    row[key] = value
+                    row[{"name": "joint", "half_width": "relative_half_width"}.get(key, f"{key}{unit}")] = value
             rows.append(row)
         return _table_of(rows)
-
-    def _headline(self) -> str:
-        joints = self._estimates()["joints"]
-        shown = ", ".join("?" if j["stiffness"] is None else f"{j['stiffness']:.3g}" for j in joints)
-        return f"k = {shown} N·m/rad"
 
 
 class Validated(Result, _keys.ValidatedKeys):
@@ -223,9 +200,7 @@ class Validated(Result, _keys.ValidatedKeys):
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("points",)
-
-    def _headline(self) -> str:
-        return f"deviation RMS {1e3 * self._data['deviation_rms_m']:.3g} mm of {len(self._data['points'])} displacements"
+    _figure: ClassVar[str] = "validation"
 
     @property
     def findings(self) -> list[Record]:
@@ -239,8 +214,11 @@ class Registered(Result, _keys.RegisteredKeys):
 
     __slots__ = ()
 
-    def _headline(self) -> str:
-        return f"{len(self._data['pairs'])} pairs, residual RMS {1e3 * self._data['rms_m']:.3g} mm"
+    def table(self) -> Table:
+        """A row per pair: its name, and what the transform leaves of it."""
+        from ._result import _table_of
+
+        return _table_of([{"pair": name, "residual_m": left} for name, left in zip(self._data["pairs"], self._data["residuals_m"], strict=True)])
 
 
 class Predicted(Result, _keys.PredictedKeys):
@@ -248,9 +226,7 @@ class Predicted(Result, _keys.PredictedKeys):
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("points",)
-
-    def _headline(self) -> str:
-        return f"{len(self._data['points'])} points, deflection at most {1e3 * self._data['deflection_max_m']:.4g} mm"
+    _figure: ClassVar[str] = "deflection"
 
 
 class Compensated(Result, _keys.CompensatedKeys):
@@ -258,10 +234,7 @@ class Compensated(Result, _keys.CompensatedKeys):
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("points",)
-
-    def _headline(self) -> str:
-        before, left = self._data["uncompensated_max_m"], self._data["residual_max_m"]
-        return f"{len(self._data['points'])} points, at most {1e3 * before:.4g} mm without, {1e3 * left:.2g} mm left by the model"
+    _figure: ClassVar[str] = "deflection"
 
 
 class StiffnessMap(Result, _keys.StiffnessMapKeys):
@@ -269,10 +242,7 @@ class StiffnessMap(Result, _keys.StiffnessMapKeys):
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("nodes",)
-
-    def _headline(self) -> str:
-        counts = self._data["counts"]
-        return f"{counts['reachable']} of {len(self._data['nodes'])} nodes are reachable"
+    _figure: ClassVar[str] = "stiffness_map"
 
 
 class Placement(Result, _keys.PlacementKeys):
@@ -280,10 +250,6 @@ class Placement(Result, _keys.PlacementKeys):
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("candidates",)
-
-    def _headline(self) -> str:
-        gain = self._data.get("gain")
-        return "no better place" if gain is None else f"the best place bends {gain:.3g} times less"
 
 
 _CLASSES: dict[str, type[Result]] = {

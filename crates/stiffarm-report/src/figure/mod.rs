@@ -137,7 +137,7 @@ pub enum Style {
     Dashed,
     /// Filled markers without a line.
     Points,
-    /// Bars, side by side for several series.
+    /// Bars, side by side for several series; squares on a logarithmic axis, which has no zero to stand on.
     Bars,
     /// Box and whiskers over the samples that share an `x`: quartiles,
     /// median, whiskers from the 5 % to the 95 % quantile, and every sample

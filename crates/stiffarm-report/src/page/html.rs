@@ -1,11 +1,13 @@
 //! A page as HTML.
 
+use super::table::{is_wide, table};
+use super::words::{prose, text};
 use super::{Comparison, Page, Part, Provenance};
 use crate::figure::svg::{escape, render_drawing};
 use crate::figure::{Axis, Figure, Series};
 use crate::page::chart::chart;
 use crate::scene::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
-use crate::tell::{Block, DataTable, Number, Outcome, Piece, SEEN_AT_ONCE, Section, Text};
+use crate::tell::{Block, Number, Outcome, SEEN_AT_ONCE, Section, Text, Told};
 use askama::Template;
 use stiffarm::findings::{Finding, Severity};
 
@@ -15,10 +17,6 @@ const STYLE: &str = include_str!("../../assets/page.css");
 const SCRIPT: &str = include_str!("../../assets/page.js");
 /// Most points of a chart that the table behind it shows.
 const MOST_ROWS: usize = 400;
-/// Longest code that stays on one line \[characters\]; narrow screens have room for it.
-const UNBROKEN: usize = 26;
-/// Most rows of a table that stays on one printed page.
-const FEW_ROWS: usize = 14;
 
 #[derive(Template)]
 #[template(path = "page.html")]
@@ -57,7 +55,7 @@ pub(crate) struct Status {
 impl Outcome {
     pub(crate) fn status(self) -> Status {
         let (class, sign, words) = match self {
-            Outcome::Good => ("good", "✓", "Nothing speaks against it"),
+            Outcome::Good => ("good", "✓", "No problem found"),
             Outcome::Caution => ("caution", "!", "Look at the cautions"),
             Outcome::Serious => ("serious", "✗", "Not usable as it is"),
         };
@@ -131,7 +129,7 @@ impl<'a> PartTemplate<'a> {
 /// What stands before several results.
 fn comparison(comparison: &Comparison) -> String {
     let words = match comparison.outcome {
-        Outcome::Good => "Nothing speaks against them",
+        Outcome::Good => "No problem found",
         Outcome::Caution => "Look at the cautions",
         Outcome::Serious => "Not all of them are usable",
     };
@@ -142,6 +140,16 @@ fn comparison(comparison: &Comparison) -> String {
     verdict("verdict", status, &comparison.verdict)
         + "\n"
         + &sections(&comparison.sections, "all", 2)
+}
+
+/// A result at a glance, for a notebook: what came out, what is wrong with it, the table to read first.
+pub fn render_told(told: &Told) -> String {
+    let [_, came, next] = told.verdict.each_ref().map(text);
+    let known = told.findings.iter();
+    let known = known.filter(|finding| finding.severity != Severity::Note);
+    let findings = findings(&known.cloned().collect::<Vec<_>>());
+    let key = told.key.as_ref().map(table).unwrap_or_default();
+    format!("<p><b>{came}</b></p>\n{findings}{key}<p>{next}</p>\n")
 }
 
 /// The story: how it came out, and its three sentences.
@@ -155,17 +163,31 @@ fn verdict(id: &str, status: Status, sentences: &[Text; 3]) -> String {
     )
 }
 
-/// Sections under headings of a level.
+/// Sections under headings of a level, in two columns where there is room.
 fn sections(sections: &[Section], prefix: &str, level: usize) -> String {
     let sections = sections.iter().map(|section| {
         let id = escape(&format!("{prefix}-{}", section.id));
+        let half = if is_short(&section.blocks) { " half" } else { "" };
         format!(
-            "<section class=\"block\" id=\"{id}\" aria-labelledby=\"{id}-h\">\n<h{level} id=\"{id}-h\">{}</h{level}>\n{}</section>\n",
+            "<section class=\"block{half}\" id=\"{id}\" aria-labelledby=\"{id}-h\">\n<h{level} id=\"{id}-h\">{}</h{level}>\n{}</section>\n",
             escape(&section.title),
             blocks(&section.blocks, &id)
         )
     });
-    sections.collect()
+    let sections: String = sections.collect();
+    format!("<div class=\"sections\">\n{sections}</div>\n")
+}
+
+/// Whether a section has no more than one thing to look at, which half the page holds.
+fn is_short(blocks: &[Block]) -> bool {
+    let fills = |block: &Block| match block {
+        Block::Figures(_) | Block::Scene(..) | Block::Lines(_) => true,
+        Block::Figure(figure) => figure.panels.len() > 1,
+        Block::Table(data) => is_wide(data),
+        _ => false,
+    };
+    let seen = |block: &&Block| !matches!(block, Block::Text(_) | Block::Details(..));
+    !blocks.iter().any(fills) && blocks.iter().filter(seen).count() < 2
 }
 
 /// Blocks of a section; `prefix` makes ids inside them unique.
@@ -212,96 +234,6 @@ fn block(block: &Block, id: &str) -> String {
             escape(summary),
             blocks(inside, id)
         ),
-    }
-}
-
-fn text(text: &Text) -> String {
-    let pieces = text.0.iter().map(|piece| match piece {
-        Piece::Words(words) => together(words),
-        Piece::Strong(words) => format!("<strong>{}</strong>", together(words)),
-        Piece::Code(words) => code(words),
-        Piece::Link(words, anchor) => {
-            format!("<a href=\"#{}\">{}</a>", escape(anchor), escape(words))
-        }
-        Piece::Different(words) => format!("<span class=\"different\">{}</span>", escape(words)),
-        Piece::Number(number) => number_html(number),
-    });
-    pieces.collect()
-}
-
-/// Words in which no line ends between a number and its % or ±.
-fn together(words: &str) -> String {
-    let words = words.replace("± ", "±\u{a0}").replace(" %", "\u{a0}%");
-    escape(&words)
-}
-
-/// What one types; short words of it are not broken at their hyphens.
-fn code(words: &str) -> String {
-    let class = match words.chars().count() <= UNBROKEN {
-        true => " class=\"short\"",
-        false => "",
-    };
-    format!("<code{class}>{}</code>", escape(words))
-}
-
-/// A number with its place in the file and its full value.
-fn number_html(number: &Number) -> String {
-    let shown = escape(&number.text());
-    if number.pointer.is_empty() {
-        return format!("<span class=\"n\">{shown}</span>");
-    }
-    // JSON's own writing of the value, `null` where there is none.
-    let value = serde_json::to_string(&number.value).unwrap_or_default();
-    let factor = match number.factor == 1.0 {
-        true => String::new(),
-        false => format!(" data-factor=\"{}\"", number.factor),
-    };
-    let result = number
-        .result
-        .map_or_else(String::new, |result| format!(" data-result=\"{result}\""));
-    format!(
-        "<span class=\"n\" data-path=\"{}\" data-value=\"{value}\"{factor}{result}>{shown}</span>",
-        escape(&number.pointer)
-    )
-}
-
-fn table(data: &DataTable) -> String {
-    let right = data.of_numbers();
-    let class = |c: usize| match right.get(c) {
-        Some(true) => " class=\"r\"",
-        _ => "",
-    };
-    let headings = data.headings.iter().enumerate();
-    let headings =
-        headings.map(|(c, h)| format!("<th scope=\"col\"{}>{}</th>", class(c), escape(h)));
-    let headings: String = headings.collect();
-    let rows = data.rows.iter().map(|row| {
-        let cells = row.iter().enumerate().map(|(c, cell)| {
-            let class = class(c);
-            match c {
-                0 => format!("<th scope=\"row\"{}>{}</th>", short(cell), text(cell)),
-                _ => format!("<td{class}>{}</td>", text(cell)),
-            }
-        });
-        format!("<tr>{}</tr>\n", cells.collect::<String>())
-    });
-    let few = match data.rows.len() <= FEW_ROWS {
-        true => " few",
-        false => "",
-    };
-    format!(
-        "<p class=\"caption\">{0}</p><div class=\"table{few}\" tabindex=\"0\" role=\"group\" aria-label=\"{0}\">\
-         <table aria-label=\"{0}\">\n<thead><tr>{headings}</tr></thead>\n<tbody>\n{1}</tbody></table></div>",
-        escape(&data.caption),
-        rows.collect::<String>()
-    )
-}
-
-/// Class of a row's name that is short enough to stay on one line.
-fn short(name: &Text) -> &'static str {
-    match name.plain().chars().count() <= 24 {
-        true => " class=\"short\"",
-        false => "",
     }
 }
 
@@ -395,20 +327,6 @@ fn folded(list: &[Finding]) -> String {
         ),
     };
     findings(first) + &rest
-}
-
-/// A sentence in which what one types stands in backticks.
-fn prose(sentence: &str) -> String {
-    let pieces: Vec<&str> = sentence.split('`').collect();
-    // A backtick without its partner is a character like any other.
-    if pieces.len().is_multiple_of(2) {
-        return together(sentence);
-    }
-    let pieces = pieces.iter().enumerate().map(|(i, piece)| match i % 2 {
-        0 => together(piece),
-        _ => code(piece),
-    });
-    pieces.collect()
 }
 
 fn findings(findings: &[Finding]) -> String {

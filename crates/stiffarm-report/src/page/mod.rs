@@ -7,9 +7,11 @@
 mod chart;
 mod html;
 mod pictures;
+mod table;
+mod words;
 
 pub use crate::tell::{Block, DataTable, Form, Number, Outcome, Piece, Section, Text};
-pub use html::render_page;
+pub use html::{render_page, render_told};
 pub use pictures::pictures;
 
 use stiffarm::findings::Finding;

@@ -10,7 +10,7 @@ use crate::session::Session;
 use stiffarm::estimate::simulate::{simulate_elastic, simulate_elastic_measurements};
 use stiffarm::estimate::simulated::ElasticOptions;
 use stiffarm::files::source::Source;
-use stiffarm::files::table::write_displacements;
+use stiffarm::files::table::write_simulated;
 use stiffarm::{Code, Error, Result};
 
 /// Runs the simulation.
@@ -33,7 +33,7 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     drop(progress);
     if let Some(target) = target {
         let measured = simulate_elastic_measurements(cell, &groups[0].postures, args.seed)?;
-        write_all(session, &[(target, write_displacements(&measured, cell))])?;
+        write_all(session, &[(target, write_simulated(measured, cell))])?;
     }
     let options = ElasticOptions::from(&options);
     let envelope = session.envelope("simulate", Some(args.seed), options, &result);

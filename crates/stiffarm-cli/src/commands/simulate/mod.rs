@@ -16,7 +16,7 @@ use stiffarm::estimate::simulate::simulate;
 use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::files::source::Source;
-use stiffarm::files::table::{write_displacements, write_readings};
+use stiffarm::files::table::{write_simulated, write_simulated_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
 
 /// What is asked for that has a size.
@@ -58,12 +58,12 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     if let Some(target) = displacements {
         let model = Model::Equilibrium;
         let measured = simulate_measurements(cell, first, truth, model, args.seed, 0)?;
-        files.push((target, write_displacements(&measured, cell)));
+        files.push((target, write_simulated(measured, cell)));
     }
     if let Some(target) = readings {
         let done = Experiment::as_measured(cell);
         let table = experiment(cell, first, truth, &done, args.seed, 0)?;
-        let text = write_readings(&table, cell);
+        let text = write_simulated_readings(table, cell);
         match args.slowly {
             Some(pause) => write_slowly(session, &target, &text, pause)?,
             None => files.push((target, text)),

@@ -11,6 +11,8 @@ use crate::figure::{Panel, Series, Style};
 const FILLED: f64 = 0.8;
 /// Widest bar or box in pixels.
 const WIDEST: f64 = 44.0;
+/// Half the side of what stands for a bar on a logarithmic axis, in pixels.
+const SQUARE: f64 = 6.0;
 
 /// Horizontal room of one series at every position.
 #[derive(Clone, Copy)]
@@ -74,22 +76,20 @@ pub(super) fn columns(frame: &Frame, panel: &Panel, series: &Series) -> Vec<(Dat
     bars.collect()
 }
 
-/// A bar from zero, or on a logarithmic axis, which has none, from the frame.
+/// A bar from zero; a logarithmic axis has no zero, and so a square at the value.
 fn bar(frame: &Frame, d: &Datum, slot: Slot) -> Rect {
     let centre = frame.px(d.x) + slot.offset;
-    let half = 0.5 * slot.width;
+    let (half, base, top) = match frame.y.kind {
+        Kind::Linear => (0.5 * slot.width, frame.py(0.0), frame.py(d.y)),
+        _ => {
+            let (half, at) = ((0.5 * slot.width).min(SQUARE), frame.py(d.y));
+            (half, at + half, at - half)
+        }
+    };
     Rect::spanning(
-        frame.area.clamp((centre - half, base(frame))),
-        frame.area.clamp((centre + half, frame.py(d.y))),
+        frame.area.clamp((centre - half, base)),
+        frame.area.clamp((centre + half, top)),
     )
-}
-
-/// Where bars begin.
-fn base(frame: &Frame) -> f64 {
-    match frame.y.kind {
-        Kind::Linear => frame.py(0.0),
-        _ => frame.area.y + frame.area.h,
-    }
 }
 
 /// Smallest distance in pixels between two positions in use.
@@ -120,7 +120,6 @@ fn bars(
     slot: Slot,
     trace: &mut Trace,
 ) {
-    let base = base(frame);
     for d in points.iter().flatten() {
         let centre = frame.px(d.x) + slot.offset;
         let top = frame.py(d.y);
@@ -131,6 +130,10 @@ fn bars(
         }
         trace.add(&frame.area, (centre, top));
     }
+    if frame.y.kind != Kind::Linear {
+        return;
+    }
+    let base = frame.py(0.0);
     let ends = ((frame.area.x, base), (frame.area.x + frame.area.w, base));
     if let Some((a, b)) = frame.area.clip(ends.0, ends.1) {
         canvas.line(a, b, Stroke::solid(INK, 0.9));

@@ -73,7 +73,7 @@ impl Extent {
                 lo: if kind == Kind::Log { 0.1 } else { 0.0 },
                 hi: 1.0,
             },
-            Kind::Log => Self::around_log(lo, hi, from_zero),
+            Kind::Log => Self::around_log(lo, hi),
             _ => Self::around_linear(lo, hi, from_zero || axis.from_zero),
         }
     }
@@ -124,26 +124,20 @@ impl Extent {
     /// Logarithmic extents end on 1, 2 or 5 times a power of ten when short,
     /// so that there are always two labels, and just beyond the data when
     /// long.
-    fn around_log(lo: f64, hi: f64, bars: bool) -> Self {
+    fn around_log(lo: f64, hi: f64) -> Self {
         let kind = Kind::Log;
-        // The lowest bar needs some length to be seen, and bars a round base.
-        let lo = if bars { round_log(lo / 1.5, false) } else { lo };
         let decades = (hi / lo).log10();
         if decades >= 2.0 {
             let margin = 10_f64.powf(0.04 * decades);
             return Self {
                 kind,
-                lo: if bars { lo } else { lo / margin },
+                lo: lo / margin,
                 hi: hi * margin,
             };
         }
         Self {
             kind,
-            lo: if bars {
-                lo
-            } else {
-                round_log(lo / 1.04, false)
-            },
+            lo: round_log(lo / 1.04, false),
             hi: round_log(hi * 1.04, true),
         }
     }

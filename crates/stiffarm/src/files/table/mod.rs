@@ -66,7 +66,9 @@ pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, re
 pub(crate) use values::own_heading;
 #[cfg(feature = "schema")]
 pub(crate) use values::own_headings;
-pub use write::{write_displacements, write_postures, write_readings};
+pub use write::{
+    write_displacements, write_postures, write_readings, write_simulated, write_simulated_readings,
+};
 
 use sha2::{Digest, Sha256};
 

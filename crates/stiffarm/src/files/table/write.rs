@@ -75,6 +75,24 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
     text
 }
 
+/// Simulated displacements, in the digits that mean something: [`digits_of`](crate::model::cell::Noise::digits_of).
+pub fn write_simulated(mut measured: Vec<MeasuredPosture>, cell: &Cell) -> String {
+    let displacements = measured
+        .iter_mut()
+        .flat_map(|group| &mut group.displacements);
+    displacements.for_each(|d| d.value = d.value.map(|m| cell.noise.digits_of(m)));
+    write_displacements(&measured, cell)
+}
+
+/// The same of simulated raw readings.
+pub fn write_simulated_readings(mut table: ReadingTable, cell: &Cell) -> String {
+    let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
+    for reading in states.flat_map(|state| &mut state.readings) {
+        reading.position = reading.position.map(|m| cell.noise.digits_of(m));
+    }
+    write_readings(&table, cell)
+}
+
 /// Raw readings in the columns that [`read_readings`](super::read_readings)
 /// reads. Each state is written with its own angles or, where it has none, with
 /// the posture's; forces in the columns that the table had. What is not measured

@@ -29,6 +29,7 @@ use crate::model::route::RouteRules;
 use crate::model::scene::Scene;
 use crate::model::tool::Tool;
 use crate::model::work::Work;
+use crate::units::{m_to_mm, mm_to_m};
 
 /// Variance of a tracker reading per axis in the paper, Table 3 \[m²\].
 const PAPER_VARIANCE: f64 = 9.23e-11;
@@ -54,6 +55,15 @@ impl Noise {
             reading_variance: self.reading_variance * factor,
             ..self
         }
+    }
+
+    /// A length \[m\] to a thousandth of the noise, which is all that a tracker could tell; whole without noise.
+    pub fn digits_of(&self, length: f64) -> f64 {
+        let finest = m_to_mm(1e-3 * self.reading_variance.sqrt());
+        // In millimetres, as files have it: it is their decimals that are cut.
+        let scale = 10f64.powf(-finest.log10().floor());
+        let cut = mm_to_m((m_to_mm(length) * scale).round() / scale);
+        if cut.is_finite() { cut } else { length }
     }
 
     /// Variance σ² of one displacement component \[m²\].

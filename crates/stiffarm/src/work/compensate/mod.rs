@@ -49,7 +49,7 @@ pub struct PointCompensation {
     /// Name of the point.
     pub point: Arc<str>,
     /// Nominal controller angles \[rad\].
-    #[serde(rename = "nominal_deg", with = "crate::units::degrees")]
+    #[serde(rename = "q_deg", with = "crate::units::degrees")]
     #[cfg_attr(
         feature = "schema",
         schemars(
@@ -65,7 +65,7 @@ pub struct PointCompensation {
     /// Moment about the tip, base axes \[N·m\].
     pub moment_nm: [f64; 3],
     /// Controller angles to command \[rad\].
-    #[serde(rename = "command_deg", with = "crate::units::degrees")]
+    #[serde(rename = "command_q_deg", with = "crate::units::degrees")]
     #[cfg_attr(
         feature = "schema",
         schemars(

@@ -10,6 +10,7 @@ use stiffarm::files::builtin;
 use stiffarm::files::cell::parse_cell;
 use stiffarm::files::table::{
     displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
+    write_simulated,
 };
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
@@ -121,6 +122,36 @@ fn rows_of_a_posture_and_state_are_one_measurement() -> Check {
     let written = write_displacements(&read, &cell);
     assert_eq!(displacements(&written, &cell)?, read);
     Ok(())
+}
+
+#[test]
+fn simulated_tables_have_the_digits_that_the_noise_leaves() {
+    let digits = |std: f64, mm: f64| {
+        let mut cell = rope_cell();
+        cell.noise.reading_variance = std * std;
+        let measured = MeasuredPosture::new(
+            Posture {
+                name: "1".into(),
+                q: vec![0.1, 0.2],
+            },
+            vec![Displacement::new(0, [1e-3 * mm, 0.0, -1e-3 * mm].into())],
+        );
+        let text = write_simulated(vec![measured], &cell);
+        let row: Vec<String> = text
+            .lines()
+            .nth(1)
+            .unwrap()
+            .split(',')
+            .map(str::to_string)
+            .collect();
+        row[3].clone()
+    };
+    let mm = 0.663_176_492_445_283;
+    // A thousandth of 9.6 µm is 9.6 nm: to the nanometre.
+    assert_eq!(digits(9.6e-6, mm), "0.663176");
+    assert_eq!(digits(0.12e-3, mm), "0.6632");
+    assert_eq!(digits(9.6e-6, 3_119.129_258_726_848_5), "3119.129259");
+    assert_eq!(digits(0.0, mm), mm.to_string(), "without noise all of it");
 }
 
 #[test]

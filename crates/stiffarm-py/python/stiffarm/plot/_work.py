@@ -34,7 +34,7 @@ NODES = {
 }
 
 
-def curve(result: Curve, *, ax: Axes | None = None, width_in: float = 3.5) -> Axes:
+def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float = 3.5) -> Axes:
     """The best value found for each number of postures, and the bound below which no plan of as many can go.
 
     Args:
@@ -88,7 +88,8 @@ def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width
     steps = 1e3 * np.linalg.norm(np.diff(tips, axis=0), axis=1)
     has_way = len(points) > 1 and bool(np.isfinite(steps).all()) and steps.sum() > 0
     x = np.concatenate([[0.0], np.cumsum(steps)]) if has_way else np.arange(1, len(points) + 1)
-    confidence = f"{100 * data['confidence']:g} %"
+    # There is none where the stiffness came without its uncertainty, and no band either.
+    confidence = f"{100 * (data['confidence'] or 0):g} %"
     with _look.axes(ax, width_in, 2.4) as into:
         _look.light_grid(into)
         look: dict[str, Any] = {"color": _look.colour(0), "marker": "." if len(points) <= 40 else None, "markersize": 4}
@@ -109,7 +110,7 @@ def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width
     return into
 
 
-def map(
+def stiffness_map(
     result: StiffnessMap,
     quantity: str = "stiffness_n_per_m",
     *,
@@ -232,4 +233,4 @@ def _vector(value: list[float]) -> str:
     return "(" + ", ".join(f"{c:g}".replace("-", "−") for c in v) + ")"
 
 
-__all__ = ["curve", "deflection", "map"]
+__all__ = ["deflection", "number_of_postures", "stiffness_map"]

@@ -24,7 +24,7 @@ ARROW = 0.22
 THICK = (6.5, 3.0)
 
 
-def cell(
+def scene(
     cell: Cell,
     postures: PosturesLike | None = None,
     *,
@@ -325,4 +325,4 @@ def _step(span: float, most: int) -> float:
     return float(next(power * k for k in (1, 2, 5, 10) if span / (power * k) <= most))
 
 
-__all__ = ["cell"]
+__all__ = ["scene"]

@@ -1,0 +1,72 @@
+//! Sentences of a page.
+
+use crate::figure::svg::escape;
+use crate::tell::{Number, Piece, Text};
+
+/// Longest code that stays on one line \[characters\]; narrow screens have room for it.
+const UNBROKEN: usize = 26;
+
+/// Words in which numbers know their place in the file.
+pub(super) fn text(text: &Text) -> String {
+    let pieces = text.0.iter().map(|piece| match piece {
+        Piece::Words(words) => together(words),
+        Piece::Strong(words) => format!("<strong>{}</strong>", together(words)),
+        Piece::Code(words) => code(words),
+        Piece::Link(words, anchor) => {
+            format!("<a href=\"#{}\">{}</a>", escape(anchor), escape(words))
+        }
+        Piece::Different(words) => format!("<span class=\"different\">{}</span>", escape(words)),
+        Piece::Number(number) => number_html(number),
+    });
+    pieces.collect()
+}
+
+/// Words in which no line ends between a number and its % or ±.
+fn together(words: &str) -> String {
+    let words = words.replace("± ", "±\u{a0}").replace(" %", "\u{a0}%");
+    escape(&words)
+}
+
+/// What one types; short words of it are not broken at their hyphens.
+fn code(words: &str) -> String {
+    let class = match words.chars().count() <= UNBROKEN {
+        true => " class=\"short\"",
+        false => "",
+    };
+    format!("<code{class}>{}</code>", escape(words))
+}
+
+/// A number with its place in the file and its full value.
+fn number_html(number: &Number) -> String {
+    let shown = escape(&number.text());
+    if number.pointer.is_empty() {
+        return format!("<span class=\"n\">{shown}</span>");
+    }
+    // JSON's own writing of the value, `null` where there is none.
+    let value = serde_json::to_string(&number.value).unwrap_or_default();
+    let factor = match number.factor == 1.0 {
+        true => String::new(),
+        false => format!(" data-factor=\"{}\"", number.factor),
+    };
+    let result = number
+        .result
+        .map_or_else(String::new, |result| format!(" data-result=\"{result}\""));
+    format!(
+        "<span class=\"n\" data-path=\"{}\" data-value=\"{value}\"{factor}{result}>{shown}</span>",
+        escape(&number.pointer)
+    )
+}
+
+/// A sentence in which what one types stands in backticks.
+pub(super) fn prose(sentence: &str) -> String {
+    let pieces: Vec<&str> = sentence.split('`').collect();
+    // A backtick without its partner is a character like any other.
+    if pieces.len().is_multiple_of(2) {
+        return together(sentence);
+    }
+    let pieces = pieces.iter().enumerate().map(|(i, piece)| match i % 2 {
+        0 => together(piece),
+        _ => code(piece),
+    });
+    pieces.collect()
+}
