@@ -7,6 +7,7 @@ use stiffarm::Result;
 use stiffarm::files::table::{Sheet, SheetRow};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::ReadingTarget;
+use stiffarm::model::robot::{Controller, Robot};
 use stiffarm::units::rad_to_deg;
 
 /// A4 with a margin; every posture begins a page.
@@ -16,7 +17,7 @@ h1{font-size:15pt;margin:0 0 2mm}h2{font-size:13pt;margin:0 0 2mm}\
 section{break-after:page}section:last-of-type{break-after:auto}\
 table{border-collapse:collapse;margin:3mm 0}th,td{border:0.3mm solid #888;padding:1mm 2.5mm;text-align:left}\
 td.n{text-align:right;font-variant-numeric:tabular-nums}td.t{text-align:center;font-size:14pt;line-height:1}\
-tr{break-inside:avoid}svg{width:135mm;height:auto;display:block;margin:2mm auto}";
+tr{break-inside:avoid}svg{width:100%;height:auto;max-height:165mm;display:block;margin:2mm auto}";
 
 /// The plan of `sheet` as an HTML page for A4 paper: for each posture the angles to drive to,
 /// to 0.01°, a picture of the cell there, and a box for each reading in measuring order.
@@ -49,7 +50,7 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
             escape(&posture.name),
             groups.len()
         );
-        angles(&mut out, &posture.q);
+        angles(&mut out, &cell.setup.robot, &posture.q);
         let drawing = cell_drawing(cell, std::slice::from_ref(posture), Full::Number(0))?;
         out += &render_drawing(&drawing);
         readings(&mut out, rows);
@@ -59,10 +60,14 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
     Ok(out)
 }
 
-fn angles(out: &mut String, q: &[f64]) {
+/// The angles under the names that the pendant has for the axes.
+fn angles(out: &mut String, robot: &Robot, q: &[f64]) {
     *out += "<table><tr>";
-    for joint in 1..=q.len() {
-        let _ = write!(out, "<th>q{joint}_deg</th>");
+    let pendant = robot.controller();
+    let pendant = pendant.filter(|c| *c != Controller::Other);
+    for (axis, joint) in robot.joints().iter().enumerate() {
+        let name = pendant.map_or_else(|| joint.name.clone(), |pendant| pendant.axis_name(axis));
+        let _ = write!(out, "<th>{} [°]</th>", escape(&name));
     }
     *out += "</tr><tr>";
     for angle in q {
@@ -79,7 +84,7 @@ fn readings(out: &mut String, rows: &[SheetRow]) {
     let states: Vec<&[SheetRow]> = rows.chunk_by(|a, b| a.state == b.state).collect();
     *out += "<table><tr><th>state</th>";
     if has_loads {
-        *out += "<th>load_n</th>";
+        *out += "<th>load [N]</th>";
     }
     for row in states.first().copied().unwrap_or_default() {
         let word = if ReadingTarget::is_base_name(&row.point) {

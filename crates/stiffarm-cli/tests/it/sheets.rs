@@ -55,7 +55,9 @@ fn the_page_to_print_shows_each_posture_once() {
         ("<section>", 6),
         ("<svg ", 6),
         ("☐", 6 * 3 * 4),
-        ("q6_deg", 6),
+        // As the pendant of a COMAU has it.
+        ("<th>J6 [°]</th>", 6),
+        ("<th>load [N]</th>", 6),
     ] {
         assert_eq!(page.matches(what).count(), count, "{what}");
     }

@@ -6,6 +6,9 @@ const COLOURS = [
   'near', 'point', 'residual', 'ink',
 ];
 
+/** Most postures of a group that are drawn as lines with their names. */
+const MOST_NAMED = 24;
+
 /** True where the browser draws without a graphics card. */
 function isSoftware() {
   const gl = document.createElement('canvas').getContext('webgl2');
@@ -342,6 +345,13 @@ class Picture {
         });
       }
       this.others[g].set(pieces);
+    });
+    this.data.groups.forEach((group, g) => {
+      if (!state.shown.includes(g) || group.postures.length > MOST_NAMED) return;
+      group.postures.forEach((posture, p) => {
+        if (state.group === g && state.posture === p) return;
+        this.label(vec(this.otherLines[g][p].slice(-3)), `posture ${posture.name}`, 'other');
+      });
     });
   }
 

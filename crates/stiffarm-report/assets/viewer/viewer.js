@@ -198,7 +198,7 @@ function firstCaution(data) {
 
 /** Labels, those that matter most first. */
 function sorted(labels) {
-  const order = ['caution', 'near', 'load', 'point', 'sight', 'axis', 'standing', 'limit'];
+  const order = ['caution', 'near', 'load', 'point', 'sight', 'axis', 'standing', 'other', 'limit'];
   return [...labels].sort((a, b) => order.indexOf(a.kind) - order.indexOf(b.kind));
 }
 

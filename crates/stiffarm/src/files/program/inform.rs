@@ -30,7 +30,7 @@ pub const INFORM: Dialect = Dialect {
     title: "Yaskawa INFORM",
     controller: Some(Controller::Yaskawa),
     axes: [6, 7],
-    axis_name: |axis| ["S", "L", "U", "R", "B", "T", "E"][axis.min(6)].to_string(),
+    axis_name: |axis| Controller::Yaskawa.axis_name(axis),
     in_pulses: true,
     tool: Tool::Number(63, Some("0")),
     upper_case: true,

@@ -26,7 +26,7 @@ pub const KRL: Dialect = Dialect {
     controller: Some(Controller::Kuka),
     axes: [6, 12],
     axis_name: |axis| match axis {
-        0..6 => format!("A{}", axis + 1),
+        0..6 => Controller::Kuka.axis_name(axis),
         _ => format!("E{}", axis - 5),
     },
     tool: Tool::Number(128, None),

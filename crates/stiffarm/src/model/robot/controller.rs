@@ -55,6 +55,16 @@ impl Controller {
         }
     }
 
+    /// What its pendant calls an axis of the arm, counted from 0.
+    pub fn axis_name(self, axis: usize) -> String {
+        let letter = match self {
+            Controller::Kuka => "A",
+            Controller::Yaskawa => return ["S", "L", "U", "R", "B", "T", "E"][axis.min(6)].into(),
+            _ => "J",
+        };
+        format!("{letter}{}", axis + 1)
+    }
+
     /// Its name for people.
     pub fn title(self) -> &'static str {
         match self {
