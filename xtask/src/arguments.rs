@@ -156,7 +156,7 @@ pub struct OutputsOptions {
     /// compared with FOLDER.
     #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=64))]
     pub threads: Vec<u16>,
-    /// Of runs that differ in --json only the one with it; no help and no wrong usage.
+    /// Of runs that differ in --json only the one with it; no help, no wrong usage, none that takes long.
     #[arg(long = "brief")]
     pub is_brief: bool,
 }

@@ -28,6 +28,8 @@ pub struct Call {
     pub input: Option<String>,
     /// Whether wrong usage or wrong input is what it is there for.
     pub is_wrong: bool,
+    /// Whether it takes long and tells nothing that shorter ones do not.
+    pub is_long: bool,
 }
 
 impl Call {
@@ -63,7 +65,7 @@ pub fn calls(list: &str) -> Result<Vec<Call>, Failure> {
 }
 
 /// The calls that compute: of one that is made twice the one with --json, which has every digit; none
-/// that is there to be wrong, and no text that is always the same.
+/// that is there to be wrong or takes long, and no text that is always the same.
 pub fn brief(calls: Vec<Call>) -> Vec<Call> {
     let files: BTreeSet<String> = calls.iter().map(|call| call.file.clone()).collect();
     let texts = ["--version", "schema", "docs", "man", "completions"];
@@ -71,7 +73,7 @@ pub fn brief(calls: Vec<Call>) -> Vec<Call> {
         let asks = call.words.iter().any(|w| w == "--help" || w == "-h");
         let is_text = asks || texts.contains(&call.words[0].as_str());
         let with_json = call.file.replace(".txt", ".json.txt");
-        !(call.is_wrong || is_text || files.contains(&with_json))
+        !(call.is_wrong || call.is_long || is_text || files.contains(&with_json))
     };
     calls.into_iter().filter(computes).collect()
 }
@@ -88,15 +90,16 @@ fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
     };
     let (has_json, is_wrong) = match *kind {
         "once" => (false, false),
-        "both" => (true, false),
+        "both" | "long" => (true, false),
         "wrong" => (true, true),
-        _ => return Err("it begins with none of once, both, wrong"),
+        _ => return Err("it begins with none of once, both, long, wrong"),
     };
     let call = |file: String, added: &[&str]| Call {
         file,
         words: words.iter().chain(added).map(|w| w.to_string()).collect(),
         input: input.clone(),
         is_wrong,
+        is_long: *kind == "long",
     };
     let mut calls = vec![call(format!("{name}.txt"), &[])];
     if has_json {
@@ -147,7 +150,8 @@ mod tests {
     #[test]
     fn a_brief_list_computes_everything_once() {
         let list = "once  help  select --help\nboth  plan  select a --output b\nwrong  slip  check --output b\n\
-                    once  plan-sheet  select b --sheet c\nboth  help-me  schema cell\n";
+                    once  plan-sheet  select b --sheet c\nboth  help-me  schema cell\n\
+                    long  plan-large  select c\n";
         let brief = brief(calls(list).unwrap());
         let files: Vec<&str> = brief.iter().map(|call| call.file.as_str()).collect();
         assert_eq!(files, ["plan.json.txt", "plan-sheet.txt"]);
@@ -159,7 +163,7 @@ mod tests {
             ("\nboth", "it has no name"),
             (
                 "\ntwice a check",
-                "it begins with none of once, both, wrong",
+                "it begins with none of once, both, long, wrong",
             ),
             ("once a check\nboth a check", "its name is taken"),
         ] {
