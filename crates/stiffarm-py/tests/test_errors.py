@@ -218,6 +218,8 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     refused(lambda: stiffarm.map(cell, "prior", plane=("z", 800)), "wrong-type", key="plane")
     refused(lambda: stiffarm.select(cell, output=[1, 2]), "wrong-type", key="output")
     refused(lambda: stiffarm.cell.weight(), "usage", key="mass_kg")
+    with pytest.raises(StiffarmError, match=r"seed=int\(generator.integers\(2\*\*32\)\) draws one"):
+        stiffarm.select(cell, 6, seed=np.random.default_rng(1))  # type: ignore[call-overload]
 
 
 def test_unknown_names(cell: stiffarm.Cell) -> None:

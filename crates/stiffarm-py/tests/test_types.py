@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -102,3 +103,11 @@ def test_mypy_of_a_script_that_uses_every_function(tmp_path: Path) -> None:
     script.write_text(USED, encoding="utf-8")
     assert [name for name in commands.names() if f"stiffarm.{name}(" not in USED] == []
     mypy("mypy", "--config-file", "pyproject.toml", "--strict", str(script))
+
+
+def test_pyright_of_the_same_script(tmp_path: Path) -> None:
+    pytest.importorskip("basedpyright", reason="basedpyright is not installed")
+    (tmp_path / "used.py").write_text(USED, encoding="utf-8")
+    settings = {"typeCheckingMode": "strict", "extraPaths": [str(PACKAGE.parent)], "include": ["used.py"]}
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings), encoding="utf-8")
+    run([sys.executable, "-m", "basedpyright", "--pythonpath", sys.executable, "--project", str(tmp_path)])

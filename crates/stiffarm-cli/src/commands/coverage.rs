@@ -53,5 +53,5 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
     drop(progress);
     let envelope = session.envelope("coverage", Some(args.seed), described, &found);
     session.deliver_told(None, &envelope, &named, false)?;
-    Ok(Exit::Done)
+    Ok(Exit::of_findings(&found.findings))
 }

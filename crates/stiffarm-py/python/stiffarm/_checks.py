@@ -24,7 +24,9 @@ def whole(value: Any, key: str) -> int:
             raise TypeError
         number = operator.index(value)
     except TypeError:
-        raise StiffarmError(f"This must be a whole number, got {shown(value)}.", "wrong-type", {"key": key}) from None
+        message = f"This must be a whole number, got {shown(value)}."
+        hint = f"{key}=int(generator.integers(2**32)) draws one" if isinstance(value, np.random.Generator) else None
+        raise StiffarmError(message, "wrong-type", {"key": key}, hint) from None
     if not 0 <= number <= LARGEST:
         raise StiffarmError(f"This must be a whole number from 0, got {number}.", "invalid-value", {"key": key})
     return number

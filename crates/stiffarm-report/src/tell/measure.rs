@@ -87,7 +87,11 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
             shown(&unknown)
         )),
         Some(_) => text
-            .words("Every joint is known to ± ")
+            .words(match unknown.is_empty() {
+                true => "Every joint is known to ± ".to_string(),
+                // The load never turns the others.
+                false => format!("Every joint but {} is known to ± ", shown(&unknown)),
+            })
             .number(given.number("/standing/largest").of(Quantity::PERCENT))
             .words(" at ")
             .number(given.number("/standing/confidence").of(Quantity::PERCENT))

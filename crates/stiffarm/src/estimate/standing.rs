@@ -11,6 +11,7 @@ use super::systematic::SystematicErrors;
 use crate::error::{Code, Result};
 use crate::findings::{Finding, Severity, percent};
 use crate::numerics::half_width::Level;
+use crate::plan::check::determinable;
 use serde::{Deserialize, Serialize};
 
 /// The source of common error that is the scale of every force.
@@ -44,14 +45,14 @@ pub struct Standing {
     pub joints: Vec<JointStanding>,
     /// Confidence of the half widths.
     pub confidence: f64,
-    /// Largest half width of all joints; `None` while a joint is not determined.
+    /// Largest half width of the joints that the load turns; `None` while one of them is not determined.
     pub largest: Option<f64>,
-    /// Whether every joint is known to the goal; `None` without one.
+    /// Whether each of them is known to the goal; `None` without one.
     pub reached: Option<bool>,
     /// Planned postures after which the goal is expected to be reached; `None` without a goal,
     /// where it is reached, or where that is not expected with all of them.
     pub postures_to_goal: Option<usize>,
-    /// What to know about the goal, in sentences.
+    /// What to know about the goal and of joints that no goal is asked of, in sentences.
     pub findings: Vec<Finding>,
 }
 
@@ -100,10 +101,19 @@ pub fn standing<Q: AsRef<[f64]>>(
             }
         })
         .collect();
-    let largest = worst(joints.iter().map(|joint| joint.total));
+    // The load of the cell says nothing of these, whatever is measured.
+    let (_, mut findings) = determinable(fit.cell().clone());
+    let left_out = |j: usize| findings.iter().any(|f| f.subject == joints[j].name);
+    let worst = |parts: &mut dyn Iterator<Item = Option<f64>>| {
+        let turned = parts.enumerate();
+        let turned = turned.filter(|(j, _)| !left_out(*j));
+        let all: Option<Vec<f64>> = turned.map(|(_, part)| part).collect();
+        all?.into_iter().reduce(f64::max)
+    };
+    let largest = worst(&mut joints.iter().map(|joint| joint.total));
     let reached = goal.map(|goal| largest.is_some_and(|largest| largest <= goal));
     let enough = |all: &Option<Vec<Option<f64>>>| {
-        let largest = all.as_ref().and_then(|all| worst(all.iter().copied()));
+        let largest = all.as_ref().and_then(|all| worst(&mut all.iter().copied()));
         goal.zip(largest)
             .is_some_and(|(goal, largest)| largest <= goal)
     };
@@ -120,12 +130,9 @@ pub fn standing<Q: AsRef<[f64]>>(
         }
         postures_to_goal = Some(count);
     }
-    let findings = match (goal, reached) {
-        (Some(goal), Some(false)) => out_of_reach(systematic, found.estimates.confidence, goal)?
-            .into_iter()
-            .collect(),
-        _ => Vec::new(),
-    };
+    if let (Some(goal), Some(false)) = (goal, reached) {
+        findings.extend(out_of_reach(systematic, found.estimates.confidence, goal)?);
+    }
     Ok(Standing {
         joints,
         confidence: found.estimates.confidence,
@@ -134,12 +141,6 @@ pub fn standing<Q: AsRef<[f64]>>(
         postures_to_goal,
         findings,
     })
-}
-
-/// The largest, where all are known.
-fn worst(parts: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let all: Option<Vec<f64>> = parts.collect();
-    all?.into_iter().reduce(f64::max)
 }
 
 /// Says where the scale of the force alone is beyond the goal: no residual ever shows it.
@@ -174,7 +175,12 @@ pub fn is_better(found: &NextPosture, planned: &PlannedErrors) -> bool {
     let Some(next) = planned.after.first() else {
         return true;
     };
-    let all: Option<Vec<f64>> = next.iter().copied().collect();
+    // What no load turns is open either way.
+    let pairs = next.iter().zip(&found.after);
+    let all: Option<Vec<f64>> = pairs
+        .filter(|(_, after)| after.is_some())
+        .map(|(own, _)| *own)
+        .collect();
     match all {
         Some(all) => found.expected_error < WORTH_NAMING * super::identify::rms(&all),
         // The planned one leaves a joint undetermined, and this one does not.

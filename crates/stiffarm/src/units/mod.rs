@@ -10,9 +10,6 @@ use nalgebra::UnitQuaternion;
 /// Metres per millimetre.
 pub const MM: f64 = 1e-3;
 
-/// Square metres per square millimetre.
-pub const MM2: f64 = 1e-6;
-
 /// Standard gravity \[m/s²\].
 pub const STANDARD_GRAVITY: f64 = 9.80665;
 

@@ -2,10 +2,14 @@
 
 use crate::common::prelude::*;
 use crate::common::{entrywise_error, random_group};
+use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
 use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::next_posture::planned_errors;
 use stiffarm::estimate::simulate::simulate_elastic_measurements;
+use stiffarm::estimate::standing::{is_better, standing};
 use stiffarm::plan::check::determinable;
 use stiffarm::plan::planned::{PlanRequest, plan};
+use stiffarm::plan::select::random_group as draw_group;
 
 /// The reference cell with a weight, and the joints that the weight turns.
 fn plates() -> (Cell, Cell) {
@@ -180,4 +184,82 @@ fn the_mixed_model_of_the_others_does_not_hear_of_the_joint() {
     let joints = whole.joints().unwrap();
     assert_eq!(joints[0].verdict, Verdict::Undetermined);
     assert!(joints[1..].iter().all(|joint| joint.interval[0].is_some()));
+}
+
+#[test]
+fn coverage_counts_the_others() {
+    let (cell, others) = plates();
+    let postures = numbered(random_group());
+    let case = CoverageCase {
+        options: IdentifyOptions::default(),
+        world: ErrorModel {
+            common_ratio: 1.0,
+            lost_motion_rad: 1e-6,
+            ..ErrorModel::default()
+        },
+        resamples: None,
+        experiments: 1000,
+        seed: 3,
+    };
+    let of = |cell: &Cell| coverage(cell, &postures, &case, Control::default()).unwrap();
+    let (found, theirs) = (of(&cell), of(&others));
+    assert_eq!(found.findings, determinable(cell).1);
+    assert_eq!(found.joints.len(), 5);
+    assert_eq!(found.joints, theirs.joints);
+    assert!(theirs.findings.is_empty());
+}
+
+#[test]
+fn the_next_posture_is_the_best_for_the_others() {
+    let (cell, _) = plates();
+    let postures = numbered(random_group());
+    let truth = cell.prior.clone().unwrap();
+    let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 3, 0).unwrap();
+    let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let next = next_posture(&fit, &rounds(2), Control::default()).unwrap();
+    assert_eq!((next.before[0], next.after[0]), (None, None));
+    let rms = |errors: &[Option<f64>]| {
+        let known: Vec<f64> = errors[1..].iter().map(|error| error.unwrap()).collect();
+        (known.iter().map(|e| e * e).sum::<f64>() / known.len() as f64).sqrt()
+    };
+    assert!((next.expected_error / rms(&next.after) - 1.0).abs() < 1e-12);
+    let with = |q: &Vec<f64>| planned_errors(&fit, std::slice::from_ref(q)).unwrap();
+    let planned = with(&next.angles);
+    assert!((rms(&planned.after[0]) / next.expected_error - 1.0).abs() < 1e-9);
+    // None of many others brings as much, and what is planned is not left for what it brings itself.
+    for q in draw_group(&cell, StartKind::Uniform, 100, 5, 0).unwrap() {
+        assert!(rms(&with(&q).after[0]) > next.expected_error);
+    }
+    assert!(!is_better(&next, &planned));
+}
+
+#[test]
+fn a_goal_is_asked_of_the_joints_that_the_load_turns() {
+    let (cell, others) = plates();
+    let postures = numbered(random_group());
+    let truth = cell.prior.clone().unwrap();
+    let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 3, 0).unwrap();
+    let of = |cell: &Cell, goal: f64| {
+        let fit = Fit::new(cell, &measured, &IdentifyOptions::default()).unwrap();
+        let systematic = systematic_errors(&fit).unwrap();
+        standing(&fit, &systematic, &postures[..2], Some(goal)).unwrap()
+    };
+    let now = of(&cell, 0.9);
+    let largest = now.joints[1..]
+        .iter()
+        .filter_map(|joint| joint.total)
+        .fold(0.0, f64::max);
+    assert_eq!((now.largest, now.reached), (Some(largest), Some(true)));
+    assert_eq!((now.joints[0].total, now.joints[0].with_all), (None, None));
+    assert_eq!(now.findings, determinable(cell.clone()).1);
+    assert!((largest / of(&others, 0.9).largest.unwrap() - 1.0).abs() < 1e-9);
+    // A goal between what is there and what two further postures bring is two postures away at most.
+    let all = now.joints[1..]
+        .iter()
+        .filter_map(|joint| joint.with_all)
+        .fold(0.0, f64::max);
+    assert!(all < largest);
+    let ahead = of(&cell, 0.5 * (all + largest));
+    assert_eq!(ahead.reached, Some(false));
+    assert!(matches!(ahead.postures_to_goal, Some(1 | 2)));
 }

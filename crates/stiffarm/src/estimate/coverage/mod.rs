@@ -17,12 +17,13 @@ use crate::estimate::identify::{
     Estimator, Experiment, IdentifyOptions, JointEstimate, Prepared, Rows, Scale, assumptions,
     estimates, interval_quantile, resampled,
 };
-use crate::findings::list;
+use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order;
 use crate::numerics::streams::coverage_rng;
+use crate::plan::check::determinable;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -94,6 +95,9 @@ pub struct Coverage {
     pub degrees_of_freedom: Option<usize>,
     /// Resamples that a bootstrap skipped, as a share of all (fraction).
     pub skipped: f64,
+    /// Joints that the load of the cell leaves out: nothing is counted of them.
+    #[serde(default)]
+    pub findings: Vec<Finding>,
 }
 
 /// Counts of some experiments.
@@ -158,14 +162,14 @@ impl Counts {
 }
 
 /// Simulates experiments on `postures` and counts how often the intervals hold
-/// the truth. Experiment e draws the same numbers for any number of threads
+/// the truth, of the springs that the cell's load can determine. Experiment e draws the same numbers for any number of threads
 /// and of experiments.
 ///
 /// The displacements are those of the linear model with the cell's noise and
 /// what the case's world adds; they are identified by the cell as it stands.
 ///
 /// # Errors
-/// No prior stiffness, postures that do not determine every joint (they are
+/// No prior stiffness, postures that do not determine each of these joints (they are
 /// named), a case that contradicts itself, or as [`crate::estimate::identify::identify`].
 pub fn coverage(
     cell: &Cell,
@@ -179,6 +183,8 @@ pub fn coverage(
     }
     let options = &case.options;
     crate::estimate::identify::check(options)?;
+    let (cell, findings) = determinable(cell.clone());
+    let cell = &cell;
     let scene = error_model::Scene::new(cell, postures, case)?;
     let experiment = Experiment::new(cell, scene.measured().into())?;
     let system = experiment.system(&options.extra, options.weights)?;
@@ -255,7 +261,10 @@ pub fn coverage(
         Some(_) => Some(system.shifts().min(system.psi.nrows()) - first.factor.rank()),
         None => degrees_of_freedom,
     };
-    Ok(shares(&system.unknowns, &counts, case, degrees_of_freedom))
+    Ok(Coverage {
+        findings,
+        ..shares(&system.unknowns, &counts, case, degrees_of_freedom)
+    })
 }
 
 fn shares(
@@ -294,5 +303,6 @@ fn shares(
         degrees_of_freedom,
         skipped: counts.skipped as f64 / (experiments * resamples),
         joints,
+        findings: Vec::new(),
     }
 }

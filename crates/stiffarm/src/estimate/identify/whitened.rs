@@ -198,18 +198,6 @@ impl Whitened {
         Whitened::of(psi, self.blocks.clone())
     }
 
-    /// The same rows without column `j`; a column of zeros stands for no columns.
-    ///
-    /// # Errors
-    /// As [`Factor::new`].
-    pub fn without_column(&self, j: usize) -> Result<Self> {
-        let psi = match self.psi.ncols() {
-            1 => DMatrix::zeros(self.psi.nrows(), 1),
-            _ => self.psi.clone().remove_column(j),
-        };
-        Whitened::of(psi, self.blocks.clone())
-    }
-
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.psi.nrows()

@@ -30,6 +30,7 @@ use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::numerics::control::Control;
 use crate::numerics::information::Factor;
+use crate::plan::check::springs_left_out;
 use crate::plan::select::GlobalOptions;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
@@ -50,7 +51,7 @@ pub struct NextPosture {
     pub before: Vec<Option<f64>>,
     /// The same with the new posture: never above `before`.
     pub after: Vec<Option<f64>>,
-    /// Relative standard error, RMS over joints, with the new posture.
+    /// Relative standard error, RMS over the joints that the load turns, with the new posture.
     pub expected_error: f64,
     /// The load assumed at the new posture, where the cell's is measured.
     pub assumed_load: Option<AssumedLoad>,
@@ -62,7 +63,7 @@ pub struct NextPosture {
 }
 
 /// The posture within the cell's bounds and limits which, measured besides the
-/// others, makes the relative standard errors (RMS over joints) smallest. Errors
+/// others, makes the relative standard errors (RMS over the joints that the load turns) smallest. Errors
 /// are relative to the identified stiffness, or to the prior where that is not
 /// positive. The noise is that of the fit, or the cell's where the fit cannot tell.
 ///
@@ -92,9 +93,12 @@ pub fn next_posture(
             .map(|(error, k)| error.map(|e| e * k * known.sigma))
             .collect()
     };
-    // RMS over joints, infinite where one is not determined.
+    let left_out = springs_left_out(&cell);
+    // RMS over the joints that the load turns, infinite where one of them is not determined.
     let error = |errors: &[Option<f64>]| {
-        let all: Option<Vec<f64>> = errors.iter().copied().collect();
+        let theirs = errors.iter().enumerate();
+        let theirs = theirs.filter(|(j, _)| !left_out.contains(j));
+        let all: Option<Vec<f64>> = theirs.map(|(_, error)| *error).collect();
         all.map_or(f64::INFINITY, |all| rms(&all))
     };
     let value = |q: &[f64]| Ok(error(&relative(&known.with(&cell, q)?)));

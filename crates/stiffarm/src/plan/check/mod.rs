@@ -12,7 +12,7 @@ mod slips;
 mod work;
 
 pub use excitation::JointExcitation;
-pub use prepared::{LEFT_OUT, determinable, prepared};
+pub use prepared::{LEFT_OUT, determinable, prepared, springs_left_out};
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, list};

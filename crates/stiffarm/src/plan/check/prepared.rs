@@ -58,6 +58,11 @@ pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
     (cell, findings)
 }
 
+/// Springs of the cell that [`determinable`] leaves out.
+pub fn springs_left_out(cell: &Cell) -> Vec<usize> {
+    left_out(cell).map_or_else(Vec::new, |(_, springs)| springs)
+}
+
 /// Terms at all postures, and the springs whose columns of Ψ are zero there; `None` where there is no such spring, or
 /// no other.
 fn left_out(cell: &Cell) -> Option<(Vec<PostureTerms>, Vec<usize>)> {
