@@ -382,7 +382,7 @@ fn a_study_on_measurements_writes_its_folder() {
 #[test]
 fn a_posture_that_is_planned_twice_is_said_so() {
     let folder = Folder::new();
-    let line = "select builtin:comau -n 8 --no-certificate --rounds 1";
+    let line = "select builtin:comau -n 7 --no-certificate --rounds 1";
     let result = folder.json(line)["result"].clone();
     let repeats = result["repeats"].as_array().unwrap();
     let postures = result["postures_deg"].as_array().unwrap();
@@ -411,12 +411,12 @@ fn a_posture_that_is_planned_twice_is_said_so() {
     }
     let out = folder.ok(line);
     assert!(
-        out.contains("8 postures (") && out.contains("Measure posture "),
+        out.contains("7 postures (") && out.contains("Measure posture "),
         "{out}"
     );
     folder.refused("select builtin:comau --index prediction --largest-load-n 600");
     // An index that counts more than noise does not repeat itself.
     let spread =
-        folder.json("select builtin:comau -n 8 --no-certificate --rounds 1 --index prediction");
+        folder.json("select builtin:comau -n 7 --no-certificate --rounds 1 --index prediction");
     assert_eq!(spread["result"]["repeats"].as_array().unwrap().len(), 0);
 }

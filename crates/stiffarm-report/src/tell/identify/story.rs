@@ -304,22 +304,23 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .words(" and see what changes: it contradicts the others.");
     }
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
-    if let (Some(advice), false) = (&found.next_posture, missing.is_empty() && weak.is_empty()) {
+    // Of those that another posture helps; what the load never turns stays open.
+    let helped = found.next_posture.as_ref().and_then(|advice| {
+        let error = |all: &[Option<f64>], j: usize| all.get(j).copied().flatten();
+        let fallen = |j: &usize| {
+            let before = error(&advice.before, *j);
+            Some((
+                *j,
+                error(&advice.after, *j)? / before.unwrap_or(f64::INFINITY),
+            ))
+        };
+        let joints = missing.iter().chain(&weak).filter_map(fallen);
+        let most = joints.min_by(|a, b| a.1.total_cmp(&b.1));
+        most.map(|(j, _)| (advice, j))
+    });
+    if let Some((advice, j)) = helped {
         let text = Text::new("Measure one more posture: q = ");
         let text = angles(text, joints.given, advice.angles.len());
-        let most = missing.iter().chain(&weak).copied();
-        let fallen = |j: &usize| {
-            let before = advice.before.get(*j).copied().flatten();
-            let after = advice.after.get(*j).copied().flatten();
-            Some(after? / before?)
-        };
-        let best = most.min_by(|a, b| {
-            let of = |j| fallen(j).unwrap_or(0.0);
-            of(a).total_cmp(&of(b))
-        });
-        let Some(j) = best else {
-            return text.words(" helps most.");
-        };
         let at = |key: &str| {
             let number = joints.given.number(&format!("/next_posture/{key}/{j}"));
             number.of(Quantity::PERCENT)
