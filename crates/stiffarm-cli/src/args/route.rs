@@ -19,6 +19,10 @@ pub struct RouteArgs {
     /// written before then has other angles
     #[arg(long)]
     pub equivalents: bool,
+    /// With it: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
+    /// beyond them bends otherwise
+    #[arg(long, requires = "equivalents")]
+    pub keep_wrist: bool,
     /// Steps that angles are rounded to [deg]; 0 leaves them as they are
     #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
     pub angle_step_deg: f64,

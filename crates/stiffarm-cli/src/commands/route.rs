@@ -24,6 +24,8 @@ pub struct Options {
     pub keep_order: bool,
     /// Whether equivalent postures could stand in.
     pub equivalents: bool,
+    /// Whether these had the wrist of the plan.
+    pub keep_wrist: bool,
     /// Steps that angles were rounded to \[deg\]; `null` where they were not.
     pub angle_step_deg: Option<f64>,
 }
@@ -54,6 +56,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     let mut options = RouteOptions::default();
     options.keep_order = args.keep_order;
     options.keep_angles = !args.equivalents;
+    options.keep_wrist = args.keep_wrist;
     options.step_deg = step_deg;
     options.seed = args.seed;
     let progress = Progress::new(session, "finding the route");
@@ -88,6 +91,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     let options = Options {
         keep_order: args.keep_order,
         equivalents: args.equivalents,
+        keep_wrist: args.keep_wrist,
         angle_step_deg: step_deg,
     };
     let envelope = session.envelope("route", Some(args.seed), options, &result);

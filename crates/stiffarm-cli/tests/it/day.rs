@@ -399,3 +399,21 @@ fn a_rehearsal_comes_state_by_state() {
         "need a file",
     );
 }
+
+/// Of a posture and the same with its wrist the other way round the second is turned, unless the wrist is to stay.
+#[test]
+fn a_route_may_keep_the_wrist() {
+    let folder = Folder::new();
+    folder.write(
+        "plan.csv",
+        "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\nA,5,5,-90,20,45,10\nB,10,5,-90,-160,-45,190\n",
+    );
+    let bends = |more: &str| {
+        let line = format!("route builtin:comau plan.csv --equivalents{more}");
+        let stops = &folder.json(&line)["result"]["postures_deg"];
+        [&stops[0][4], &stops[1][4]].map(|angle| angle.as_f64().unwrap())
+    };
+    assert_eq!(bends(""), [45.0, 45.0]);
+    assert_eq!(bends(" --keep-wrist"), [45.0, -45.0]);
+    folder.refused("route builtin:comau plan.csv --keep-wrist");
+}

@@ -337,7 +337,7 @@ fn findings(findings: &[Finding]) -> String {
             Severity::Note => ("note", "i", "Note"),
         };
         format!(
-            "<li class=\"{class}\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span><span><b>{word}:</b> {}</span></li>\n",
+            "<li class=\"{class}\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span> <span><b>{word}:</b> {}</span></li>\n",
             prose(&finding.sentence)
         )
     });
