@@ -364,3 +364,8 @@ def test_wrong_results_are_refused(found: Any, plan: Any) -> None:
             call({"a": 3})  # type: ignore[arg-type]
         with pytest.raises(stiffarm.StiffarmError):
             call({})  # type: ignore[arg-type]
+    for one in (plot.simulation, plot.residuals, plot.deflection, plot.number_of_postures, plot.stiffness_map):
+        with pytest.raises(stiffarm.StiffarmError, match="is drawn of what"):
+            one(plan)  # type: ignore[operator]
+    with pytest.raises(stiffarm.StiffarmError, match="axes of matplotlib, got 3"):
+        found.plot(ax=3)

@@ -34,6 +34,7 @@ def simulation(result: Simulation, *, figure: Figure | None = None, width_in: fl
         StiffarmError: A simulation of an arm that gives way beyond its axes, which has no deviations by joint.
     """
     plt = _look.pyplot()
+    _look.check(result, Simulation, "what simulate found")
     data = result.to_dict()
     joints: list[str] = data["joints"]
     groups: list[dict[str, Any]] = data["groups"]
@@ -216,6 +217,7 @@ def residuals(result: Identified, *, ax: Axes | None = None, width_in: float = 3
     Raises:
         StiffarmError: An identification with the flange fixed, whose residuals are angles.
     """
+    _look.check(result, Identified, "what identify found")
     data = result._estimates()
     rows: list[dict[str, Any]] = data.get("postures") or []
     if not rows or not all("residuals" in row for row in rows):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from .. import _checks
 from .._errors import StiffarmError
 
 if TYPE_CHECKING:
@@ -79,6 +80,8 @@ def axes(
     """The given axes as they are, or new ones in a figure of this size."""
     plt = pyplot()
     if ax is not None:
+        if not hasattr(ax, "fill_between"):
+            raise StiffarmError(f"These must be axes of matplotlib, got {_checks.shown(ax)}.", "wrong-type", {"key": "ax"})
         yield ax
         return
     with settings(True):
@@ -219,6 +222,12 @@ def number(value: float) -> str:
         power = f"10$^{{{int(exponent)}}}$"
         return power if mantissa == "1" else f"{mantissa}·{power}"
     return f"{value:.6g}"
+
+
+def check(value: object, kind: type | tuple[type, ...], what: str) -> None:
+    """Refuses what is no such result."""
+    if not isinstance(value, kind):
+        raise StiffarmError(f"This figure is drawn of {what}.", "wrong-type")
 
 
 def by_name(value: _T | Mapping[str, _T], kind: type | tuple[type, ...], what: str) -> dict[str, _T]:

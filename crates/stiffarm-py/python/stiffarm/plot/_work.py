@@ -41,7 +41,11 @@ def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float
         result: What :func:`stiffarm.select` with ``curve`` found.
         ax: Axes to draw into; new ones unless given.
         width_in: Width of a new figure [in].
+
+    Raises:
+        StiffarmError: Something else.
     """
+    _look.check(result, Curve, "what select found with curve=True")
     data = result.to_dict()
     heading, factor = VALUES.get(data["index"], (f"index {data['index']} [–]", 1.0))
     sizes = [size for size in data["sizes"] if size.get("value") is not None]
@@ -77,8 +81,7 @@ def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width
     Raises:
         StiffarmError: Something else.
     """
-    if not isinstance(result, (Predicted, Compensated)):
-        raise StiffarmError("This figure is drawn of what predict or compensate found.", "wrong-type")
+    _look.check(result, (Predicted, Compensated), "what predict or compensate found")
     data = result.to_dict()
     points: list[dict[str, Any]] = data["points"]
     key = "deflection_m" if isinstance(result, Predicted) else "uncompensated_m"
@@ -132,6 +135,7 @@ def stiffness_map(
     Raises:
         StiffarmError: An unknown quantity or axis; a map that is a line.
     """
+    _look.check(result, StiffnessMap, "what map found")
     if quantity not in NODES:
         raise StiffarmError(
             f'A map has no "{quantity}".', "unknown-name", {"key": "quantity"}, hint=", ".join(NODES)
