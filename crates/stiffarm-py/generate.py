@@ -168,12 +168,14 @@ def root(whole: Schema) -> str:
 
 
 def is_numeric(value: Schema) -> bool:
-    """Numbers, some of which may be ``null``, or lists of them: an array."""
+    """Numbers, some of which may be ``null``, or rows of as many each: an array."""
     types = value.get("type")
     types = set(types if isinstance(types, list) else [types]) - {"null"}
     if types == {"array"}:
         inside = [*value.get("prefixItems", []), *([value["items"]] if "items" in value else [])]
-        return bool(inside) and all(map(is_numeric, inside))
+        rows = [one for one in inside if one.get("type") == "array"]
+        even = all(one.get("minItems") is not None and one.get("minItems") == one.get("maxItems") for one in rows)
+        return bool(inside) and even and all(map(is_numeric, inside))
     return bool(types) and types <= {"number", "integer"}
 
 
@@ -257,7 +259,7 @@ def signature(spec: Schema, returned: str, mode: str | None, modes: set[str]) ->
     words += ["*", *[typed(one, True) for one in options]]
     tables = [one for one in spec["arguments"] if one["kind"] == "input" and one["name"] not in ("cell", "stiffness")]
     words += ["degrees: bool = ..."] * bool(tables)
-    words += ["accept: Callable[[NDArray[np.float64]], bool] | None = ..."] * (spec["name"] == "select")
+    words += ["accept: Callable[[NDArray[np.float64]], bool | np.bool_] | None = ..."] * (spec["name"] == "select")
     words += ["progress: Progress = ..."]
     return [f"def {spec['name']}(", *[f"    {word}," for word in words], f") -> {returned}:"]
 

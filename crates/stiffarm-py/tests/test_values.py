@@ -194,6 +194,7 @@ def test_every_result_tells_itself(
             assert one.plot() is not None
         shown = one._repr_html_()
         assert shown.startswith("<p><b>") and one.page()._repr_html_().startswith("<iframe srcdoc=")
+        assert repr(one.page()).startswith("<Page of ")
         assert str(one) == one.told().rstrip("\n") and len(one.told(details=True)) >= len(one.told()) > 80
         page = one.report(tmp_path / "page.html", overwrite=True).read_text(encoding="utf-8")
         assert page.lower().startswith("<!doctype html>")
@@ -448,6 +449,9 @@ def test_a_frame_of_postures_is_in_the_unit_that_its_headings_say() -> None:
     # The frame of a path has what its points are beside their postures.
     bend = stiffarm.predict(cell, "prior", own, cell_load=True)
     assert stiffarm.Postures.of(bend.to_frame()) == own
+    # A table of readings has each of its postures many times.
+    with pytest.raises(stiffarm.StiffarmError, match="not those of postures: state, dx_mm"):
+        stiffarm.Postures.of(stiffarm.simulate_measurements(cell, own))
 
 
 def test_arrays_of_a_result_cannot_be_written_to(found: stiffarm.results.Identified) -> None:
@@ -461,13 +465,13 @@ def test_serious_findings_of_readings_are_counted() -> None:
     plan = stiffarm.select(cell, space_filling=True, count=8)
     table = stiffarm.simulate_measurements(cell, plan, readings=True)
     sound = stiffarm.identify(cell, table, brief=True)
-    assert "SERIOUS" not in repr(sound) and "Serious" not in sound._repr_html_()
+    assert "SERIOUS" not in repr(sound) and "Not usable" not in sound._repr_html_()
     frame = table.to_frame()
     exchanged = (frame.posture == "3") & frame.point.isin(["1", "2"])
     frame.loc[exchanged, "point"] = frame.loc[exchanged, "point"].map({"1": "2", "2": "1"})
     wrong = stiffarm.identify(cell, frame, brief=True)
     assert [finding.code for finding in wrong.findings if finding.severity == "serious"] == ["exchanged-points"]
-    assert repr(wrong).count("SERIOUS: ") == 1 and "Serious:" in wrong._repr_html_()
+    assert repr(wrong).count("SERIOUS: ") == 1 and "Not usable as it is." in wrong._repr_html_()
 
 
 def test_plates_leave_joint_1_out_everywhere(cell: stiffarm.Cell, group: stiffarm.Postures) -> None:

@@ -63,7 +63,8 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
 /// The angles under the names that the pendant has for the axes.
 fn angles(out: &mut String, robot: &Robot, q: &[f64]) {
     *out += "<table><tr>";
-    let pendant = robot.controller();
+    // Where a seventh axis stands, and what it is called, differs from arm to arm.
+    let pendant = robot.controller().filter(|_| q.len() <= 6);
     let pendant = pendant.filter(|c| *c != Controller::Other);
     for (axis, joint) in robot.joints().iter().enumerate() {
         let name = pendant.map_or_else(|| joint.name.clone(), |pendant| pendant.axis_name(axis));

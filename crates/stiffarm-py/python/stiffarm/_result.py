@@ -233,7 +233,7 @@ class Result(Record):
 
     def plot(self, **options: Any) -> Any:
         """Draws the result with the function of :mod:`stiffarm.plot` that its class has, which says what the options are;
-        ``ax=`` are axes to draw into.
+        ``ax=`` are axes to draw into, of a simulation ``figure=`` an empty figure.
 
         Raises:
             StiffarmError: A result that has no figure, or matplotlib is not installed.
@@ -289,6 +289,9 @@ class Page(str):
     """A page of HTML; a notebook shows it in a frame of its own."""
 
     __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"<Page of {len(self) / 1e3:.0f} kB; in a notebook it is shown, report() writes it>"
 
     def _repr_html_(self) -> str:
         # The frame keeps styles and scripts of the page and those of the notebook apart.

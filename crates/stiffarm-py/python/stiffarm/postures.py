@@ -71,8 +71,8 @@ class Postures:
 
     @classmethod
     def of(cls, value: Any, *, degrees: bool = False) -> Postures:
-        """Postures of an array, of a result that has postures, of a frame with the columns of a posture file, or of
-        postures.
+        """Postures of an array, of a result that has postures, of a frame with ``q1_deg``, ``q2_deg``, ... and the names in
+        ``posture`` or ``point``, or of postures.
 
         Raises:
             StiffarmError: It has none.
@@ -95,6 +95,8 @@ class Postures:
         columns = columns[: [*(name in table for name in columns), False].index(False)]
         # A joint that is written otherwise would be lost.
         others = [name for name in table if name not in columns and (not columns or re.match(r"q_?\d", name))]
+        # Readings, several of a posture.
+        others += [name for name in ("state", "dx_mm", "x_mm") if name in table and "point" in table]
         if others or not columns:
             raise StiffarmError(
                 f"These columns are not those of postures: {', '.join(others) or 'there are none'}.",

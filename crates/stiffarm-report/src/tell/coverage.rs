@@ -23,7 +23,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         .number(given.number("/coverage").of(SHARE))
         .words(" (standard error ")
         .number(given.number("/standard_error").of(Quantity::PERCENT))
-        .words(") of all joints and experiments; they promise ")
+        .words(") of all these joints and experiments; they promise ")
         .number(Number::computed(promised).of(SHARE))
         .words(".");
     let next = match off {

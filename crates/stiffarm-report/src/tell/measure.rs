@@ -77,15 +77,18 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
     };
     let joints = standing.joints.iter();
     let unknown = joints.filter(|joint| joint.total.is_none());
-    let unknown: Vec<String> = unknown.map(|joint| joint.name.clone()).collect();
+    let mut unknown: Vec<String> = unknown.map(|joint| joint.name.clone()).collect();
     let text = match standing.largest {
         None if unknown.len() == standing.joints.len() => {
             text.words("No joint is known to better than half of its stiffness yet")
         }
-        None => text.words(format!(
-            "The stiffness is not known yet of {}",
-            shown(&unknown)
-        )),
+        None => {
+            // Of what the load never turns it never will be.
+            let never = |name: &String| standing.findings.iter().any(|f| f.subject == *name);
+            unknown.retain(|name| !never(name));
+            let names = shown(&unknown);
+            text.words(format!("The stiffness is not known yet of {names}"))
+        }
         Some(_) => text
             .words(match unknown.is_empty() {
                 true => "Every joint is known to ± ".to_string(),

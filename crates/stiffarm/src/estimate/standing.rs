@@ -101,8 +101,9 @@ pub fn standing<Q: AsRef<[f64]>>(
             }
         })
         .collect();
-    // The load of the cell says nothing of these, whatever is measured.
+    // The load of the cell says nothing of these, and no measured force did either.
     let (_, mut findings) = determinable(fit.cell().clone());
+    findings.retain(|f| found.estimates.undetermined_joints.contains(&f.subject));
     let left_out = |j: usize| findings.iter().any(|f| f.subject == joints[j].name);
     let worst = |parts: &mut dyn Iterator<Item = Option<f64>>| {
         let turned = parts.enumerate();
@@ -170,7 +171,7 @@ fn out_of_reach(
 }
 
 /// Whether a posture that was searched for is worth measuring instead of the next planned one: by the
-/// relative standard error, RMS over joints.
+/// relative standard error, RMS over the joints that the load turns.
 pub fn is_better(found: &NextPosture, planned: &PlannedErrors) -> bool {
     let Some(next) = planned.after.first() else {
         return true;

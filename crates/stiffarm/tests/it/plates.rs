@@ -263,3 +263,27 @@ fn a_goal_is_asked_of_the_joints_that_the_load_turns() {
     assert_eq!(ahead.reached, Some(false));
     assert!(matches!(ahead.postures_to_goal, Some(1 | 2)));
 }
+
+/// A table may bring forces of its own, which turn what the load of the cell does not.
+#[test]
+fn a_joint_that_measured_forces_turn_counts() {
+    let (cell, _) = plates();
+    let pulled = reference_cell();
+    let postures = numbered(random_group());
+    let truth = pulled.prior.clone().unwrap();
+    let mut measured =
+        simulate_measurements(&pulled, &postures, &truth, Model::Linear, 3, 0).unwrap();
+    for own in &mut measured {
+        let terms = PostureTerms::new(&pulled.setup, &own.posture.q, None).unwrap();
+        own.wrench = Some(*terms.wrench());
+    }
+    let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+    let systematic = systematic_errors(&fit).unwrap();
+    let now = standing(&fit, &systematic, &postures[..1], Some(0.9)).unwrap();
+    assert!(now.findings.is_empty());
+    assert!(now.joints.iter().all(|joint| joint.total.is_some()));
+    let largest = now.joints.iter().filter_map(|joint| joint.total);
+    assert_eq!(now.largest, largest.reduce(f64::max));
+    let next = next_posture(&fit, &rounds(1), Control::default()).unwrap();
+    assert!(next.after.iter().all(Option::is_some));
+}

@@ -271,9 +271,13 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
         without.or(d.noise.as_ref())
     });
     let larger = left.is_some_and(|test| test.agreement == Agreement::Larger);
+    // No posture under this load tells them.
+    let next = found.next_posture.as_ref();
+    let never = |j: usize| next.is_some_and(|next| next.after.get(j).copied().flatten().is_none());
     // A joint without a value comes before how well the others fit.
-    let blind =
+    let mut blind =
         joints.of(|verdict| matches!(verdict, Verdict::Undetermined | Verdict::NotByItself));
+    blind.retain(|j| !never(*j));
     if larger && found.elastic.is_none() && blind.is_empty() {
         return Text::new("Identify again with ")
             .code("--elastic mixed")
@@ -334,6 +338,13 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             None => text.words(" by the readings from unknown"),
         };
         return text.words(" to ").number(at("after")).words(".");
+    }
+    if !missing.is_empty() && missing.iter().all(|j| never(*j)) {
+        return Text::new("No posture under this load tells ")
+            .strong(joints.names(&missing))
+            .words(": measure under one from another side as well, or go on with the others: ")
+            .code("stiffarm validate")
+            .words(" compares what they predict with what is measured.");
     }
     if !missing.is_empty() {
         return Text::default()

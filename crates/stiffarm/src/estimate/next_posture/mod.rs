@@ -69,8 +69,8 @@ pub struct NextPosture {
 ///
 /// # Errors
 /// No stiffness to weigh joints by, measured forces from which no load can be
-/// assumed, no posture within the limits, or none with which all joints are
-/// determined.
+/// assumed, no posture within the limits, or none with which all joints
+/// that the load turns are determined.
 pub fn next_posture(
     fit: &Fit,
     options: &GlobalOptions,
@@ -93,7 +93,9 @@ pub fn next_posture(
             .map(|(error, k)| error.map(|e| e * k * known.sigma))
             .collect()
     };
-    let left_out = springs_left_out(&cell);
+    let before = relative(&Factor::new(&known.seen)?);
+    let mut left_out = springs_left_out(&cell);
+    left_out.retain(|j| before[*j].is_none());
     // RMS over the joints that the load turns, infinite where one of them is not determined.
     let error = |errors: &[Option<f64>]| {
         let theirs = errors.iter().enumerate();
@@ -102,19 +104,27 @@ pub fn next_posture(
         all.map_or(f64::INFINITY, |all| rms(&all))
     };
     let value = |q: &[f64]| Ok(error(&relative(&known.with(&cell, q)?)));
+    let names = cell.setup.robot.spring_names();
+    let left_out: Vec<&String> = left_out.iter().map(|j| &names[*j]).collect();
+    let open: Vec<&String> = result
+        .estimates
+        .undetermined_joints
+        .iter()
+        .filter(|name| !left_out.contains(name))
+        .collect();
     let q = search::best_posture(&cell, options, control, &value)?.ok_or_else(|| {
         Error::new(
             Code::NotIdentifiable,
             format!(
                 "One more posture with this load does not determine {}.",
-                list(&result.estimates.undetermined_joints)
+                list(&open)
             ),
         )
     })?;
     let after = relative(&known.with(&cell, &q)?);
     Ok(NextPosture {
         angles: q,
-        before: relative(&Factor::new(&known.seen)?),
+        before,
         expected_error: error(&after),
         after,
         assumed_load: assumed,

@@ -60,6 +60,10 @@ impl Controller {
         let letter = match self {
             Controller::Kuka => "A",
             Controller::Yaskawa => return ["S", "L", "U", "R", "B", "T", "E"][axis.min(6)].into(),
+            Controller::Ur => {
+                let names = ["Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"];
+                return names[axis.min(5)].into();
+            }
             _ => "J",
         };
         format!("{letter}{}", axis + 1)
