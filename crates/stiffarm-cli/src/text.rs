@@ -13,9 +13,8 @@ const MOST_ROWS: usize = 36;
 fn opening(told: &Told) -> String {
     let [_, came, _] = &told.verdict;
     // What is serious may be what came out.
-    let said = came.plain();
     let (first, serious): (Vec<&Finding>, Vec<&Finding>) =
-        of(told, Severity::Serious).partition(|f| said.contains(&f.sentence));
+        of(told, Severity::Serious).partition(|f| came.says(f));
     let mut out = match first.is_empty() {
         true => sentence(came),
         false => {

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from .postures import Postures
 
 
-#: Units of what an identification says of a joint.
-_UNITS = dict.fromkeys(("stiffness", "interval", "standard_error"), "_nm_per_rad")
+#: Endings of what an identification says of a joint in N·m/rad.
+_STIFF = ("stiffness", "interval", "standard_error")
 
 
 class _WithPostures(Result):
@@ -185,7 +185,7 @@ class Identified(Result, _keys.IdentifiedKeys):
         for joint in self._estimates()["joints"]:
             row: dict[str, Any] = {}
             for key, value in joint.items():
-                unit = next((unit for end, unit in _UNITS.items() if key.endswith(end)), "")
+                unit = "_nm_per_rad" if key.endswith(_STIFF) else ""
                 unit = "_rad_per_nm" if key.startswith("compliance") else unit
                 if key.endswith("interval"):
                     row[f"{key}_low{unit}"], row[f"{key}_high{unit}"] = value or (None, None)

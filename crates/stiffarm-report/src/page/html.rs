@@ -98,8 +98,8 @@ impl<'a> PartTemplate<'a> {
         let level = if alone { 2 } else { 3 };
         let ids = part.sections.iter();
         let of = |severity: Severity| {
-            let own = unsaid(&part.warnings, &part.verdict);
-            let own = own.filter(|f| f.severity == severity);
+            let own = part.warnings.iter().filter(|f| f.severity == severity);
+            let own = own.filter(|f| !part.verdict[1].says(f));
             own.cloned().collect::<Vec<Finding>>()
         };
         PartTemplate {
@@ -127,12 +127,6 @@ impl<'a> PartTemplate<'a> {
     }
 }
 
-/// Findings that the verdict does not say already.
-fn unsaid<'a>(all: &'a [Finding], verdict: &[Text; 3]) -> impl Iterator<Item = &'a Finding> {
-    let said = verdict[1].plain();
-    all.iter().filter(move |f| !said.contains(&f.sentence))
-}
-
 /// What stands before several results.
 fn comparison(comparison: &Comparison) -> String {
     let words = match comparison.outcome {
@@ -152,13 +146,12 @@ fn comparison(comparison: &Comparison) -> String {
 /// A result at a glance, for a notebook: what came out, what is wrong with it, the table to read first.
 pub fn render_told(told: &Told) -> String {
     let [_, came, next] = told.verdict.each_ref().map(text);
-    let known = unsaid(&told.findings, &told.verdict);
-    let known = known.filter(|finding| finding.severity != Severity::Note);
+    let known = told.findings.iter();
+    let known = known.filter(|f| f.severity != Severity::Note && !told.verdict[1].says(f));
     let findings = findings(&known.cloned().collect::<Vec<_>>());
     let key = told.key.as_ref().map(table).unwrap_or_default();
-    let status = told.outcome.status();
     let sign = match told.outcome {
-        Outcome::Serious => format!("{}. ", status.words),
+        Outcome::Serious => format!("{}. ", told.outcome.status().words),
         _ => String::new(),
     };
     format!("<p><b>{sign}{came}</b></p>\n{findings}{key}<p>{next}</p>\n")

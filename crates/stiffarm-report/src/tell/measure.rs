@@ -77,23 +77,22 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
     };
     let joints = standing.joints.iter();
     let unknown = joints.filter(|joint| joint.total.is_none());
-    let mut unknown: Vec<String> = unknown.map(|joint| joint.name.clone()).collect();
+    let unknown = unknown.map(|joint| joint.name.clone());
+    // What the load never turns never will be known.
+    let is_left_out = |name: &String| standing.findings.iter().any(|f| f.subject == *name);
+    let (left_out, unknown): (Vec<String>, Vec<String>) = unknown.partition(is_left_out);
     let text = match standing.largest {
-        None if unknown.len() == standing.joints.len() => {
+        None if left_out.len() + unknown.len() == standing.joints.len() => {
             text.words("No joint is known to better than half of its stiffness yet")
         }
-        None => {
-            // Of what the load never turns it never will be.
-            let never = |name: &String| standing.findings.iter().any(|f| f.subject == *name);
-            unknown.retain(|name| !never(name));
-            let names = shown(&unknown);
-            text.words(format!("The stiffness is not known yet of {names}"))
-        }
+        None => text.words(format!(
+            "The stiffness is not known yet of {}",
+            shown(&unknown)
+        )),
         Some(_) => text
-            .words(match unknown.is_empty() {
+            .words(match left_out.is_empty() {
                 true => "Every joint is known to ± ".to_string(),
-                // The load never turns the others.
-                false => format!("Every joint but {} is known to ± ", shown(&unknown)),
+                false => format!("Every joint but {} is known to ± ", shown(&left_out)),
             })
             .number(given.number("/standing/largest").of(Quantity::PERCENT))
             .words(" at ")

@@ -1,7 +1,7 @@
 //! Sentences in which numbers keep what they are.
 
 use super::Number;
-use stiffarm::findings::visible;
+use stiffarm::findings::{Finding, visible};
 
 /// A sentence or two in which numbers keep what they are.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -82,6 +82,11 @@ impl Text {
             self = self.number(number);
         }
         self
+    }
+
+    /// Whether it says a finding, which then need not stand beside it.
+    pub fn says(&self, finding: &Finding) -> bool {
+        self.plain().contains(&finding.sentence)
     }
 
     /// As a line of a file: with a minus that programs read.

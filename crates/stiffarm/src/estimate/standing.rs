@@ -104,18 +104,16 @@ pub fn standing<Q: AsRef<[f64]>>(
     // The load of the cell says nothing of these, and no measured force did either.
     let (_, mut findings) = determinable(fit.cell().clone());
     findings.retain(|f| found.estimates.undetermined_joints.contains(&f.subject));
-    let left_out = |j: usize| findings.iter().any(|f| f.subject == joints[j].name);
-    let worst = |parts: &mut dyn Iterator<Item = Option<f64>>| {
-        let turned = parts.enumerate();
-        let turned = turned.filter(|(j, _)| !left_out(*j));
-        let all: Option<Vec<f64>> = turned.map(|(_, part)| part).collect();
+    let left_out = |j: &usize| findings.iter().any(|f| f.subject == joints[*j].name);
+    let turned: Vec<usize> = (0..joints.len()).filter(|j| !left_out(j)).collect();
+    let worst = |part: &dyn Fn(usize) -> Option<f64>| {
+        let all: Option<Vec<f64>> = turned.iter().map(|j| part(*j)).collect();
         all?.into_iter().reduce(f64::max)
     };
-    let largest = worst(&mut joints.iter().map(|joint| joint.total));
+    let largest = worst(&|j| joints[j].total);
     let reached = goal.map(|goal| largest.is_some_and(|largest| largest <= goal));
     let enough = |all: &Option<Vec<Option<f64>>>| {
-        let largest = all.as_ref().and_then(|all| worst(&mut all.iter().copied()));
-        goal.zip(largest)
+        goal.zip(worst(&|j| of(all, j)))
             .is_some_and(|(goal, largest)| largest <= goal)
     };
     let mut postures_to_goal = None;

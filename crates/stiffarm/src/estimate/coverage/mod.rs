@@ -162,8 +162,8 @@ impl Counts {
 }
 
 /// Simulates experiments on `postures` and counts how often the intervals hold
-/// the truth, of the springs that the cell's load can determine. Experiment e draws the same numbers for any number of threads
-/// and of experiments.
+/// the truth, of the springs that the cell's load can determine. Experiment e
+/// draws the same numbers for any number of threads and of experiments.
 ///
 /// The displacements are those of the linear model with the cell's noise and
 /// what the case's world adds; they are identified by the cell as it stands.

@@ -94,25 +94,19 @@ pub fn next_posture(
             .collect()
     };
     let before = relative(&Factor::new(&known.seen)?);
-    let mut left_out = springs_left_out(&cell);
-    left_out.retain(|j| before[*j].is_none());
+    let left_out = springs_left_out(&cell);
+    let is_turned = |j: &usize| before[*j].is_some() || !left_out.contains(j);
+    let turned: Vec<usize> = (0..before.len()).filter(is_turned).collect();
     // RMS over the joints that the load turns, infinite where one of them is not determined.
     let error = |errors: &[Option<f64>]| {
-        let theirs = errors.iter().enumerate();
-        let theirs = theirs.filter(|(j, _)| !left_out.contains(j));
-        let all: Option<Vec<f64>> = theirs.map(|(_, error)| *error).collect();
+        let all: Option<Vec<f64>> = turned.iter().map(|j| errors[*j]).collect();
         all.map_or(f64::INFINITY, |all| rms(&all))
     };
     let value = |q: &[f64]| Ok(error(&relative(&known.with(&cell, q)?)));
-    let names = cell.setup.robot.spring_names();
-    let left_out: Vec<&String> = left_out.iter().map(|j| &names[*j]).collect();
-    let open: Vec<&String> = result
-        .estimates
-        .undetermined_joints
-        .iter()
-        .filter(|name| !left_out.contains(name))
-        .collect();
     let q = search::best_posture(&cell, options, control, &value)?.ok_or_else(|| {
+        let names = cell.setup.robot.spring_names();
+        let mut open = result.estimates.undetermined_joints.clone();
+        open.retain(|name| turned.iter().any(|j| names[*j] == *name));
         Error::new(
             Code::NotIdentifiable,
             format!(
