@@ -35,7 +35,7 @@ CASES: dict[str, tuple[list[str], dict[str, Any]]] = {
     "route": (["cell", "postures"], {"keep_order": True}),
     "schema": ([], {"what": "result-select"}),
     "select": (["cell"], {"given": "postures", "add": 2, "rounds": 1, "no_certificate": True, "seed": 7}),
-    "simulate": (["cell", "groups"], {"runs": 3, "levels": [1.0, 2.25], "force_percent": 0.5}),
+    "simulate": (["cell", "groups"], {"runs": 3, "levels": [1.0, 2.25], "force_error_percent": 0.5}),
     "study": (["cell"], {"initial": "few", "runs": 2, "initial_groups": 1, "output_dir": "study", "force": True}),
     "validate": (["cell", "nothing", "measurements"], {"folds": 4, "estimator": "ordinary"}),
     "zones": (["cell"], {"steps": 4}),

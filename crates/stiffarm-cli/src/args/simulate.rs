@@ -75,11 +75,11 @@ impl SimulateArgs {
             runs: self.runs.map(to_usize),
             seed: self.seed,
             errors: ErrorRequest {
-                force_scale_percent: self.errors.force_scale_percent,
-                force_percent: self.errors.force_percent,
-                joint_angle_deg: self.errors.joint_angle_deg,
-                loading_point_mm: self.errors.loading_point_mm,
-                anchor_mm: self.errors.anchor_mm,
+                force_scale_error_percent: self.errors.force_scale_error_percent,
+                force_error_percent: self.errors.force_error_percent,
+                joint_angle_error_deg: self.errors.joint_angle_error_deg,
+                loading_point_error_mm: self.errors.loading_point_error_mm,
+                anchor_error_mm: self.errors.anchor_error_mm,
             },
         }
     }
@@ -91,30 +91,33 @@ impl SimulateArgs {
 pub struct ErrorArgs {
     /// Scale of the force reading, one error per run [%]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
-    pub force_scale_percent: f64,
+    pub force_scale_error_percent: f64,
     /// Force reading, a fresh error for each posture [%]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
-    pub force_percent: f64,
+    pub force_error_percent: f64,
     /// Each joint angle of each posture [deg]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg"), allow_negative_numbers = true)]
-    pub joint_angle_deg: f64,
+    pub joint_angle_error_deg: f64,
     /// Each coordinate of the loading point, one error per run [mm]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
-    pub loading_point_mm: f64,
+    pub loading_point_error_mm: f64,
     /// Each coordinate of the anchor of rope or cylinder, one error per run [mm]
     #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
-    pub anchor_mm: f64,
+    pub anchor_error_mm: f64,
 }
 
 impl ErrorArgs {
     /// The first option that makes an error.
     pub fn given(&self) -> Option<&'static str> {
         [
-            ("--force-scale-percent", self.force_scale_percent),
-            ("--force-percent", self.force_percent),
-            ("--joint-angle-deg", self.joint_angle_deg),
-            ("--loading-point-mm", self.loading_point_mm),
-            ("--anchor-mm", self.anchor_mm),
+            (
+                "--force-scale-error-percent",
+                self.force_scale_error_percent,
+            ),
+            ("--force-error-percent", self.force_error_percent),
+            ("--joint-angle-error-deg", self.joint_angle_error_deg),
+            ("--loading-point-error-mm", self.loading_point_error_mm),
+            ("--anchor-error-mm", self.anchor_error_mm),
         ]
         .into_iter()
         .find_map(|(name, size)| (size != 0.0).then_some(name))

@@ -133,8 +133,7 @@ fn simulate() {
 #[test]
 fn simulate_with_model_errors_is_worse_than_expected() {
     let folder = Folder::new();
-    let line =
-        "simulate builtin:comau builtin:comau-group1 --levels 1 --runs 50 --force-scale-percent 5";
+    let line = "simulate builtin:comau builtin:comau-group1 --levels 1 --runs 50 --force-scale-error-percent 5";
     let out = folder.ok(line);
     let words: Vec<&str> = out.split_whitespace().collect();
     let said = "fresh tracker noise and errors of the model";

@@ -160,7 +160,7 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "select builtin:comau --curve --index nowel",
         "simulate builtin:comau builtin:comau-group1 --levels 1,-2",
         "simulate builtin:comau builtin:comau-group1 --elastic mixed --levels -2",
-        "simulate builtin:comau builtin:comau-group1 --elastic mixed --anchor-mm 5",
+        "simulate builtin:comau builtin:comau-group1 --elastic mixed --anchor-error-mm 5",
         "simulate builtin:comau builtin:comau-group1 --elastic mixed --readings r.csv",
         "simulate builtin:comau builtin:comau-group1 --elastic some",
         "study builtin:comau --measured simulated.csv --elastic mixed",

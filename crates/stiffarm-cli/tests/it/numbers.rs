@@ -36,15 +36,15 @@ const OPTIONS: [(&str, &str); 24] = [
     ),
     ("simulate builtin:comau builtin:comau-group1 --levels ", ""),
     (
-        "simulate builtin:comau builtin:comau-group1 --force-percent ",
+        "simulate builtin:comau builtin:comau-group1 --force-error-percent ",
         "",
     ),
     (
-        "simulate builtin:comau builtin:comau-group1 --joint-angle-deg ",
+        "simulate builtin:comau builtin:comau-group1 --joint-angle-error-deg ",
         "",
     ),
     (
-        "simulate builtin:comau builtin:comau-group1 --anchor-mm ",
+        "simulate builtin:comau builtin:comau-group1 --anchor-error-mm ",
         "",
     ),
     ("register builtin:example-pairs --std-mm ", ""),

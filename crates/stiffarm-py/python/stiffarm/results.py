@@ -92,14 +92,15 @@ class Evaluated(Result, _keys.EvaluatedKeys):
     _figure: ClassVar[str] = "expected"
 
     def table(self) -> Table:
-        """A row per group: its name, number of postures, and every index."""
+        """A row per group: its name, number of postures, and every index; two are lengths, all others ratios."""
         rows = [group["evaluation"] if "evaluation" in group else group for group in self._data["groups"]]
         columns: dict[str, Any] = {
             "group": [row["name"] for row in rows],
             "postures": [row["posture_count"] for row in rows],
         }
         names = [key for key in rows[0]["indices"] if not isinstance(rows[0]["indices"][key], str)]
-        columns.update({name: [row["indices"].get(name) for row in rows] for name in names})
+        lengths = {"task": "task_m", "prediction": "prediction_m"}
+        columns.update({lengths.get(name, name): [row["indices"].get(name) for row in rows] for name in names})
         return Table(columns)
 
 

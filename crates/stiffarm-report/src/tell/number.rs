@@ -190,7 +190,7 @@ impl Number {
 
     /// What is shown, with unit and ±.
     pub fn text(&self) -> String {
-        let sign = if self.plus_minus { "± " } else { "" };
+        let sign = if self.plus_minus { "±\u{a0}" } else { "" };
         let digits = self.digits();
         match self.unit.is_empty() || digits == "–" {
             true => format!("{sign}{digits}"),
@@ -241,7 +241,7 @@ mod tests {
     fn units_and_signs_stand_around() {
         let number = Number::new("/a", Some(1.25e-4)).mm().decimals(3);
         assert_eq!(number.text(), "0.125\u{a0}mm");
-        assert_eq!(number.clone().plus_minus().text(), "± 0.125\u{a0}mm");
+        assert_eq!(number.clone().plus_minus().text(), "±\u{a0}0.125\u{a0}mm");
         assert_eq!(number.bare().text(), "0.125");
         assert_eq!(Number::new("/a", None).mm().text(), "–");
         let tiny = Number::new("/a", Some(-1e-9)).mm().decimals(2);

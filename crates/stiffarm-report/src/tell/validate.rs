@@ -35,12 +35,14 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             "Calculated against measured",
             vec![Block::Figure(validation_figure(found))],
         ));
+    }
+    sections.push(points(context, found));
+    if context.pictures {
         sections.extend(cell(context, found)?);
     }
     let readings = all.readings.as_ref();
     let screening = readings.map(|readings| &readings.screening);
     sections.extend(readings::section(context, screening, readings));
-    sections.push(points(context, found));
     let heading = match found.folds {
         Some(_) => "Cross-validation of the joint stiffness",
         None => "Validation of the joint stiffness",

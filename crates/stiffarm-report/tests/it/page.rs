@@ -136,7 +136,7 @@ fn numbers_say_where_they_stand() {
         "<span class=\"n\" data-path=\"/result/joints/0/stiffness\" data-value=\"942757.625\" data-factor=\"0.000001\">0.943</span>"
     ));
     assert!(html.contains("data-value=\"null\" data-factor=\"0.000001\">–</span>"));
-    assert!(html.contains(">± 0.1250\u{a0}mm</span>"));
+    assert!(html.contains(">±\u{a0}0.1250\u{a0}mm</span>"));
     let several = render_page(&page(vec![part("a"), part("b")]));
     assert_eq!(attributes(&several, "data-result"), ["0", "1"]);
     assert_eq!(

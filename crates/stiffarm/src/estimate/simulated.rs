@@ -38,15 +38,15 @@ pub struct ElasticOptions {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorRequest {
     /// Scale of the force reading, one error per run \[%\].
-    pub force_scale_percent: f64,
+    pub force_scale_error_percent: f64,
     /// Force reading, a fresh error for each posture \[%\].
-    pub force_percent: f64,
+    pub force_error_percent: f64,
     /// Each joint angle of each posture \[deg\].
-    pub joint_angle_deg: f64,
+    pub joint_angle_error_deg: f64,
     /// Each coordinate of the loading point, one error per run \[mm\].
-    pub loading_point_mm: f64,
+    pub loading_point_error_mm: f64,
     /// Each coordinate of the anchor of rope or cylinder, one error per run \[mm\].
-    pub anchor_mm: f64,
+    pub anchor_error_mm: f64,
 }
 
 /// What is asked of a simulation beside cell and groups.
@@ -79,17 +79,20 @@ impl ErrorRequest {
     /// # Errors
     /// A negative value, or one that is not finite (its field is the key).
     pub fn model_errors(&self) -> Result<ModelErrors> {
-        check_not_negative("force_scale_percent", &[self.force_scale_percent])?;
-        check_not_negative("force_percent", &[self.force_percent])?;
-        check_not_negative("joint_angle_deg", &[self.joint_angle_deg])?;
-        check_not_negative("loading_point_mm", &[self.loading_point_mm])?;
-        check_not_negative("anchor_mm", &[self.anchor_mm])?;
+        check_not_negative(
+            "force_scale_error_percent",
+            &[self.force_scale_error_percent],
+        )?;
+        check_not_negative("force_error_percent", &[self.force_error_percent])?;
+        check_not_negative("joint_angle_error_deg", &[self.joint_angle_error_deg])?;
+        check_not_negative("loading_point_error_mm", &[self.loading_point_error_mm])?;
+        check_not_negative("anchor_error_mm", &[self.anchor_error_mm])?;
         Ok(ModelErrors {
-            force_scale: self.force_scale_percent / 100.0,
-            force_per_posture: self.force_percent / 100.0,
-            joint_angle_rad: deg_to_rad(self.joint_angle_deg),
-            loading_point_m: mm_to_m(self.loading_point_mm),
-            anchor_m: mm_to_m(self.anchor_mm),
+            force_scale: self.force_scale_error_percent / 100.0,
+            force_per_posture: self.force_error_percent / 100.0,
+            joint_angle_rad: deg_to_rad(self.joint_angle_error_deg),
+            loading_point_m: mm_to_m(self.loading_point_error_mm),
+            anchor_m: mm_to_m(self.anchor_error_mm),
         })
     }
 }

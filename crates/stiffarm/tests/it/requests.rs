@@ -195,7 +195,7 @@ fn a_simulation_is_the_papers_unless_asked_otherwise() {
     let options = request.simulation_options().unwrap();
     assert_eq!(options, SimulationOptions::default());
     let errors = simulated::ErrorRequest {
-        anchor_mm: 2.0,
+        anchor_error_mm: 2.0,
         ..Default::default()
     };
     let with_errors = simulated::Request { errors, ..request };

@@ -22,11 +22,11 @@ use stiffarm::measure::experiment::{Experiment, experiment};
 /// What is asked for that has a size.
 const SIZES: [&str; 6] = [
     "levels",
-    "force_scale_percent",
-    "force_percent",
-    "joint_angle_deg",
-    "loading_point_mm",
-    "anchor_mm",
+    "force_scale_error_percent",
+    "force_error_percent",
+    "joint_angle_error_deg",
+    "loading_point_error_mm",
+    "anchor_error_mm",
 ];
 
 /// Runs the simulation.

@@ -175,7 +175,7 @@ _SELECT: Known = {"rounds": whole, "certificate": truth, "angle_step_deg": numbe
 _GROUP: Known = {"runs": whole, "select": _SELECT, "postures_file": text}
 #: Errors of the model in simulations: their standard deviations, in the unit of the name.
 _MODEL_ERRORS = dict.fromkeys(
-    ("force_scale_percent", "force_percent", "joint_angle_deg", "loading_point_mm", "anchor_mm"), number
+    ("force_scale_error_percent", "force_error_percent", "joint_angle_error_deg", "loading_point_error_mm", "anchor_error_mm"), number
 )
 #: How the stiffness is estimated.
 _FIT = {

@@ -38,7 +38,7 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
                 ElasticClass::Coupling => "shifts by moments",
             };
             let std = Number::computed(size.std).significant(2).plus_minus();
-            format!("{what} {} {}", std.text(), size.class.unit())
+            format!("{what} {}", std.unit(size.class.unit()).text())
         });
         let sizes: Vec<String> = sizes.collect();
         let said = Text::new(format!(

@@ -233,11 +233,11 @@ fn next(best: Option<&Shown<'_>>) -> Text {
         false => Text::new("Where that is sure enough, measure; ")
             .code("stiffarm select")
             .words(" finds postures that give more. What else may be wrong than the tracker is in ")
-            .code("--force-percent")
+            .code("--force-error-percent")
             .words(", ")
-            .code("--joint-angle-deg")
+            .code("--joint-angle-error-deg")
             .words(" and ")
-            .code("--loading-point-mm")
+            .code("--loading-point-error-mm")
             .words("."),
     }
 }
