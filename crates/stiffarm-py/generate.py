@@ -267,7 +267,7 @@ def signature(spec: Schema, returned: str, mode: str | None, modes: set[str]) ->
 def parameter(argument: Schema, is_optional: bool) -> str:
     """An argument with its type."""
     name, kind = argument["name"], KINDS[argument["kind"]]
-    kind = "Cell | str | os.PathLike[str]" if name == "cell" and not argument["several"] else kind
+    kind = "Cell | str | os.PathLike[str]" if name == "cell" else kind
     if argument["kind"] == "text":
         kind = f"Literal[{', '.join(map(repr, argument['choices']))}]" if argument["choices"] else "str | float | Sequence[float]"
     kind += f" | Sequence[{kind}]" if argument["several"] else ""
