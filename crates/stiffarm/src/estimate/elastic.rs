@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// in fewer than 5 of 100 experiments (counted in docs/identifying.md).
 const LIKELIHOOD_RATIO: f64 = 6.0;
 /// Fewest postures that show what gives way beyond the joint axes.
-const FEWEST_POSTURES: usize = 4;
+pub(crate) const FEWEST_POSTURES: usize = 4;
 /// Most folds: beyond as many postures several are left out together.
 const MOST_FOLDS: usize = 60;
 

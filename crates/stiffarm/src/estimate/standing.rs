@@ -1,13 +1,17 @@
 //! How an experiment stands while it is measured: what the readings so far give, what the postures that are
 //! left are expected to bring, and whether that is enough.
 //!
-//! What is expected is what `identify` would print ([`forecast`](super::forecast)), not a bound: the scale of the
-//! force stays what it is, and no number of postures brings a joint below that.
+//! What is known is what `identify` prints by default, springs beyond the axes included. What is expected narrows it as
+//! the fit of the axes alone narrows ([`forecast`](super::forecast)); it is no bound: the scale of the force stays what
+//! it is, and no number of postures brings a joint below that.
 
+use super::compliance::IdentifiedCompliance;
+use super::elastic::{ElasticChoice, FEWEST_POSTURES, carried};
 use super::forecast::forecast_with;
-use super::identify::Fit;
+use super::identify::{Fit, JointEstimate};
+use super::mixed::MixedFit;
 use super::next_posture::{NextPosture, PlannedErrors};
-use super::systematic::SystematicErrors;
+use super::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::error::{Code, Result};
 use crate::findings::{Finding, Severity, percent};
 use crate::numerics::half_width::Level;
@@ -56,36 +60,153 @@ pub struct Standing {
     pub findings: Vec<Finding>,
 }
 
-/// How the experiment behind `fit` stands; `systematic` are its systematic errors, `planned` the postures that
-/// are left (controller angles, rad), in order, and `goal` the largest half width that is good enough
-/// (fraction of k).
+/// What the readings behind a fit tell, as `identify` prints it by default.
+pub struct SoFar<'f> {
+    fit: &'f Fit,
+    /// Systematic errors if the axes alone gave way.
+    axes: SystematicErrors,
+    /// The mixed model with its systematic errors, where it predicts.
+    mixed: Option<(MixedFit, SystematicErrors)>,
+    /// Half width of each joint as the forecast has it without a further posture; `None` where nothing is foreseen.
+    now: Option<Vec<Option<f64>>>,
+}
+
+impl<'f> SoFar<'f> {
+    /// Of a fit.
+    ///
+    /// # Errors
+    /// As [`systematic_errors`] and [`MixedFit::new`].
+    pub fn new(fit: &'f Fit) -> Result<Self> {
+        let axes = systematic_errors(fit)?;
+        let is_mixed = ElasticChoice::or_default(None, fit.options()) == ElasticChoice::Mixed;
+        let mixed = match is_mixed {
+            true => carried(fit)?.ok(),
+            false => None,
+        };
+        let with_errors = |mixed: MixedFit| {
+            let errors = mixed_systematic_errors(&mixed)?;
+            Ok((mixed, errors))
+        };
+        let mixed = mixed.map(with_errors).transpose()?;
+        let mut out = SoFar {
+            fit,
+            axes,
+            mixed,
+            now: None,
+        };
+        out.now = out.of_axes::<Vec<f64>>(&[])?;
+        Ok(out)
+    }
+
+    /// Whether the mixed model predicts.
+    pub fn is_mixed(&self) -> bool {
+        self.mixed.is_some()
+    }
+
+    /// Errors common to the whole experiment, as they move the stiffness that predicts.
+    pub fn systematic(&self) -> &SystematicErrors {
+        self.mixed.as_ref().map_or(&self.axes, |(_, errors)| errors)
+    }
+
+    /// What predicts deflections.
+    ///
+    /// # Errors
+    /// A joint that is not determined.
+    pub fn compliance(&self) -> Result<IdentifiedCompliance> {
+        let found = match &self.mixed {
+            Some((mixed, _)) => mixed.compliance().clone(),
+            None => IdentifiedCompliance::from_identification(
+                self.fit.cell(),
+                self.fit.identification()?,
+            )?,
+        };
+        Ok(found.with_systematic_errors(self.systematic()))
+    }
+
+    fn joints(&self) -> Result<Vec<JointEstimate>> {
+        match &self.mixed {
+            Some((mixed, _)) => mixed.joints(),
+            None => Ok(self.fit.identification()?.estimates.joints.clone()),
+        }
+    }
+
+    /// Relative standard error of each joint by the scatter of the readings.
+    ///
+    /// # Errors
+    /// As the estimates.
+    pub fn errors(&self) -> Result<Vec<Option<f64>>> {
+        let joints = self.joints()?;
+        Ok(joints.iter().map(JointEstimate::readings_error).collect())
+    }
+
+    /// Half width of each joint with `planned` postures more; `None` where nothing is foreseen.
+    ///
+    /// # Errors
+    /// Stopped.
+    fn expected<Q: AsRef<[f64]>>(&self, planned: &[Q]) -> Result<Option<Vec<Option<f64>>>> {
+        let then = self.of_axes(planned)?;
+        let (Some((_, mixed)), Some(then), Some(now)) = (&self.mixed, &then, &self.now) else {
+            return Ok(then);
+        };
+        let narrowed = then.iter().zip(now).zip(&mixed.uncertainty);
+        let narrowed =
+            narrowed.map(|((then, now), mixed)| Some(mixed.total? * ((*then)? / (*now)?).min(1.0)));
+        Ok(Some(narrowed.collect()))
+    }
+
+    /// The same if the axes alone gave way.
+    fn of_axes<Q: AsRef<[f64]>>(&self, planned: &[Q]) -> Result<Option<Vec<Option<f64>>>> {
+        match forecast_with(self.fit, &self.axes, planned) {
+            Ok(joints) => Ok(Some(joints.iter().map(|joint| joint.total).collect())),
+            Err(error) if error.code() == Code::Interrupted => Err(error),
+            // Without a stiffness or a load to assume nothing is foreseen.
+            Err(_) => Ok(None),
+        }
+    }
+
+    /// Of `left` postures those that are missing until the mixed model, which `identify` takes by default, can be fitted.
+    pub fn missing_postures(&self, left: usize) -> usize {
+        match ElasticChoice::or_default(None, self.fit.options()) {
+            ElasticChoice::Mixed => {
+                let postures = self.fit.system().blocks.len();
+                FEWEST_POSTURES.saturating_sub(postures).min(left)
+            }
+            ElasticChoice::Axes => 0,
+        }
+    }
+
+    /// Says that a goal counts as not reached while postures are missing.
+    pub(crate) fn too_few(&self, left: usize) -> Option<Finding> {
+        let sentence = format!(
+            "Fewer than {FEWEST_POSTURES} postures do not show what gives way beyond the joint axes: until then ± holds only if \
+             nothing does, and the goal counts as not reached."
+        );
+        (self.missing_postures(left) > 0)
+            .then(|| Finding::new("too-few-postures", Severity::Note, "goal", sentence))
+    }
+}
+
+/// How the experiment `so_far` stands; `planned` are the postures that are left (controller angles, rad), in order, and
+/// `goal` is the largest half width that is good enough (fraction of k).
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
 pub fn standing<Q: AsRef<[f64]>>(
-    fit: &Fit,
-    systematic: &SystematicErrors,
+    so_far: &SoFar<'_>,
     planned: &[Q],
     goal: Option<f64>,
 ) -> Result<Standing> {
+    let (fit, systematic) = (so_far.fit, so_far.systematic());
     let found = fit.identification()?;
-    // Without a stiffness or a load to assume nothing is foreseen; stopped is stopped.
-    let expected = |count: usize| -> Result<Option<Vec<Option<f64>>>> {
-        match forecast_with(fit, systematic, &planned[..count]) {
-            Ok(joints) => Ok(Some(joints.iter().map(|joint| joint.total).collect())),
-            Err(error) if error.code() == Code::Interrupted => Err(error),
-            Err(_) => Ok(None),
-        }
-    };
+    let expected = |count: usize| so_far.expected(&planned[..count]);
     let (with_next, with_all) = match planned.len() {
         0 => (None, None),
         1 => (expected(1)?, expected(1)?),
         count => (expected(1)?, expected(count)?),
     };
     let of = |all: &Option<Vec<Option<f64>>>, j: usize| all.as_ref()?.get(j).copied().flatten();
-    let joints: Vec<JointStanding> = found
-        .estimates
-        .joints
+    let joints: Vec<JointStanding> = so_far
+        .joints()?
         .iter()
         .enumerate()
         .map(|(j, joint)| {
@@ -96,8 +217,8 @@ pub fn standing<Q: AsRef<[f64]>>(
                 stiffness_nm_per_rad: joint.stiffness,
                 total: own.and_then(|own| own.total).filter(|_| usable),
                 systematic: own.and_then(|own| own.systematic),
-                with_next: of(&with_next, j),
-                with_all: of(&with_all, j),
+                with_next: of(&with_next, j).filter(|_| usable || !so_far.is_mixed()),
+                with_all: of(&with_all, j).filter(|_| usable || !so_far.is_mixed()),
             }
         })
         .collect();
@@ -111,14 +232,16 @@ pub fn standing<Q: AsRef<[f64]>>(
         all?.into_iter().reduce(f64::max)
     };
     let largest = worst(&|j| joints[j].total);
-    let reached = goal.map(|goal| largest.is_some_and(|largest| largest <= goal));
+    // Too few postures show nothing beyond the axes: the next ones could widen what seems known.
+    let missing = so_far.missing_postures(planned.len());
+    let reached = goal.map(|goal| missing == 0 && largest.is_some_and(|largest| largest <= goal));
     let enough = |all: &Option<Vec<Option<f64>>>| {
         goal.zip(worst(&|j| of(all, j)))
             .is_some_and(|(goal, largest)| largest <= goal)
     };
     let mut postures_to_goal = None;
     if reached == Some(false) && enough(&with_all) {
-        // Each posture brings something, so that halving finds the first count.
+        // No posture takes anything away, so that halving finds the first count.
         let (mut too_few, mut count) = (0, planned.len());
         while count - too_few > 1 {
             let middle = too_few.midpoint(count);
@@ -127,11 +250,12 @@ pub fn standing<Q: AsRef<[f64]>>(
                 false => too_few = middle,
             }
         }
-        postures_to_goal = Some(count);
+        postures_to_goal = Some(count.max(missing));
     }
     if let (Some(goal), Some(false)) = (goal, reached) {
         findings.extend(out_of_reach(systematic, found.estimates.confidence, goal)?);
     }
+    findings.extend(goal.and_then(|_| so_far.too_few(planned.len())));
     Ok(Standing {
         joints,
         confidence: found.estimates.confidence,

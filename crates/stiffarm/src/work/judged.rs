@@ -1,11 +1,9 @@
 //! All that `measure` says: what the readings so far are worth, and what to measure next.
 
 use crate::error::{Code, Result};
-use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
-use crate::estimate::standing::{Standing, is_better, standing};
-use crate::estimate::systematic::{SystematicErrors, systematic_errors};
+use crate::estimate::standing::{SoFar, Standing, is_better, standing};
 use crate::findings::{Finding, Severity};
 use crate::measure::reduction::ReduceOptions;
 use crate::measure::{NOT_MEASURED_YET, prepare};
@@ -177,16 +175,14 @@ pub fn judge(
         ..Judgement::not_yet(plan, &left)
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
-    let found = systematic_errors(&fit).and_then(|systematic| {
-        Ok((
-            standing(&fit, &systematic, &left, options.until_stiffness)?,
-            systematic,
-        ))
+    let found = SoFar::new(&fit).and_then(|so_far| {
+        let found = standing(&so_far, &left, options.until_stiffness)?;
+        Ok((found, so_far))
     });
-    let systematic = match found {
-        Ok((found, systematic)) => {
+    let so_far = match found {
+        Ok((found, so_far)) => {
             out.standing = Some(found);
-            systematic
+            so_far
         }
         Err(error) => {
             out.standing_missing = Some(error.message().to_string());
@@ -194,10 +190,18 @@ pub fn judge(
         }
     };
     if let Some(goal) = options.until_deflection_m {
-        out.deflection = Some(deflection(&fit, &systematic, goal)?);
+        let mut found = deflection(&fit, &so_far, goal)?;
+        found.reached &= so_far.missing_postures(left.len()) == 0;
+        out.deflection = Some(found);
+        let too_few = so_far.too_few(left.len());
+        let standing = out.standing.iter_mut();
+        standing.for_each(|standing| standing.findings.extend(too_few.clone()));
     }
     if options.search && !out.is_serious() && out.reached() != Some(true) {
         out.better = better(&fit, cell, &left, seed, control)?;
+        if let Some(better) = out.better.as_mut().filter(|_| so_far.is_mixed()) {
+            better.scale_to(&so_far.errors()?);
+        }
     }
     Ok(out)
 }
@@ -206,16 +210,15 @@ pub fn judge(
 ///
 /// # Errors
 /// The cell has no tasks, or tasks with different tips.
-fn deflection(fit: &Fit, systematic: &SystematicErrors, goal: f64) -> Result<DeflectionStanding> {
+fn deflection(fit: &Fit, so_far: &SoFar<'_>, goal: f64) -> Result<DeflectionStanding> {
     let mut cell = fit.cell().clone();
     let (tip, tasks) = tasks(&cell)?;
     cell.work.tip = Some(tip);
-    // While a joint is not determined nothing is predicted.
-    let known = IdentifiedCompliance::from_identification(&cell, fit.identification()?);
+    // While a joint is open below, nothing is predicted.
     let options = PredictOptions::default();
-    let predicted = known.map(|known| known.with_systematic_errors(systematic));
+    let known = so_far.compliance();
     let predicted =
-        predicted.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
+        known.and_then(|known| predict(&cell, &known, &tasks, &options, Control::default()));
     let mut out = DeflectionStanding {
         largest_m: None,
         task: String::new(),

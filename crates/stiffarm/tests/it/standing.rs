@@ -2,8 +2,9 @@
 
 use crate::common::prelude::*;
 use stiffarm::estimate::forecast::forecast;
+use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::next_posture::planned_errors;
-use stiffarm::estimate::standing::{is_better, standing};
+use stiffarm::estimate::standing::{SoFar, is_better, standing};
 
 fn experiment(count: usize, seed: u64) -> (Cell, Vec<Posture>, Measured) {
     let cell = builtin::cell("comau").unwrap();
@@ -52,8 +53,8 @@ fn planned_postures_bring_what_the_information_says() {
 #[test]
 fn a_goal_is_reached_ahead_or_out_of_reach() {
     let (fit, plan) = fitted(6, 1);
-    let systematic = systematic_errors(&fit).unwrap();
-    let at = |goal: f64| standing(&fit, &systematic, &plan[6..], Some(goal)).unwrap();
+    let so_far = SoFar::new(&fit).unwrap();
+    let at = |goal: f64| standing(&so_far, &plan[6..], Some(goal)).unwrap();
     let now = at(0.99);
     let largest = now.largest.unwrap();
     assert_eq!((now.reached, now.postures_to_goal), (Some(true), None));
@@ -65,14 +66,14 @@ fn a_goal_is_reached_ahead_or_out_of_reach() {
     assert_eq!(far.findings[0].code, "goal-out-of-reach");
     assert!(at(0.021).findings.is_empty());
     // Without a goal nothing is said of one.
-    let plain = standing(&fit, &systematic, &plan[6..], None).unwrap();
+    let plain = standing(&so_far, &plan[6..], None).unwrap();
     assert_eq!((plain.reached, plain.findings.len()), (None, 0));
     for joint in &plain.joints {
         assert!(joint.with_all <= joint.with_next && joint.with_next <= joint.total);
         assert!(joint.systematic <= joint.total);
     }
     // Nothing left: nothing expected.
-    let last = standing::<Vec<f64>>(&fit, &systematic, &[], None).unwrap();
+    let last = standing::<Vec<f64>>(&so_far, &[], None).unwrap();
     assert!(last.joints.iter().all(|joint| joint.with_next.is_none()));
 }
 
@@ -96,8 +97,31 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// ± of each joint with all errors that `identify` prints.
 fn identified(fit: &Fit) -> Vec<Option<f64>> {
-    let systematic = systematic_errors(fit).unwrap();
+    let found = Identified::new(fit, &Wanted::default(), Control::default()).unwrap();
+    let systematic = found.systematic_errors.unwrap();
     systematic.uncertainty.iter().map(|own| own.total).collect()
+}
+
+#[test]
+fn it_stands_as_identify_says_and_three_postures_reach_no_goal() {
+    for count in [3, 4, 7] {
+        let (fit, plan) = fitted(count, 3);
+        let so_far = SoFar::new(&fit).unwrap();
+        let now = standing(&so_far, &plan[count..], Some(0.99)).unwrap();
+        let totals: Vec<Option<f64>> = now.joints.iter().map(|joint| joint.total).collect();
+        assert_eq!(totals, identified(&fit), "{count}");
+        // Four postures are the fewest that show what gives way beyond the axes.
+        let missing = (count < 4).then_some(4 - count.min(4));
+        assert_eq!(
+            (now.reached, now.postures_to_goal),
+            (Some(count >= 4), missing)
+        );
+        let named = now.findings.iter().any(|f| f.code == "too-few-postures");
+        assert_eq!(named, count < 4);
+        // Where no posture is left, the goal is judged by what there is.
+        let last = standing::<Vec<f64>>(&so_far, &[], Some(0.99)).unwrap();
+        assert_eq!(last.reached, Some(true));
+    }
 }
 
 #[test]
@@ -106,8 +130,8 @@ fn the_first_postures_foresee_what_the_whole_plan_will_say() {
         let mut ratios = Vec::new();
         for seed in 0..8 {
             let (early, plan) = fitted(done, seed);
-            let systematic = systematic_errors(&early).unwrap();
-            let found = standing(&early, &systematic, &plan[done..], None).unwrap();
+            let so_far = SoFar::new(&early).unwrap();
+            let found = standing(&so_far, &plan[done..], None).unwrap();
             let (late, _) = fitted(12, seed);
             for (joint, really) in found.joints.iter().zip(identified(&late)) {
                 ratios.push(joint.with_all.unwrap() / really.unwrap());

@@ -46,8 +46,8 @@ pub struct NextPosture {
         schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
     )]
     pub angles: Vec<f64>,
-    /// Relative standard error of each joint's stiffness as the fit has it
-    /// (fraction); `None` where the fit does not determine the joint.
+    /// Relative standard error of each joint's stiffness by the scatter of the readings (fraction), in the model that
+    /// predicts; `None` where the joint is not determined.
     pub before: Vec<Option<f64>>,
     /// The same with the new posture: never above `before`.
     pub after: Vec<Option<f64>>,
@@ -60,6 +60,21 @@ pub struct NextPosture {
     pub measured_as: String,
     /// Displacements of that posture, all load states together.
     pub displacements: usize,
+}
+
+impl NextPosture {
+    /// The same for a model that knows the joints to `errors` (fractions): each falls as it does in the fit.
+    pub(crate) fn scale_to(&mut self, errors: &[Option<f64>]) {
+        for ((before, after), own) in self.before.iter_mut().zip(&mut self.after).zip(errors) {
+            // What the fit cannot tell yet stays what the new posture makes of it.
+            if let Some(fit) = *before {
+                *after = own.zip(*after).map(|(own, after)| own * after / fit);
+                *before = *own;
+            }
+        }
+        let known: Vec<f64> = self.after.iter().copied().flatten().collect();
+        self.expected_error = rms(&known);
+    }
 }
 
 /// The posture within the cell's bounds and limits which, measured besides the
