@@ -208,7 +208,7 @@ def test_map_has_a_cell_for_every_node(cell: Any) -> None:
         shown = np.ma.compressed(mesh.get_array())
         np.testing.assert_allclose(np.sort(shown), values)
         assert mesh.get_array().size == len(slice_)
-        assert ax.get_xlabel().endswith("[mm]") and ax.get_ylabel().endswith("[mm]")
+        assert f"[mm], at {axis} = {grid[number]:g} mm" in ax.get_xlabel() and ax.get_ylabel().endswith("[mm]")
         assert "[N/mm]" in ax.figure.axes[-1].get_ylabel()
         ax.figure.canvas.draw()
     with pytest.raises(stiffarm.StiffarmError) as error:
@@ -216,6 +216,9 @@ def test_map_has_a_cell_for_every_node(cell: Any) -> None:
     assert error.value.code == "unknown-name"
     with pytest.raises(stiffarm.StiffarmError):
         plot.stiffness_map(result, at=("w", 0.0))
+    with pytest.raises(stiffarm.StiffarmError) as error:
+        plot.stiffness_map(result, at=("z", -9999.0))
+    assert "outside the map" in error.value.message
 
 
 def test_cell_has_every_posture_point_and_load(cell: Any, plan: Any) -> None:

@@ -485,3 +485,24 @@ def test_plates_leave_joint_1_out_everywhere(cell: stiffarm.Cell, group: stiffar
     plans = {name: stiffarm.select(one, count=3, rounds=1) for name, one in (("plates", hung), ("rope", cell))}
     ticks = stiffarm.plot.expected(plans).get_xticklabels()
     assert [tick.get_text() for tick in ticks] == ["1", "2", "3", "4", "5", "6"]
+
+
+def test_dropped_postures_are_no_longer_there() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    found = stiffarm.select(cell, given=group, drop=2)
+    kept = [name for name, stays in zip(found.table()["posture"], found.table()["kept"]) if stays]
+    assert found.postures.names == kept and len(kept) == 4
+    value = stiffarm.evaluate(cell, found).table()["expected_error"][0]
+    assert value == pytest.approx(found.to_dict()["value"], rel=1e-12)
+
+
+def test_what_is_no_cell_and_no_stiffness_is_named() -> None:
+    cell = stiffarm.Cell.built_in("comau")
+    group = stiffarm.Postures.read("builtin:comau-group1", cell)
+    with pytest.raises(stiffarm.StiffarmError) as error:
+        stiffarm.evaluate(None, group)  # type: ignore[arg-type]
+    assert (error.value.place, error.value.message) == ({"key": "cell"}, "A Cell is needed, got None.")
+    with pytest.raises(stiffarm.StiffarmError) as error:
+        stiffarm.predict(cell, group, "builtin:contour", force_n=[0, 0, 100], axes="base")
+    assert error.value.place == {"key": "stiffness"} and "holds no stiffness" in error.value.message

@@ -86,6 +86,9 @@ def contents(key: str, value: Any, degrees: bool, cell: Any) -> bytes:
             warnings.warn(message, StiffarmWarning, stacklevel=7)
         return value.to_json().encode()
     if key == "stiffness":
+        if isinstance(value, (Result, Postures)):
+            hint = "what identify gives, or a stiffness per joint [N m/rad]"
+            raise StiffarmError(f"A {type(value).__name__} holds no stiffness.", "wrong-type", {"key": key}, hint)
         return _stiffness(value)
     if isinstance(value, (Postures, Result)) or not has_columns(value):
         postures = Postures.of(value, degrees=degrees)
@@ -103,7 +106,8 @@ def _stiffness(value: Any) -> bytes:
     try:
         return json.dumps(own).encode()
     except (TypeError, ValueError) as error:
-        raise StiffarmError(f"The stiffness cannot be written as JSON: {error}.", "wrong-type") from None
+        message = f"The stiffness cannot be written as JSON: {error}."
+        raise StiffarmError(message, "wrong-type", {"key": "stiffness"}) from None
 
 
 def named(path: str | os.PathLike[str], cell: Any) -> Postures:

@@ -145,6 +145,9 @@ class _Call:
             key = argument["name"]
             if self.given.get(key) is not None:
                 words += self.words(argument, key, self.given[key])
+            elif argument["required"] and key in self.given:
+                needed = "A Cell" if key == "cell" else "A value"
+                raise StiffarmError(f"{needed} is needed, got None.", "wrong-type", {"key": key})
         both = [self.given.get(key) is not None for key in ("folds", "stiffness")]
         if self.spec["name"] == "validate" and all(both):
             # A command line has measurements alone here.

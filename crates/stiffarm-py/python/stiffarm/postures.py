@@ -83,7 +83,9 @@ class Postures:
             data = value.to_dict()
             if "postures_deg" not in data or "posture_names" not in data:
                 raise StiffarmError(f"A {type(value).__name__} has no postures.", "wrong-type")
-            return cls(data["postures_deg"], data["posture_names"], degrees=True)
+            found = cls(data["postures_deg"], data["posture_names"], degrees=True)
+            # Of postures that were weighed against each other, those that stay.
+            return found[list(data["kept"])] if "kept" in data else found
         if has_columns(value):
             return cls._of_table(Table.of(value))
         return cls(value, degrees=degrees)
@@ -154,7 +156,7 @@ class Postures:
         return iter(self.angles)
 
     def __getitem__(self, which: int | slice | Sequence[int]) -> Postures:
-        chosen = [which] if isinstance(which, int) else which
+        chosen = [int(which)] if isinstance(which, (int, np.integer)) else which
         names = np.array(self.names, dtype=object)[chosen]
         return Postures(self.angles[chosen], list(names), name=self.name)
 

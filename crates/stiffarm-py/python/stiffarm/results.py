@@ -71,10 +71,18 @@ class Dropped(_WithPostures, _keys.DroppedKeys):
 
     __slots__ = ()
 
-    @property
-    def kept_postures(self) -> Postures:
-        """The postures that stay."""
-        return self.postures[list(self._data["kept"])]
+    def table(self) -> Table:
+        """A row per given posture: its name, whether it stays, the index once it alone is left out, and what that costs
+        (fraction)."""
+        worth = sorted(self._data["worth"], key=lambda one: int(one["posture"]))
+        return Table(
+            {
+                "posture": self._data["posture_names"],
+                "kept": [i in self._data["kept"] for i in range(len(worth))],
+                "value_without": [one["value"] for one in worth],
+                "loss": [one["loss"] for one in worth],
+            }
+        )
 
 
 class Curve(Result, _keys.CurveKeys):
@@ -99,8 +107,9 @@ class Evaluated(Result, _keys.EvaluatedKeys):
             "postures": [row["posture_count"] for row in rows],
         }
         names = [key for key in rows[0]["indices"] if not isinstance(rows[0]["indices"][key], str)]
-        lengths = {"task": "task_m", "prediction": "prediction_m"}
-        columns.update({lengths.get(name, name): [row["indices"].get(name) for row in rows] for name in names})
+        for name in names:
+            heading = f"{name}_m" if name in ("task", "prediction") else name
+            columns[heading] = [row["indices"].get(name) for row in rows]
         return Table(columns)
 
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 #: Half width of the band that holds 95 of 100 components of normal noise.
 BAND = 1.96
+#: Measuring points that a legend still names one by one.
+MOST_NAMED = 12
 
 
 def simulation(result: Simulation, *, figure: Figure | None = None, width_in: float = 3.5) -> Figure:
@@ -247,7 +249,7 @@ def residuals(result: Identified, *, ax: Axes | None = None, width_in: float = 3
         _look.names_below(into, names)
         into.set_xlabel("posture")
         into.set_ylabel("residual component [mm]")
-        _look.legend_above(into, entries if len(points) <= len(_look.MARKERS) else entries[-1:], own=ax is None)
+        _look.legend_above(into, entries if len(points) <= MOST_NAMED else entries[-1:], own=ax is None)
     return into
 
 

@@ -182,11 +182,12 @@ def stiffness_map(
                     *inside[extreme], mark, color="white", markeredgecolor="black", markersize=6, linestyle="none"
                 )
                 entries.append((point, f"{which} node"))
-        bar = into.figure.colorbar(mesh, ax=into, pad=0.02, fraction=0.06)
-        force = float(np.linalg.norm(data["force_n"])) if data.get("force_n") else float("nan")
-        bar.set_label(heading.format(direction=_vector(data["direction"]), force=f"{force:g}"))
+        if np.isfinite(values).any():
+            bar = into.figure.colorbar(mesh, ax=into, pad=0.02, fraction=0.06)
+            force = float(np.linalg.norm(data["force_n"])) if data.get("force_n") else float("nan")
+            bar.set_label(heading.format(direction=_vector(data["direction"]), force=f"{force:g}"))
         into.set_aspect("equal")
-        into.set_xlabel(f"{'xyz'[right]} [mm]")
+        into.set_xlabel(f"{'xyz'[right]} [mm], at {'xyz'[across]} = {grid[across][place]:g} mm")
         into.set_ylabel(f"{'xyz'[up]} [mm]")
         wide, high = np.ptp(grid[right]), np.ptp(grid[up])
         into.locator_params(axis="x", nbins=5 if wide > 0.8 * high else 3)
@@ -201,6 +202,10 @@ def _slice(grid: list[np.ndarray], at: tuple[str, float] | None) -> tuple[int, i
         if at[0] not in ("x", "y", "z"):
             raise StiffarmError(f'There is no axis "{at[0]}".', "unknown-name", {"key": "at"}, hint="x, y or z")
         axis = "xyz".index(at[0])
+        low, high = grid[axis].min(), grid[axis].max()
+        if not low - 0.5 <= at[1] <= high + 0.5:
+            message = f"{at[0]} = {at[1]:g} mm lies outside the map."
+            raise StiffarmError(message, "invalid-value", {"key": "at"}, hint=f"{low:g} to {high:g} mm")
         return axis, int(np.argmin(abs(grid[axis] - at[1])))
     single = [axis for axis in range(3) if len(grid[axis]) == 1]
     axis = single[0] if single else 2
