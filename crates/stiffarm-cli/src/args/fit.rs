@@ -26,7 +26,7 @@ pub struct FitArgs {
     #[arg(long, value_name = "FROM")]
     pub weights: Option<WeightsChoice>,
     /// Standard deviation of the cell's prior stiffness, for --estimator prior [%] [default: 30]
-    #[arg(long, value_name = "X", value_parser = number("percent"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = number("percent"))]
     pub prior_std_percent: Option<f64>,
     /// Size of the noise: from the residuals, the cell, or repeated readings [default: estimated]
     #[arg(long, value_name = "SOURCE")]

@@ -1,7 +1,7 @@
 //! The commands as `stiffarm --help` lists them: by what a day's work asks for.
 
 use crate::screen::{columns, lines};
-use clap::Command;
+use clap::{Arg, Command, ValueHint};
 
 /// Groups of commands, in the order of the work.
 const GROUPS: [(&str, &[&str]); 5] = [
@@ -75,6 +75,16 @@ pub fn grouped(command: Command) -> Command {
             listed += &format!("  {name:<width$}{about}\n", width = NAMES - 2);
         }
     }
+    // "-3" is a value that is out of range, and said to be.
+    let numbers = |arg: Arg| {
+        let is_path = arg.get_value_hint() != ValueHint::Unknown;
+        match is_path || arg.is_positional() || !arg.get_action().takes_values() {
+            true => arg,
+            false => arg.allow_negative_numbers(true),
+        }
+    };
+    let command = command.mut_args(numbers);
+    let command = command.mut_subcommands(|one| one.mut_args(numbers));
     EVERYDAY
         .iter()
         .fold(command, |command, (name, options)| {

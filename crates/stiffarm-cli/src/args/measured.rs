@@ -14,7 +14,7 @@ pub struct RegisterArgs {
     pub pairs: String,
     /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
     /// the residuals]
-    #[arg(long, value_name = "X", value_parser = above_zero("std_mm"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = above_zero("std_mm"))]
     pub std_mm: Option<f64>,
     /// Points to leave out
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
@@ -51,7 +51,7 @@ pub struct IdentifyArgs {
     #[arg(long)]
     pub clamped: bool,
     /// Standard deviation of a difference of two angles, for --clamped [deg]
-    #[arg(long, value_name = "X", requires = "clamped", value_parser = above_zero("noise_deg"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "clamped", value_parser = above_zero("noise_deg"))]
     pub angle_noise_deg: Option<f64>,
     /// How the stiffness is estimated, and what it rests on.
     #[command(flatten)]
@@ -103,7 +103,7 @@ pub struct ValidateArgs {
     #[arg(long, default_value = "linear")]
     pub model: ModelChoice,
     /// Largest deviation allowed [mm]; beyond it the exit code is 1
-    #[arg(long, value_name = "X", value_parser = number("tolerance_mm"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = number("tolerance_mm"))]
     pub tolerance_mm: Option<f64>,
     /// Only these postures
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]

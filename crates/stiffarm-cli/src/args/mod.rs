@@ -233,7 +233,7 @@ pub struct SplitArgs {
     )]
     pub indices: Vec<String>,
     /// Multiplies the sizes of what the index prediction takes to give way beyond the axes
-    #[arg(long, value_name = "X", requires = "measured", value_parser = values::above_zero("1"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", requires = "measured", value_parser = values::above_zero("1"))]
     pub size_factor: Option<f64>,
     /// Result of `register`: places raw readings in the base frame
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json", requires = "measured")]

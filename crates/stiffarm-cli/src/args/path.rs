@@ -29,7 +29,6 @@ pub struct PathArgs {
         value_name = "X",
         default_value_t = 0.0,
         value_parser = number("percent"),
-        allow_negative_numbers = true
     )]
     pub load_uncertainty_percent: f64,
     /// Posture that the first one should be near [deg] [default: the branch that bends least]
@@ -47,12 +46,11 @@ pub struct PathArgs {
         value_name = "X",
         default_value_t = 30.0,
         value_parser = number("step_deg"),
-        allow_negative_numbers = true
     )]
     pub max_step_deg: f64,
     /// How far features of the path that have no tolerance in the cell may come out beside where they should be [mm]: says
     /// of each whether it does
-    #[arg(long, value_name = "X", value_parser = number("mm"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", value_parser = number("mm"))]
     pub tolerance_mm: Option<f64>,
     /// The turn about the tool axis is free: try N of them at each point and take the postures that
     /// bend least [default: 72]
@@ -126,7 +124,7 @@ pub struct CompensateArgs {
     #[arg(long, value_name = "WHAT", requires = "output")]
     pub write: Option<WriteChoice>,
     /// With --write of a robot's language: speed of the linear moves [mm/s]
-    #[arg(long, value_name = "X", default_value_t = 20.0, value_parser = number("speed_mm_s"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 20.0, value_parser = number("speed_mm_s"))]
     pub speed_mm_s: f64,
     /// With it: name or number of the controller's tool, that of the tip [default: 1, tool1]
     #[arg(long, value_name = "TOOL", requires = "write")]

@@ -24,7 +24,7 @@ pub struct RouteArgs {
     #[arg(long, requires = "equivalents")]
     pub keep_wrist: bool,
     /// Steps that angles are rounded to [deg]; 0 leaves them as they are
-    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step())]
     pub angle_step_deg: f64,
     /// Seed of the random numbers, for ways around obstacles and for many postures
     #[arg(long, value_name = "N", default_value_t = 1)]

@@ -93,7 +93,7 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "N", value_parser = count())]
     pub rounds: Option<u64>,
     /// End after the round in which this time is over (with --curve, for each number of postures)
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<Duration>,
     /// Seed of the random numbers [default: 1]
     #[arg(long, value_name = "N")]
@@ -113,7 +113,7 @@ pub struct LoadArgs {
           conflicts_with = "curve")]
     pub loading_point_box_mm: Option<[f64; 6]>,
     /// Largest force the rope, cylinder or weight may have, instead of the cell's [N]
-    #[arg(long, value_name = "X", value_parser = above_zero("n"), allow_negative_numbers = true, conflicts_with = "curve")]
+    #[arg(long, value_name = "X", value_parser = above_zero("n"), conflicts_with = "curve")]
     pub largest_load_n: Option<f64>,
 }
 
@@ -123,7 +123,7 @@ pub struct LoadArgs {
           group = ArgGroup::new("readings").args(["sheet", "print"]).multiple(true))]
 pub struct OutputArgs {
     /// Steps that the angles of new postures are rounded to [deg]; 0 leaves them as they are
-    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step(), allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step())]
     pub angle_step_deg: f64,
     /// Write the postures to this file; with --curve the curve as CSV
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "plan.csv")]

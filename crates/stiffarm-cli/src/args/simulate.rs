@@ -90,19 +90,19 @@ impl SimulateArgs {
 #[command(next_help_heading = "Errors of the model (standard deviations, zero in the paper)")]
 pub struct ErrorArgs {
     /// Scale of the force reading, one error per run [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"))]
     pub force_scale_error_percent: f64,
     /// Force reading, a fresh error for each posture [%]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent"))]
     pub force_error_percent: f64,
     /// Each joint angle of each posture [deg]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg"))]
     pub joint_angle_error_deg: f64,
     /// Each coordinate of the loading point, one error per run [mm]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"))]
     pub loading_point_error_mm: f64,
     /// Each coordinate of the anchor of rope or cylinder, one error per run [mm]
-    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"), allow_negative_numbers = true)]
+    #[arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm"))]
     pub anchor_error_mm: f64,
 }
 

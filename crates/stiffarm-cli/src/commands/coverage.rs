@@ -41,12 +41,19 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
         estimator: options.estimator.as_str(),
         bootstrap: args.bootstrap,
     };
+    let noise = named.cell.noise;
     let case = CoverageCase {
         experiments: to_usize(args.runs),
         seed: args.seed,
         resamples: args.bootstrap.map(to_usize),
         options,
-        world: ErrorModel::default(),
+        world: ErrorModel {
+            common_ratio: match noise.displacement_std() {
+                sigma if sigma > 0.0 => noise.posture_common_std / sigma,
+                _ => 0.0,
+            },
+            ..ErrorModel::default()
+        },
     };
     let progress = Progress::new(session, "counting");
     let found = progress.watch(|control| coverage(&named.cell, &postures, &case, control))?;

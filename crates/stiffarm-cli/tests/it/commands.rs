@@ -422,6 +422,22 @@ fn doubts_are_said_where_the_robot_is_used() {
 }
 
 #[test]
+fn coverage_draws_the_shift_that_a_posture_shares() {
+    let folder = Folder::new();
+    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let shifted = cell.replace("posture_common_mm = 0", "posture_common_mm = 0.03");
+    assert_ne!(cell, shifted);
+    folder.write("shifted.toml", &shifted);
+    let of = |cell: &str| {
+        let line = format!("coverage {cell} builtin:comau-group1 --runs 200 --estimator ordinary");
+        folder.json(&line)["result"]["coverage"].as_f64().unwrap()
+    };
+    // Least squares that know of no shift promise too much under one.
+    let (plain, shifted) = (of("builtin:comau"), of("shifted.toml"));
+    assert!(plain > 0.92 && shifted < 0.8, "{plain} {shifted}");
+}
+
+#[test]
 fn schemas_describe_what_the_commands_print() {
     let folder = measured();
     folder.ok("identify builtin:comau simulated.csv --output stiffness.json");

@@ -300,7 +300,7 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     let found = &near["result"]["deflection"];
     assert_eq!(found["reached"], true);
     // The same half width as that of the prediction with the saved stiffness.
-    folder.ok("identify builtin:comau all.csv --elastic axes --output k.json");
+    folder.ok("identify builtin:comau all.csv --output k.json");
     let predicted = folder.json("predict builtin:comau k.json");
     let points = predicted["result"]["points"].as_array().unwrap();
     let widths = points
@@ -316,6 +316,17 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     let words: Vec<&str> = ran.out.split_whitespace().collect();
     let said = "The deflection at the tasks is predicted to ±";
     assert!(words.join(" ").contains(said), "{}", ran.out);
+    // Three postures do not show what gives way beyond the axes.
+    let all = folder.read("all.csv");
+    let three = all.lines().filter(|row| !row.starts_with(['4', '5', '6']));
+    folder.write("three.csv", three.collect::<Vec<_>>().join("\n"));
+    let early = "measure builtin:comau plan.csv three.csv --once --until 0.5mm";
+    let early = folder.run(&format!("{early} --json"));
+    let early: Value = serde_json::from_str(&early.out).unwrap();
+    assert_eq!(early["result"]["measured"].as_array().unwrap().len(), 3);
+    assert_eq!(early["result"]["deflection"]["reached"], false);
+    let findings = &early["result"]["standing"]["findings"];
+    assert_eq!(findings[0]["code"], "too-few-postures");
     refused(
         &folder,
         "measure builtin:fanuc-r2000ic plan.csv all.csv --once --until 1mm",

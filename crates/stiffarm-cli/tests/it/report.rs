@@ -512,7 +512,7 @@ fn names_of_files_say_what_they_are() {
     for (file, answer) in [
         ("empty.json", "The file is empty."),
         ("cut.json", "ends too early"),
-        ("text.json", "This is not JSON."),
+        ("text.json", "This is a table and not JSON"),
     ] {
         let refused = folder.refused(&format!("report {file}"));
         assert!(refused.contains(answer), "{refused}");

@@ -178,6 +178,10 @@ pub(super) fn route_section(
 /// How far the moves go, how long they take and what they were kept clear of.
 fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
     let order = match route.shortest {
+        // A way around something is one that was found, not the shortest there is.
+        Some(true) if route.moves.iter().any(|one| !one.via.is_empty()) => {
+            "by the ways found no order of the postures is shorter"
+        }
         Some(true) => "no order of the postures is shorter",
         Some(false) => "a shorter order may exist",
         None => "the order was given",

@@ -29,23 +29,25 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     });
     let blocked = route.moves.iter().filter(|one| !one.free).count();
     let moves = counted(route.moves.len(), "move");
+    let findings = given.saved.findings();
+    let is_forbidden = findings.iter().any(|f| f.code == "posture-forbidden");
     let came = match blocked {
         _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
         0 if route.checked.is_empty() => {
             Text::new(format!("{moves}, not checked against anything."))
         }
+        0 if is_forbidden => Text::default()
+            .strong("Not every posture is allowed")
+            .words(format!("; the {moves} between them are free.")),
         0 => Text::new(format!("{moves}, every one of them free.")),
         count => Text::default()
             .strong("No free way was found")
             .words(format!(" for {count} of {moves}.")),
     };
-    let findings = given.saved.findings();
     let next = match blocked {
-        0 if findings.iter().any(|f| f.code == "posture-forbidden") => {
-            Text::new("Do not drive there as they are: ")
-                .code("stiffarm select --initial")
-                .words(" moves the postures inside the limits of the cell.")
-        }
+        0 if is_forbidden => Text::new("Do not drive there as they are: ")
+            .code("stiffarm select --initial")
+            .words(" moves the postures inside the limits of the cell."),
         0 => Text::new("Write the postures in this order with ")
             .code("--output plan.csv")
             .words(", and the robot's program with ")

@@ -6,12 +6,12 @@ use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measure
 use crate::estimate::diagnose::{Diagnosis, diagnose};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
-    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
-    bootstrap, implausible_scale, profile,
+    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, JointEstimate, NoiseSource,
+    Profile, Weights, bootstrap, implausible_scale, profile,
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
-use crate::estimate::saved::{Sealed, once};
+use crate::estimate::saved::{Sealed, flange_of, once};
 use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::findings::{Finding, Severity};
 use crate::measure::Measured;
@@ -264,6 +264,14 @@ impl Identified {
             }
             found => out.next_posture = unless_stopped("next_posture", &mut left_out, found)?,
         }
+        if let (Some(_), Some(advice)) = (&mixed, &mut out.next_posture) {
+            let joints = out.identification.estimates.joints.iter();
+            advice.scale_to(
+                &joints
+                    .map(JointEstimate::readings_error)
+                    .collect::<Vec<_>>(),
+            );
+        }
         out.not_computed = left_out;
         Ok(out)
     }
@@ -302,6 +310,7 @@ impl Identified {
         let displacements = measured.postures.iter().flat_map(|m| &m.displacements);
         Some(Sealed {
             springs: cell.setup.robot.spring_names(),
+            flange_m: Some(flange_of(cell).into()),
             predictor: found.with_doubts(measured.findings().chain(own)),
             postures: once(self.identification.postures.iter().map(|p| &p.posture)),
             largest_displacement_m: displacements.map(|d| d.value.norm()).reduce(f64::max),

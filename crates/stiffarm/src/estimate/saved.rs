@@ -3,14 +3,19 @@
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::estimate::identify::quantile;
-use crate::findings::{Finding, Severity};
+use crate::estimate::identify::{implausible_stiffness, quantile};
+use crate::findings::{Finding, Severity, length};
 use crate::model::cell::Cell;
-use nalgebra::DMatrix;
+use crate::model::kinematics::Frames;
+use nalgebra::{DMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Stands for the cell's prior stiffness where a file name could stand.
 pub const PRIOR: &str = "prior";
+
+/// Share of the flange's distance from the base by which the flanges of two robots are apart at least: no calibration of one
+/// robot moves it as far.
+const OTHER_ROBOT: f64 = 0.02;
 
 /// What later commands calculate with: all that they take from the result of an
 /// identification.
@@ -19,6 +24,9 @@ pub const PRIOR: &str = "prior";
 pub struct Sealed {
     /// Names of the springs: the first of the values.
     pub springs: Vec<String>,
+    /// Where the robot's flange is with every joint at half a radian \[m\], base frame: it tells robots apart.
+    #[serde(default)]
+    pub flange_m: Option<[f64; 3]>,
     /// What predicts.
     #[serde(flatten)]
     pub predictor: IdentifiedCompliance,
@@ -46,6 +54,21 @@ impl Sealed {
                 names.join(", ")
             );
             return Err(Error::new(Code::ResultFile, message).key("springs"));
+        }
+        if let Some(flange) = self.flange_m {
+            let own = flange_of(cell);
+            let apart = (own - Vector3::from(flange)).norm();
+            if apart > OTHER_ROBOT * own.norm() {
+                let message = format!(
+                    "The stiffness belongs to another robot than {}: with every joint at half a radian its flange is {} from \
+                     this one's.",
+                    robot.name(),
+                    length(apart)
+                );
+                return Err(Error::new(Code::ResultFile, message)
+                    .key("flange_m")
+                    .hint("give the cell that it was identified in, or identify on this robot"));
+            }
         }
         let IdentifiedCompliance {
             values,
@@ -82,6 +105,15 @@ impl Sealed {
             }
         }
     }
+}
+
+/// Where the flange is with every joint at half a radian \[m\].
+pub(crate) fn flange_of(cell: &Cell) -> Vector3<f64> {
+    let robot = &cell.setup.robot;
+    Frames::new(robot, &vec![0.5; robot.joint_count()])
+        .flange()
+        .translation
+        .vector
 }
 
 /// Names, each once.
@@ -125,13 +157,16 @@ impl Saved {
         }
     }
 
-    /// Joint stiffness without anything else \[N·m/rad\].
+    /// Joint stiffness without anything else \[N·m/rad\], with a doubt where it is far from that of any such robot.
     ///
     /// # Errors
     /// As [`IdentifiedCompliance::from_stiffness`].
     pub fn bare(cell: &Cell, stiffness: &[f64], name: &str) -> Result<Self> {
+        let mut predictor = IdentifiedCompliance::from_stiffness(cell, stiffness)?;
+        let doubt = implausible_stiffness(cell, stiffness);
+        predictor.doubts.extend(doubt);
         Ok(Saved {
-            predictor: IdentifiedCompliance::from_stiffness(cell, stiffness)?,
+            predictor,
             postures: Vec::new(),
             cell: None,
             largest_displacement: None,

@@ -1,6 +1,6 @@
 //! JSON of saved results as values: every key once.
 
-use super::text::decode;
+use super::text::{decode, is_table};
 use crate::error::{Code, Error, Result};
 use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
@@ -36,6 +36,9 @@ fn what_it_is(text: &str, ends_early: bool) -> &'static str {
         None => "The file is empty.",
         Some('{' | '[') if ends_early => "This JSON ends too early: a part of the file is missing.",
         Some('{' | '[') => "This is not JSON: it begins like it and has a fault here.",
+        Some(_) if is_table(text) => {
+            "This is a table and not JSON: are two files in each other's place?"
+        }
         Some(_) => "This is not JSON.",
     }
 }

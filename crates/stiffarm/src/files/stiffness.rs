@@ -20,7 +20,7 @@ const BARE: &str = "stiffness_nm_per_rad";
 const PLAUSIBLE: [f64; 2] = [1.0, 1e15];
 
 const HINT: &str =
-    "give the file that `stiffarm identify --output` wrote, or {\"stiffness_nm_per_rad\": [k1, …]}";
+    "give the saved result of an identification, or {\"stiffness_nm_per_rad\": [k1, …]}";
 
 /// Reads the joint stiffness of `cell`: the result of `stiffarm identify
 /// --output`, or `{"stiffness_nm_per_rad": [k1, …]}`, which gives values without

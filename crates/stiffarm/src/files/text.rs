@@ -8,6 +8,12 @@ use std::borrow::Cow;
 const LITTLE: &[u8] = &[0xff, 0xfe];
 const BIG: &[u8] = &[0xfe, 0xff];
 
+/// Whether a text begins like a table: with a row of names.
+pub(super) fn is_table(text: &str) -> bool {
+    let heading = text.lines().find(|line| !line.trim().is_empty());
+    heading.is_some_and(|line| line.contains([',', ';']) && !line.contains(['=', '[', '{', '#']))
+}
+
 /// The bytes as text. That of UTF-8 keeps its byte order mark, so that places count in the bytes.
 ///
 /// # Errors

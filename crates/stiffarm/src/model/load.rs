@@ -259,6 +259,12 @@ impl Load {
         self.each().any(|load| matches!(load, Load::Rope { .. }))
     }
 
+    /// True where one of its loads is a wrench with a moment.
+    pub fn has_moment(&self) -> bool {
+        let is_turned = |load: &Load| matches!(load, Load::Constant { wrench, .. } if wrench.moment.norm() > 0.0);
+        self.each().any(is_turned)
+    }
+
     /// Size of the force of a rope, a cylinder between two points or a weight, 0 or more \[N\]:
     /// what a table says in `load_n`. `None` for another load.
     pub fn size(&self) -> Option<f64> {

@@ -211,8 +211,8 @@ anchor_mm = [1800, 0, 0] | anchor_mm = [1.8, 0, 0] | load.anchor_mm | in metres?
 anchor_mm = [1800, 0, 0] | anchor_mm = [180000, 0, 0] | load.anchor_mm | 180 m
 magnitude_n = 500 | magnitude_n = 0.5 | load.magnitude_n | too little
 magnitude_n = 500 | magnitude_n = 5000 | load.magnitude_n | 165 kg
-variance_mm2 = 9.23e-5 | variance_mm2 = 9.6 | noise.variance_mm2 | a variance in mm²
-variance_mm2 = 9.23e-5 | variance_mm2 = 9e-11 | noise.variance_mm2 | a variance in mm²
+variance_mm2 = 9.23e-5 | variance_mm2 = 9.6 | noise | its square in mm²
+variance_mm2 = 9.23e-5 | variance_mm2 = 9e-11 | noise | its square in mm²
 [950000, | [950, | stiffness.prior_nm_per_rad | joint 1 is 9.500e2 N·m/rad
 characteristic_length_mm = 773 | characteristic_length_mm = 0.773 | robot.characteristic_length_mm | in mm?
 keep_out_radius_mm = 900 | keep_out_radius_mm = 0.9 | limits.keep_out_radius_mm | 0.90 mm

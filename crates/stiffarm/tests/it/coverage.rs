@@ -394,3 +394,12 @@ fn the_nearest_row_not_above_speaks_and_none_below_the_table() {
         assert_eq!(Intervals::of(estimator).is_none(), estimator.is_exact());
     }
 }
+
+#[test]
+fn one_experiment_is_no_certainty() {
+    let cell = cell(4);
+    // Agresti and Coull: of five experiments three are as found.
+    let found = count(&cell, &postures(8), &case(Estimator::Ordinary, 1));
+    let expected = (0.6 * 0.4 / 5.0_f64).sqrt();
+    assert!((found.standard_error / expected - 1.0).abs() < 1e-12);
+}

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::Watch;
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::identify::IntervalHolds;
+use stiffarm::model::measurement::WrenchColumns;
 
 fn fit() -> Fit {
     let cell = default_cell();
@@ -133,4 +134,41 @@ fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     wanted.brief = true;
     let brief = Identified::new(&fit, &wanted, Control::default()).unwrap();
     assert_eq!(brief.identification.estimates.joints, *alone);
+}
+
+/// A wrench is more than its force: what is simulated of it has the moment, and without it a table is refused.
+#[test]
+fn the_moment_of_a_wrench_is_in_its_readings() {
+    let mut cell = default_cell();
+    cell.setup.load = Load::Constant {
+        wrench: Wrench {
+            force: Vector3::new(0.0, 300.0, -200.0),
+            moment: Vector3::new(0.0, 0.0, 60.0),
+        },
+        axes: Axes::Base,
+    };
+    let group = PostureGroup::from_angles("", group1());
+    let mut readings = simulated_readings(&cell, &group.postures, 1).unwrap();
+    let worst = |readings: &ReadingTable| {
+        let measured = prepare(&cell, readings.clone(), &ReduceOptions::default()).unwrap();
+        let named = measured
+            .findings()
+            .any(|f| f.code == "moment-not-read" && f.severity == Severity::Serious);
+        let fit = Fit::new(&cell, &measured, &Default::default()).unwrap();
+        let joints = fit.identification().unwrap().estimates.joints.clone();
+        let off = joints.iter().zip(cell.prior.as_ref().unwrap());
+        let off = off.map(|(joint, k)| (joint.stiffness.unwrap() / k - 1.0).abs());
+        (named, off.fold(0.0, f64::max))
+    };
+    let (named, off) = worst(&readings);
+    assert!(!named && off < 0.05, "{off}");
+    // The same without its moments.
+    readings.wrench_columns = WrenchColumns::Force;
+    for posture in &mut readings.postures {
+        for wrench in posture.states.iter_mut().filter_map(|s| s.wrench.as_mut()) {
+            wrench.moment = Vector3::zeros();
+        }
+    }
+    let (named, off) = worst(&readings);
+    assert!(named && off > 0.1, "{off}");
 }

@@ -401,3 +401,28 @@ fn a_key_twice_and_a_number_beyond_all_are_named() {
     let deep = "[".repeat(100_000);
     assert_eq!(read(&deep).code(), Code::ResultFile);
 }
+
+#[test]
+fn a_stiffness_is_held_against_the_robot_and_its_prior() {
+    let cell = cell();
+    let found = text(&identified(&fit(&cell, &terms()), ElasticChoice::Axes));
+    let read_in = |cell: &Cell| read_stiffness(found.as_bytes(), "k.json", cell);
+    assert!(read_in(&cell).is_ok());
+    let mut other = cell.clone();
+    other.setup.robot = Robot::from_catalogue("comau-nj220-foundry").unwrap();
+    let error = read_in(&other).unwrap_err();
+    assert_eq!(error.place().key.as_deref(), Some("result.sealed.flange_m"));
+    assert!(error.message().contains("another robot"), "{error}");
+    // A list in another unit is told by the prior.
+    let prior = cell.prior.clone().unwrap();
+    for (factor, is_doubted) in [(1.0, false), (20.0, false), (1e3, true), (1e-3, true)] {
+        let given: Vec<f64> = prior.iter().map(|k| k * factor).collect();
+        let saved = Saved::bare(&cell, &given, "list").unwrap();
+        let doubted = saved
+            .predictor
+            .doubts
+            .iter()
+            .any(|f| f.code == "implausible-stiffness" && f.severity == Severity::Serious);
+        assert_eq!(doubted, is_doubted, "{factor}");
+    }
+}

@@ -12,7 +12,7 @@ use crate::estimate::identify::{
     Assumptions, Estimates, IdentifyOptions, MeasuredSystem, NoiseSource, Prepared, Scale,
     Solution, Verdict, Weights, check, prior_knowledge, rms,
 };
-use crate::estimate::saved::{Sealed, once};
+use crate::estimate::saved::{Sealed, flange_of, once};
 use crate::findings::{Finding, Severity, list};
 use crate::model::cell::Cell;
 use crate::numerics::order::sort_by_number;
@@ -154,6 +154,7 @@ pub fn identify_clamped(
     let forces = clamped.iter().map(|c| c.wrench.force.norm());
     result.sealed = found.map(|found| Sealed {
         springs: cell.setup.robot.spring_names(),
+        flange_m: Some(flange_of(cell).into()),
         predictor: found.with_doubts(&result.findings),
         postures: once(result.postures.iter().map(|p| &p.posture)),
         largest_displacement_m: None,

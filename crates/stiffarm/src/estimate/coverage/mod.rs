@@ -289,13 +289,19 @@ fn shares(
         joints.iter().map(value).sum::<f64>() / springs as f64
     };
     let widths: Option<Vec<f64>> = joints.iter().map(|j| j.relative_half_width).collect();
-    // Variance of the number of covered joints of an experiment.
+    // Variance of the number of covered joints of an experiment. Where all experiments are alike, the standard error is
+    // that with four experiments more, half of them otherwise (Agresti and Coull 1998,
+    // doi:10.1080/00031305.1998.10480550).
     let [sum, squares] = counts.together.map(|v| v as f64);
     let variance = (squares / experiments - (sum / experiments).powi(2)).max(0.0);
+    let standard_error = match variance {
+        0.0 => (2.0 * (experiments + 2.0)).sqrt() / (experiments + 4.0).powf(1.5),
+        variance => (variance / experiments).sqrt() / springs as f64,
+    };
     let resamples = case.resamples.unwrap_or(0).max(1) as f64;
     Coverage {
         coverage: mean(&|j| j.coverage),
-        standard_error: (variance / experiments).sqrt() / springs as f64,
+        standard_error,
         relative_half_width: widths.map(|w| w.iter().sum::<f64>() / springs as f64),
         open_above: mean(&|j| j.open_above),
         without_interval: mean(&|j| j.without_interval),

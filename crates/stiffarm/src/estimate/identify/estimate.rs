@@ -138,6 +138,11 @@ impl JointEstimate {
         };
     }
 
+    /// Standard error of k by the scatter of the readings alone (fraction of k).
+    pub(crate) fn readings_error(&self) -> Option<f64> {
+        Some(self.readings_standard_error? / self.stiffness?.abs())
+    }
+
     /// Until systematic errors are known, the scatter of the readings is all.
     fn readings_alone(&mut self) {
         self.interval_holds = IntervalHolds::Readings;

@@ -41,6 +41,7 @@ pub use labels::Weights;
 pub(crate) use leave_out::{Fold, missed, prediction_error, rounding, sees_only_known};
 pub use leave_out::{Influence, LeaveOneOut};
 pub use plausibility::implausible_scale;
+pub(crate) use plausibility::implausible_stiffness;
 pub use profile::{JointProfile, Profile, profile};
 pub use residuals::{DisplacementResidual, DisplacementWeight, PointResidual, PostureResidual};
 pub(crate) use response::Response;

@@ -30,40 +30,65 @@ pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding
         {
             continue;
         }
-        ratios.push(match &cell.prior {
-            Some(prior) => k.abs() / prior[j],
-            // The middle of the plausible range is neither small nor large.
-            None => match k.abs() {
-                k if k < SUSPICIOUS_STIFFNESS[0] => k / SUSPICIOUS_STIFFNESS[0] / SUSPICIOUS_RATIO,
-                k if k > SUSPICIOUS_STIFFNESS[1] => k / SUSPICIOUS_STIFFNESS[1] * SUSPICIOUS_RATIO,
-                _ => 1.0,
-            },
-        });
+        ratios.push(ratio(cell, j, k));
     }
     if 2 * ratios.len() < result.estimates.joints.len() {
         return None;
     }
+    suspicious(cell, ratios, "measurements", |is_larger| match is_larger {
+        true => {
+            "Are the displacements in metres instead of millimetres, or is the force too large?"
+        }
+        false => {
+            "Are the displacements in micrometres instead of millimetres, or the force in kilonewtons?"
+        }
+    })
+}
+
+/// The same of stiffness that was given \[N·m/rad\].
+pub(crate) fn implausible_stiffness(cell: &Cell, stiffness: &[f64]) -> Option<Finding> {
+    let ratios = stiffness.iter().enumerate();
+    let ratios = ratios.map(|(j, k)| ratio(cell, j, *k)).collect();
+    suspicious(cell, ratios, "stiffness", |_| "Is it in N·m/rad?")
+}
+
+/// A stiffness against the prior, or against the plausible range, whose middle is neither small nor large.
+fn ratio(cell: &Cell, joint: usize, stiffness: f64) -> f64 {
+    match (&cell.prior, stiffness.abs()) {
+        (Some(prior), k) => k / prior[joint],
+        (None, k) if k < SUSPICIOUS_STIFFNESS[0] => k / SUSPICIOUS_STIFFNESS[0] / SUSPICIOUS_RATIO,
+        (None, k) if k > SUSPICIOUS_STIFFNESS[1] => k / SUSPICIOUS_STIFFNESS[1] * SUSPICIOUS_RATIO,
+        _ => 1.0,
+    }
+}
+
+/// A finding where the middle of the ratios is far from 1, with what asks for the cause.
+fn suspicious(
+    cell: &Cell,
+    mut ratios: Vec<f64>,
+    subject: &str,
+    cause: impl Fn(bool) -> &'static str,
+) -> Option<Finding> {
     ratios.sort_by(f64::total_cmp);
     let middle = *ratios.get(ratios.len() / 2)?;
+    if (1.0 / SUSPICIOUS_RATIO..=SUSPICIOUS_RATIO).contains(&middle) {
+        return None;
+    }
     let against = match cell.prior {
         Some(_) => "the cell's prior",
         None => "what industrial robots have",
     };
-    let cause = if middle > SUSPICIOUS_RATIO {
-        "Are the displacements in metres instead of millimetres, or is the force too large?"
-    } else if middle < 1.0 / SUSPICIOUS_RATIO {
-        "Are the displacements in micrometres instead of millimetres, or the force in kilonewtons?"
-    } else {
-        return None;
+    let (factor, word) = match middle > 1.0 {
+        true => (middle, "larger"),
+        false => (1.0 / middle, "smaller"),
     };
-    let factor = if middle > 1.0 { middle } else { 1.0 / middle };
+    let cause = cause(middle > 1.0);
+    let sentence =
+        format!("The joint stiffness is {factor:.0} times {word} than {against}. {cause}");
     Some(Finding::new(
         "implausible-stiffness",
         Severity::Serious,
-        "measurements",
-        format!(
-            "The joint stiffness is {factor:.0} times {} than {against}. {cause}",
-            if middle > 1.0 { "larger" } else { "smaller" }
-        ),
+        subject,
+        sentence,
     ))
 }

@@ -3,6 +3,7 @@
 use super::raw::{Node, RawCell, Reading, Value};
 use super::source::Source;
 use crate::error::{Code, Error, Result};
+use crate::files::text::is_table;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -42,6 +43,12 @@ fn syntax_error(source: &Source<'_>, error: &toml::de::Error) -> Error {
         return source
             .error_at(Code::TomlSyntax, "", span, message)
             .hint(hint);
+    }
+    if is_table(body) {
+        let message = "This is a table, and no cell file: cells are TOML.";
+        return source
+            .error_at(Code::TomlSyntax, "", span, message)
+            .hint("the cell comes first, tables after it");
     }
     let message = format!("This is not valid TOML: {}.", error.message());
     let place = source.error_at(Code::TomlSyntax, "", span.clone(), message);

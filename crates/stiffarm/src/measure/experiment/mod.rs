@@ -208,6 +208,7 @@ impl Experiment {
                 (false, Some(_)) => ForceRecord::Load,
                 // Each of several loads is as the cell says.
                 (false, None) if cell.setup.load.has_cases() => ForceRecord::Nothing,
+                (false, None) if cell.setup.load.has_moment() => ForceRecord::ForceAndMoment,
                 (false, None) => ForceRecord::Force,
             },
             base_reflectors: vec![NamedPoint {

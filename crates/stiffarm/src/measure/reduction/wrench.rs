@@ -246,12 +246,10 @@ pub(super) fn findings(
             ),
         ));
     }
-    let moment =
-        |load: &Load| matches!(load, Load::Constant { wrench, .. } if wrench.moment.norm() > 0.0);
-    if columns == WrenchColumns::Force && cell.setup.load.each().any(moment) {
+    if columns == WrenchColumns::Force && cell.setup.load.has_moment() {
         out.push(Finding::new(
             "moment-not-read",
-            Severity::Caution,
+            Severity::Serious,
             "load",
             "The cell's load has a moment, but the table has forces only: they are taken as pure forces through the \
              loading point. Add mx_nm, my_nm, mz_nm.",

@@ -85,10 +85,10 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     if noise > 0.0 && !(NOISE[0]..=NOISE[1]).contains(&noise) {
         slips.add_beyond(
             noise / NOISE[1],
-            "noise.variance_mm2",
+            "noise",
             format!(
-                "The standard deviation of a reading is {:.3e} mm; a laser tracker has some 0.01 mm. The key \
-                 takes a variance in mm², the square of it.",
+                "The standard deviation of a reading is {:.3e} mm; a laser tracker has some 0.01 mm. std_um takes it \
+                 in µm, variance_mm2 its square in mm².",
                 m_to_mm(noise)
             ),
         );
