@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _keys
 from ._errors import StiffarmError
-from ._result import Record, Result
+from ._result import Record, Result, _fixed
 from ._table import Table
 
 if TYPE_CHECKING:
@@ -160,9 +160,10 @@ class Identified(Result, _keys.IdentifiedKeys):
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
-        """Joint stiffness [N·m/rad], one per spring; NaN where a joint is not determined."""
+        """Joint stiffness [N·m/rad], one per spring; NaN where the readings tell nothing of a joint. Whether a value can be
+        used says ``verdict`` of the joint."""
         values = [joint["stiffness"] for joint in self._estimates()["joints"]]
-        return np.array([np.nan if value is None else value for value in values])
+        return _fixed(np.array([np.nan if value is None else value for value in values]))
 
     @property
     def diagnosis(self) -> Record | None:
