@@ -316,8 +316,12 @@ fn the_goal_may_be_a_deflection_at_the_tasks() {
     let words: Vec<&str> = ran.out.split_whitespace().collect();
     let said = "The deflection at the tasks is predicted to ±";
     assert!(words.join(" ").contains(said), "{}", ran.out);
-    // Three postures do not show what gives way beyond the axes.
     let all = folder.read("all.csv");
+    // A table that the day has not begun to fill.
+    folder.write("heading.csv", all.lines().next().unwrap());
+    let begin = folder.json("measure builtin:comau plan.csv heading.csv --once");
+    assert_eq!(begin["result"]["left"].as_array().unwrap().len(), 6);
+    // Three postures do not show what gives way beyond the axes.
     let three = all.lines().filter(|row| !row.starts_with(['4', '5', '6']));
     folder.write("three.csv", three.collect::<Vec<_>>().join("\n"));
     let early = "measure builtin:comau plan.csv three.csv --once --until 0.5mm";

@@ -168,7 +168,7 @@ impl<'a> Table<'a> {
         }
         if rows.is_empty() {
             let message = "The table has no rows below its heading.";
-            return Err(self.heading_error(None, Code::TableRow, message));
+            return Err(self.heading_error(None, Code::TooFewData, message));
         }
         Ok(rows)
     }
