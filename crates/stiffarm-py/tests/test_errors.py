@@ -270,7 +270,7 @@ def test_files(cell: stiffarm.Cell, tmp_path: Path) -> None:
     heading = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n"
     error = refused(lambda: stiffarm.evaluate(cell, written(heading + "1,0,0,-90,0,0,0\n2,0,0,-90,x,0,0\n")), "table-row")
     assert (error.place["line"], error.place["key"]) == (3, "q4_deg")
-    refused(lambda: stiffarm.evaluate(cell, written(heading)), "table-row")
+    refused(lambda: stiffarm.evaluate(cell, written(heading)), "too-few-data")
     refused(lambda: stiffarm.evaluate(cell, written("posture,q1_deg\n1,2\n")), "table-heading")
     refused(lambda: stiffarm.evaluate(cell, written(heading + "1,0,0,900,0,0,0\n")), "outside-limits")
     refused(lambda: stiffarm.predict(cell, written("{"), "builtin:contour"), "result-file")
