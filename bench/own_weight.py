@@ -18,6 +18,7 @@ second row of three parts of the grid, which is what docs/measured.md reports.
 import argparse
 from pathlib import Path
 
+import elastic_truths as comau
 import numpy as np
 
 G = 9.80665
@@ -35,10 +36,10 @@ COMAU = (
     np.array([330, 200, 320, 60, 30, 80]),
     np.array([[-0.2, 0.1, 0], [-0.6, 0, 0], [-0.1, 0, 0.2], [0, -0.7, 0], [0, 0, 0.05], [0, 0, 0.15]]),
 )
-TOOL = {"UR5": [0, 0, 0.031], "COMAU NJ 165-3.0": [0.2, 0, 0.25]}
+TOOL = {"UR5": [0, 0, 0.031], "COMAU NJ 165-3.0": comau.LOADING_POINT}
 RANGE = {
     "UR5": [[-180, 180], [-120, -30], [30, 140], [-120, 30], [40, 140], [-180, 180]],
-    "COMAU NJ 165-3.0": [[-90, 90], [-60, 40], [-180, -40], [-180, 180], [-90, 90], [-180, 180]],
+    "COMAU NJ 165-3.0": comau.BOUNDS,
 }
 
 
@@ -105,7 +106,7 @@ def rms(residuals):
 def forecast():
     """± at 95 % of the stiffness of each joint that gravity turns, from 100 postures."""
     rng = np.random.default_rng(1)
-    stiffness = {"UR5": np.array([30e3] * 3 + [10e3] * 3), "COMAU NJ 165-3.0": np.array([950e3, 3000e3, 900e3, 250e3, 200e3, 150e3])}
+    stiffness = {"UR5": np.array([30e3] * 3 + [10e3] * 3), "COMAU NJ 165-3.0": comau.STIFFNESS}
     for name, arm in {"UR5": UR5, "COMAU NJ 165-3.0": COMAU}.items():
         low, high = np.radians(RANGE[name]).T
         postures = rng.uniform(low, high, (100, 6))

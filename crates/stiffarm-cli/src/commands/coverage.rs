@@ -41,17 +41,13 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
         estimator: options.estimator.as_str(),
         bootstrap: args.bootstrap,
     };
-    let noise = named.cell.noise;
     let case = CoverageCase {
         experiments: to_usize(args.runs),
         seed: args.seed,
         resamples: args.bootstrap.map(to_usize),
         options,
         world: ErrorModel {
-            common_ratio: match noise.displacement_std() {
-                sigma if sigma > 0.0 => noise.posture_common_std / sigma,
-                _ => 0.0,
-            },
+            common_ratio: named.cell.noise.common_ratio().sqrt(),
             ..ErrorModel::default()
         },
     };

@@ -88,10 +88,7 @@ fn known_noise(options: &IdentifyOptions) -> IdentifyOptions {
 fn noise(fit: &Fit) -> [f64; 2] {
     let (declared, solution) = (fit.cell().noise, fit.solution());
     let variance = declared.displacement_variance();
-    let ratio = match variance > 0.0 {
-        true => declared.posture_common_std.powi(2) / variance,
-        false => 0.0,
-    };
+    let ratio = declared.common_ratio();
     let degrees = solution.t_degrees_of_freedom.unwrap_or(0) as f64;
     let Some(seen) = solution.sigma.filter(|_| degrees > 0.0) else {
         return [variance, ratio];

@@ -6,8 +6,8 @@ use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measure
 use crate::estimate::diagnose::{Diagnosis, diagnose};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
-    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, JointEstimate, NoiseSource,
-    Profile, Weights, bootstrap, implausible_scale, profile,
+    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
+    bootstrap, implausible_scale, profile,
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
@@ -265,12 +265,7 @@ impl Identified {
             found => out.next_posture = unless_stopped("next_posture", &mut left_out, found)?,
         }
         if let (Some(_), Some(advice)) = (&mixed, &mut out.next_posture) {
-            let joints = out.identification.estimates.joints.iter();
-            advice.scale_to(
-                &joints
-                    .map(JointEstimate::readings_error)
-                    .collect::<Vec<_>>(),
-            );
+            advice.scale_to(&out.identification.estimates.joints);
         }
         out.not_computed = left_out;
         Ok(out)

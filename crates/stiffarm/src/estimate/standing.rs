@@ -67,7 +67,7 @@ pub struct SoFar<'f> {
     axes: SystematicErrors,
     /// The mixed model with its systematic errors, where it predicts.
     mixed: Option<(MixedFit, SystematicErrors)>,
-    /// Half width of each joint as the forecast has it without a further posture; `None` where nothing is foreseen.
+    /// Half width of each joint if the axes alone gave way, where the mixed model predicts and something is foreseen.
     now: Option<Vec<Option<f64>>>,
 }
 
@@ -94,7 +94,9 @@ impl<'f> SoFar<'f> {
             mixed,
             now: None,
         };
-        out.now = out.of_axes::<Vec<f64>>(&[])?;
+        if out.is_mixed() {
+            out.now = out.of_axes::<Vec<f64>>(&[])?;
+        }
         Ok(out)
     }
 
@@ -123,20 +125,15 @@ impl<'f> SoFar<'f> {
         Ok(found.with_systematic_errors(self.systematic()))
     }
 
-    fn joints(&self) -> Result<Vec<JointEstimate>> {
+    /// The joints with the scatter of the readings.
+    ///
+    /// # Errors
+    /// As [`MixedFit::joints`] and [`Fit::identification`].
+    pub fn joints(&self) -> Result<Vec<JointEstimate>> {
         match &self.mixed {
             Some((mixed, _)) => mixed.joints(),
             None => Ok(self.fit.identification()?.estimates.joints.clone()),
         }
-    }
-
-    /// Relative standard error of each joint by the scatter of the readings.
-    ///
-    /// # Errors
-    /// As the estimates.
-    pub fn errors(&self) -> Result<Vec<Option<f64>>> {
-        let joints = self.joints()?;
-        Ok(joints.iter().map(JointEstimate::readings_error).collect())
     }
 
     /// Half width of each joint with `planned` postures more; `None` where nothing is foreseen.
@@ -201,7 +198,10 @@ pub fn standing<Q: AsRef<[f64]>>(
     let expected = |count: usize| so_far.expected(&planned[..count]);
     let (with_next, with_all) = match planned.len() {
         0 => (None, None),
-        1 => (expected(1)?, expected(1)?),
+        1 => {
+            let one = expected(1)?;
+            (one.clone(), one)
+        }
         count => (expected(1)?, expected(count)?),
     };
     let of = |all: &Option<Vec<Option<f64>>>, j: usize| all.as_ref()?.get(j).copied().flatten();
@@ -212,13 +212,14 @@ pub fn standing<Q: AsRef<[f64]>>(
         .map(|(j, joint)| {
             let own = systematic.uncertainty.get(j);
             let usable = joint.interval[1].is_some();
+            let foreseen = |all| of(all, j).filter(|_| usable || !so_far.is_mixed());
             JointStanding {
                 name: joint.name.clone(),
                 stiffness_nm_per_rad: joint.stiffness,
                 total: own.and_then(|own| own.total).filter(|_| usable),
                 systematic: own.and_then(|own| own.systematic),
-                with_next: of(&with_next, j).filter(|_| usable || !so_far.is_mixed()),
-                with_all: of(&with_all, j).filter(|_| usable || !so_far.is_mixed()),
+                with_next: foreseen(&with_next),
+                with_all: foreseen(&with_all),
             }
         })
         .collect();

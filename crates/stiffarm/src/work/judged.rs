@@ -193,14 +193,14 @@ pub fn judge(
         let mut found = deflection(&fit, &so_far, goal)?;
         found.reached &= so_far.missing_postures(left.len()) == 0;
         out.deflection = Some(found);
-        let too_few = so_far.too_few(left.len());
-        let standing = out.standing.iter_mut();
-        standing.for_each(|standing| standing.findings.extend(too_few.clone()));
+        if let Some(standing) = &mut out.standing {
+            standing.findings.extend(so_far.too_few(left.len()));
+        }
     }
     if options.search && !out.is_serious() && out.reached() != Some(true) {
         out.better = better(&fit, cell, &left, seed, control)?;
         if let Some(better) = out.better.as_mut().filter(|_| so_far.is_mixed()) {
-            better.scale_to(&so_far.errors()?);
+            better.scale_to(&so_far.joints()?);
         }
     }
     Ok(out)

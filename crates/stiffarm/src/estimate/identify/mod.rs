@@ -193,11 +193,7 @@ pub fn identify(
 /// Repeats without scatter, or a prior estimate without prior stiffness.
 pub fn assumptions(cell: &Cell, options: &IdentifyOptions) -> Result<Assumptions> {
     let noise = &cell.noise;
-    let variance = noise.displacement_variance();
-    let declared_ratio = match variance > 0.0 {
-        true => noise.posture_common_std.powi(2) / variance,
-        false => 0.0,
-    };
+    let declared_ratio = noise.common_ratio();
     let scale = match (options.noise, options.scatter) {
         (NoiseSource::Estimated, _) => Scale::Estimated,
         (NoiseSource::Known, _) => Scale::Known {

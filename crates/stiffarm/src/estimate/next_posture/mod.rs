@@ -21,7 +21,7 @@ pub use planned::{PlannedErrors, planned_errors};
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::{
-    Block, Estimator, Fit, Identification, MeasuredSystem, Verdict, rms,
+    Block, Estimator, Fit, Identification, JointEstimate, MeasuredSystem, Verdict, rms,
 };
 use crate::findings::list;
 use crate::model::cell::Cell;
@@ -63,13 +63,14 @@ pub struct NextPosture {
 }
 
 impl NextPosture {
-    /// The same for a model that knows the joints to `errors` (fractions): each falls as it does in the fit.
-    pub(crate) fn scale_to(&mut self, errors: &[Option<f64>]) {
+    /// The same for a model with these `joints`: the error of each falls as it does in the fit.
+    pub(crate) fn scale_to(&mut self, joints: &[JointEstimate]) {
+        let errors = joints.iter().map(JointEstimate::readings_error);
         for ((before, after), own) in self.before.iter_mut().zip(&mut self.after).zip(errors) {
             // What the fit cannot tell yet stays what the new posture makes of it.
             if let Some(fit) = *before {
                 *after = own.zip(*after).map(|(own, after)| own * after / fit);
-                *before = *own;
+                *before = own;
             }
         }
         let known: Vec<f64> = self.after.iter().copied().flatten().collect();

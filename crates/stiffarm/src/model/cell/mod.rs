@@ -76,6 +76,15 @@ impl Noise {
         self.displacement_variance().sqrt()
     }
 
+    /// τ²/σ²: the variance of the shift that the points of a posture share over that of a displacement component; zero at
+    /// σ = 0.
+    pub fn common_ratio(&self) -> f64 {
+        match self.displacement_variance() {
+            variance if variance > 0.0 => self.posture_common_std.powi(2) / variance,
+            _ => 0.0,
+        }
+    }
+
     /// ρ of a posture's precision (I − ρ 11ᵀ ⊗ I₃)/σ² with `points` measuring
     /// points: ρ = τ²/(σ² + mτ²). Zero without a common part or at σ = 0.
     pub fn common_weight(&self, points: usize) -> f64 {
