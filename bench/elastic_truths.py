@@ -122,11 +122,13 @@ def unloaded(q_deg, points):
     return at(frames(q_deg, np.zeros((len(q_deg), JOINTS + 1, 6)), np.ones(JOINTS))[1], points)
 
 
-def bent(q_deg, arm, force):
+def bent(q_deg, arm, force, side=None):
     """Positions (n, 4, 3) of the measuring points in equilibrium of an arm: springs (7, 6, 6) in
     each joint's axes, gaps (6,) by which a joint gives way towards its torque [rad], bearings (6,). `force` is that
-    of the rope, or acts on the first point along the base axes [N]."""
+    of the rope, or acts on the first point along the base axes [N]. With `side` (n, 6) the joints stand on these sides
+    of their gaps, 1 or -1, and the torque takes each from there to its own."""
     springs, gaps, bearings = arm
+    side = np.zeros((len(q_deg), JOINTS)) if side is None else side
     twists = np.zeros((len(q_deg), JOINTS + 1, 6))
     for _ in range(50):
         of_springs, flange = frames(q_deg, twists, bearings)
@@ -140,7 +142,7 @@ def bent(q_deg, arm, force):
             wrench = np.concatenate([np.einsum("nji,nj->ni", rotation, v) for v in (pull, moment)], axis=1)
             found[:, place] = wrench @ springs[place].T
             if place > 0:
-                found[:, place, 5] += gaps[place - 1] * np.sign(wrench[:, 5])
+                found[:, place, 5] += gaps[place - 1] * (np.sign(wrench[:, 5]) - side[:, place - 1])
         moved = np.abs(found - twists).max()
         twists = found
         if moved < 1e-14:
@@ -193,6 +195,11 @@ TRUTHS = {
     "semidefinite springs": (semidefinite, 1.0, {}),
     "semidefinite, a tenth": (semidefinite, 0.1, {}),
     "semidefinite, and all else": (semidefinite, 1.0, {"gap": 0.1, "offset": 0.02, "force": 0.01, "tails": True}),
+    # The joints stand where the last move left them; "lost motion" has them in the middle of their gaps.
+    "lost motion, sides by chance": (nothing, 0.0, {"gap": 0.1, "sides": "chance"}),
+    "lost motion, sides of the load": (nothing, 0.0, {"gap": 0.1, "sides": "load"}),
+    "lost motion of 0.5, sides by chance": (nothing, 0.0, {"gap": 0.5, "sides": "chance"}),
+    "lost motion of 0.5, sides of the load": (nothing, 0.0, {"gap": 0.5, "sides": "load"}),
 }
 
 
@@ -215,13 +222,18 @@ def planned(command, index, count):
     return np.round(json.loads(done.stdout)["result"]["postures_deg"], 3)
 
 
-def declared(folder, errors):
-    """The cell with the common errors of a truth as its `[uncertainty]`: those that there are none of are 0."""
+def cell_of(folder, errors, declared):
+    """The cell as an experiment with these errors is described: with its approach, and where wanted with the common errors
+    as its `[uncertainty]`, of which those that there are none of are 0."""
     sizes = {"force_scale_percent": 100 * errors.get("force", 0.0), "lost_motion_arcmin": errors.get("gap", 0.0)}
     sizes |= {"anchor_mm": 0, "loading_point_mm": 0, "registration_mrad": 0, "base_tilt_stiffness_nm_per_rad": 1e14}
     cell = Path(folder, "cell.toml")
-    stated = "".join(f"{key} = {size}\n" for key, size in sizes.items())
-    cell.write_text(f"{CELL.read_text()}\n[uncertainty]\n{stated}")
+    text = CELL.read_text()
+    if declared:
+        text += "\n[uncertainty]\n" + "".join(f"{key} = {size}\n" for key, size in sizes.items())
+    if errors.get("sides") == "load":
+        text += "\n[route]\nstart_deg = [0, -20, -90, 0, 60, 0]\napproach_deg = 0.5\n"
+    cell.write_text(text)
     return cell
 
 
@@ -245,7 +257,10 @@ def experiment(folder, args, truth, count, plan, seed):
     force = FORCE * (1 + rng.standard_normal() * errors.get("force", 0.0))
     q, work = postures(rng, count), postures(rng, 10)
     q = q if plan is None else plan
-    measured = bent(q + offsets, (springs, gaps, bearings), force) - unloaded(q + offsets, POINTS)
+    side = rng.choice([-1.0, 1.0], q.shape) if errors.get("sides") == "chance" else None
+    # Where the load finds them on its side, it takes no joint through its gap.
+    crossed = gaps * (errors.get("sides") != "load")
+    measured = bent(q + offsets, (springs, crossed, bearings), force, side) - unloaded(q + offsets, POINTS)
     drawn = rng.standard_normal(measured.shape)
     if errors.get("tails"):
         drawn = rng.standard_t(3, measured.shape) / math.sqrt(3)
@@ -263,7 +278,7 @@ def experiment(folder, args, truth, count, plan, seed):
     rows = [",".join(["posture", *angles])] + [f"w{p}," + ",".join(map(str, row)) for p, row in enumerate(work)]
     places.write_text("\n".join(rows) + "\n")
     stiffness = Path(folder, "stiffness.json")
-    cell = declared(folder, errors) if args.declared else "builtin:comau"
+    cell = cell_of(folder, errors, args.declared)
 
     def run(*words):
         done = subprocess.run([args.stiffarm, *map(str, words), "--json"], capture_output=True, text=True)

@@ -14,7 +14,7 @@ use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::forbidden;
-use stiffarm::plan::route::{Route, RouteOptions, blocked_moves, rounded, route};
+use stiffarm::plan::route::{Route, RouteOptions, rounded, route, route_findings};
 
 /// Options of the result.
 #[derive(Serialize)]
@@ -82,7 +82,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     if args.equivalents {
         findings.extend(robot_doubts(&cell.setup.robot));
     }
-    findings.extend(remarks(cell, &stops, &found));
+    findings.extend(remarks(cell, &stops, &found)?);
     let result = Routed {
         posture_names: stops.iter().map(|stop| stop.name.clone()).collect(),
         route: found,
@@ -129,8 +129,8 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
 }
 
 /// What to know before driving a route.
-fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Finding> {
-    let mut findings = blocked_moves(stops, route);
+fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>> {
+    let mut findings = route_findings(cell, stops, route)?;
     if !route.checked.contains(&LimitKind::Shapes) {
         findings.push(Finding::new(
             "moves-not-checked",
@@ -148,5 +148,5 @@ fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Vec<Finding> {
             "joint speeds are not known: all joints count as equally fast, and no time is given.",
         ));
     }
-    findings
+    Ok(findings)
 }

@@ -207,6 +207,11 @@ fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
             list(&kinds)
         ));
     }
+    if route.moves.iter().any(|one| !one.approached.is_empty()) {
+        said = said.words(
+            " The last turn of a joint before a posture goes against its load, which takes up lost motion.",
+        );
+    }
     let findings = given.saved.findings();
     let is_said = findings.iter().any(|f| f.code == "moves-not-checked");
     if !route.checked.contains(&LimitKind::Shapes) && !is_said {

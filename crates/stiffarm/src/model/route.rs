@@ -12,6 +12,9 @@ pub struct RouteRules {
     pub speed_share: f64,
     /// Where the robot stands before and after, controller angles \[rad\]: a safe posture.
     pub start: Option<Vec<f64>>,
+    /// Turn of each joint beyond a posture, to the side to which the load turns it, from which the posture is reached
+    /// \[rad\]: takes up lost motion. `None` where postures are reached from wherever the robot comes.
+    pub approach: Option<f64>,
     /// Whether the load stays on between postures; else each move is made without it.
     pub load_stays_on: bool,
 }
@@ -22,6 +25,7 @@ impl Default for RouteRules {
             joint_speeds: None,
             speed_share: SPEED_SHARE,
             start: None,
+            approach: None,
             load_stays_on: false,
         }
     }

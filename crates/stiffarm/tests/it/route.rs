@@ -2,7 +2,7 @@
 
 use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stiffarm::plan::route::{Route, RouteOptions, route};
+use stiffarm::plan::route::{Route, RouteOptions, route, route_findings};
 
 fn routed(cell: &Cell, plan: &[Vec<f64>], keep_angles: bool) -> Route {
     let mut options = RouteOptions::default();
@@ -310,4 +310,96 @@ fn one_flange_pose_with_the_wrist_both_ways_is_one_posture_measured_twice() {
     // What was found is found again.
     let again = routed(&cell, &found.postures, false);
     assert!(again.turn <= found.turn + 1e-9, "{again:?} {found:?}");
+}
+
+/// The load does work when a joint turns from the stop to where it is approached from, so that it presses the joint to
+/// the side that its last turn leaves it on; and no leg goes where a move may not.
+#[test]
+fn stops_are_reached_from_the_side_to_which_their_load_turns() {
+    let mut cell = builtin::cell("comau-shapes").unwrap();
+    let mut plan = random_group(&cell, StartKind::Uniform, 9, 3, 1).unwrap();
+    let turn = 0.5_f64.to_radians();
+    cell.route.start = plan.pop();
+    assert!(
+        routed(&cell, &plan, true)
+            .moves
+            .iter()
+            .all(|m| m.approached.is_empty())
+    );
+    cell.route.approach = Some(turn);
+    let found = routed(&cell, &plan, true);
+    let robot = &cell.setup.robot;
+    let Load::Rope { anchor, .. } = cell.setup.load.clone() else {
+        panic!("a rope")
+    };
+    let loading_point = |theta: &DVector<f64>| {
+        let q = robot.controller_angles(theta).unwrap();
+        *PostureTerms::new(&cell.setup, q.as_slice(), None)
+            .unwrap()
+            .loading_point()
+    };
+    let mut margins = cell.posture_margins().unwrap();
+    let mut approached = 0;
+    for each in found.moves.iter().filter(|each| each.free) {
+        let at = |stop: Option<usize>| {
+            stop.map_or(cell.route.start.clone(), |s| {
+                Some(found.postures[s].clone())
+            })
+        };
+        let (from, to) = (at(each.from).unwrap(), at(each.to).unwrap());
+        if each.to.is_none() {
+            assert!(each.approached.is_empty());
+            continue;
+        }
+        let standing = robot.serial_angles(&to);
+        let beyond = robot.serial_angles(each.via.last().unwrap_or(&to));
+        for joint in 0..6 {
+            let turned = beyond[joint] - standing[joint];
+            if !each.approached.contains(&joint) {
+                assert!(turned.abs() < 0.02_f64.to_radians(), "{each:?}");
+                continue;
+            }
+            approached += 1;
+            assert!(
+                (turned.abs() - turn).abs() < 0.02_f64.to_radians(),
+                "{turned}"
+            );
+            let mut there = standing.clone();
+            there[joint] += 1e-4 * turned.signum();
+            let point = loading_point(&standing);
+            let pull = (anchor - point).normalize();
+            assert!(pull.dot(&(loading_point(&there) - point)) > 0.0, "{joint}");
+        }
+        let legs = [vec![from], each.via.clone(), vec![to]].concat();
+        for leg in legs.windows(2) {
+            for i in 0..=500 {
+                let share = f64::from(i) / 500.0;
+                let joints = leg[0].iter().zip(&leg[1]);
+                let q: Vec<f64> = joints.map(|(a, b)| a + (b - a) * share).collect();
+                for margin in margins.named(&q).unwrap() {
+                    let least = match margin.kind {
+                        LimitKind::ToolBox | LimitKind::WristHeight | LimitKind::KeepOut => -1.2e-3,
+                        LimitKind::Shapes => -0.5 * cell.scene.clearance() - 1.5e-4,
+                        _ => f64::NEG_INFINITY,
+                    };
+                    assert!(margin.margin > least, "{margin:?}");
+                }
+            }
+        }
+    }
+    assert!(approached > 30, "{approached} of 48");
+    // What is not approached is named, joint by joint.
+    let group = PostureGroup::from_angles("route", found.postures.iter().cloned());
+    let said = route_findings(&cell, &group.postures, &found).unwrap();
+    let said = said.iter().find(|f| f.code == "not-approached");
+    assert_eq!(said.is_some(), approached < 48, "{approached} {said:?}");
+    // Who measures the force with a sensor has no side to come from.
+    cell.setup.load = Load::Measured;
+    let found = routed(&cell, &plan, true);
+    assert!(found.moves.iter().all(|m| m.approached.is_empty()));
+    let said = route_findings(&cell, &group.postures, &found).unwrap();
+    assert!(
+        said.iter()
+            .any(|f| f.code == "not-approached" && f.sentence.contains("[load]"))
+    );
 }

@@ -425,3 +425,49 @@ fn total_bands_hold_where_common_errors_are_real() {
         }
     }
 }
+
+/// Postures reached from the side of their load show nothing of the lost motion, whose size no reading bounds; at work it
+/// acts all the same, joint by joint at right angles to what else is not known.
+#[test]
+fn lost_motion_that_no_reading_shows_keeps_its_size_at_work() {
+    let mut cell = cell();
+    let readings = measured(&cell, &[0.0; 8], 3);
+    let of = |cell: &Cell| {
+        let fit = Fit::new(cell, readings.clone(), &by(Estimator::Ordinary)).unwrap();
+        let force = Wrench::force(Vector3::new(250.0, 150.0, -400.0));
+        let work = [LoadedPosture::new("work", cell.tasks[0].q.clone(), force)];
+        let predictor = fit.compliance().unwrap();
+        let mut options = PredictOptions::default();
+        options.model = Model::Linear;
+        let found = predict(cell, &predictor, &work, &options, Control::default()).unwrap();
+        let common = found.points[0].band.as_ref().unwrap().common_m;
+        (systematic_errors(&fit).unwrap(), common)
+    };
+    let (bounded, _) = of(&cell);
+    assert!(source(&bounded, "lost-motion").remaining.unwrap() < 0.4);
+    cell.route.approach = Some(0.5_f64.to_radians());
+    let (kept, with_gaps) = of(&cell);
+    let lost = source(&kept, "lost-motion");
+    assert!((lost.remaining.unwrap() - 1.0).abs() < 1e-12, "{lost:?}");
+    assert!(
+        lost.bounded.iter().all(|part| *part == Some(0.0)),
+        "{lost:?}"
+    );
+    cell.uncertainty.lost_motion = Some(0.0);
+    let (_, without) = of(&cell);
+    let arm = LoadedArm::from_stiffness(&cell, cell.prior.as_ref().unwrap()).unwrap();
+    let force = Wrench::force(Vector3::new(250.0, 150.0, -400.0));
+    let terms = arm.terms(&cell.tasks[0].q, &force).unwrap();
+    let ratio = (with_gaps[0].powi(2) - without[0].powi(2)).sqrt() / {
+        let columns = (0..6).map(|j| ExtraTerm::LostMotion(j).column(&terms)[0] * LOST_MOTION);
+        columns.map(|c| c * c).sum::<f64>().sqrt()
+    };
+    // Nearly the same half-width per standard uncertainty along all axes.
+    for axis in 1..3 {
+        let columns = (0..6).map(|j| ExtraTerm::LostMotion(j).column(&terms)[axis] * LOST_MOTION);
+        let own = columns.map(|c| c * c).sum::<f64>().sqrt() * ratio;
+        let more = (with_gaps[axis].powi(2) - without[axis].powi(2)).sqrt();
+        assert!((more / own - 1.0).abs() < 1e-3, "{axis}: {more} {own}");
+    }
+    assert!((1.9..2.1).contains(&ratio), "{ratio}");
+}

@@ -367,13 +367,24 @@ impl Nominal<'_> {
             .filter(|(_, term)| !self.believed.holds(term));
         named
             .map(|(name, term)| {
-                let part = self.part(name, |_, terms, _| Ok(term.column(terms) * size))?;
+                let part = self.part(name, |posture, terms, _| {
+                    let acts = match term {
+                        ExtraTerm::LostMotion(j) => self.crosses(posture)?[j],
+                        _ => true,
+                    };
+                    Ok(term.column(terms) * if acts { size } else { 0.0 })
+                })?;
                 Ok(Part {
                     at_work: Some(term),
                     ..part
                 })
             })
             .collect()
+    }
+
+    /// Joints that the load took through their lost motion in the readings of a posture.
+    fn crosses(&self, posture: &MeasuredPosture) -> Result<Vec<bool>> {
+        self.cell.crosses_lost_motion(&posture.posture.q)
     }
 
     /// What the part beyond the sensor does when the sensor turns.

@@ -10,6 +10,8 @@ use crate::units::deg_to_rad;
 
 /// Largest joint speed that is not a slip \[deg/s\].
 const FASTEST_DEG_S: f64 = 2000.0;
+/// Largest turn beyond a posture from which it is reached that is not a slip \[deg\].
+const LARGEST_APPROACH_DEG: f64 = 10.0;
 
 /// What the cell says of the drive; joint speeds are the catalogue's unless it gives others.
 pub(super) fn route(
@@ -46,6 +48,28 @@ pub(super) fn route(
         }
     }
     rules.start = source.optional(&raw.start_deg, |source, list| angles(source, list, robot))?;
+    if let Some(value) = &raw.approach_deg {
+        let turn = source.positive(value)?;
+        let degrees = value.get();
+        let fault = |message: String, hint: &str| {
+            Err(source.error(Code::InvalidValue, value, message).hint(hint))
+        };
+        if degrees > LARGEST_APPROACH_DEG {
+            let message = format!("{degrees}° is farther than lost motion needs.");
+            return fault(
+                message,
+                "half a degree is ten times the lost motion of a worn joint",
+            );
+        }
+        if rules.start.is_none() {
+            let message = "Nothing says how the first posture is reached.".to_string();
+            return fault(
+                message,
+                "give start_deg, a safe posture that the robot starts from",
+            );
+        }
+        rules.approach = Some(turn);
+    }
     if let Some(text) = &raw.load {
         let hint =
             "load = \"off\" where it is taken off before each move, or \"on\" where it stays on";

@@ -2,6 +2,7 @@
 //!
 //! Values only; reading and writing `cell.toml` is in [`crate::files::cell`].
 
+mod approach;
 mod columns;
 mod limits;
 mod margins;

@@ -12,7 +12,7 @@ use crate::numerics::control::Control;
 use crate::plan::check::prepared;
 use crate::plan::feasibility::on_limits;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
-use crate::plan::route::blocked_moves;
+use crate::plan::route::route_findings;
 use crate::plan::select::{
     GlobalOptions, LimitPrice, LocalOptions, Selection, Sensitivity, SensitivityOptions,
     limit_prices, select_from, select_watched, sensitivity,
@@ -92,7 +92,7 @@ pub fn plan(
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let same = |stops: &Vec<usize>| stops.iter().map(|p| postures[*p].name.clone()).collect();
     findings.extend(cell.posture_findings(known));
-    findings.extend(blocked_moves(&postures, &route));
+    findings.extend(route_findings(&cell, &postures, &route)?);
     findings.extend(on_limits(&cell, &postures, &selection.limits));
     let result = Plan {
         posture_names: names(&postures),

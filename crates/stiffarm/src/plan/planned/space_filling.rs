@@ -9,7 +9,7 @@ use crate::model::posture::PostureGroup;
 use crate::numerics::control::{Control, Termination};
 use crate::plan::check::prepared;
 use crate::plan::index::{GroupEvaluation, evaluate};
-use crate::plan::route::{Route, blocked_moves};
+use crate::plan::route::{Route, route_findings};
 use crate::plan::select::{smallest_distance, smallest_margin, space_filling};
 use serde::{Deserialize, Serialize};
 
@@ -113,7 +113,7 @@ pub fn plan_space_filling(
     let (angles, route) = driving.driven(&cell, &found.postures)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
     let postures = group.postures;
-    findings.extend(blocked_moves(&postures, &route));
+    findings.extend(route_findings(&cell, &postures, &route)?);
     let result = SpaceFillingPlan {
         joints: cell.setup.robot.spring_names(),
         posture_names: postures.iter().map(|p| p.name.clone()).collect(),

@@ -1,9 +1,11 @@
-//! Moves without a free way, in words.
+//! What to know of a route before it is driven, in words.
 
 use super::found::{Route, RouteMove};
 use super::moves::can_be_touched;
-use crate::findings::{Finding, Severity};
-use crate::model::cell::LimitKind;
+use crate::error::Result;
+use crate::findings::{Finding, Severity, list};
+use crate::model::cell::{Cell, LimitKind};
+use crate::model::load::Load;
 use crate::model::posture::Posture;
 
 /// Code of the finding about a move without a free way.
@@ -31,30 +33,71 @@ impl RouteMove {
     }
 }
 
-/// A finding for each move of `route` without a free way; `stops` are its postures under their names.
-pub fn blocked_moves(stops: &[Posture], route: &Route) -> Vec<Finding> {
+/// What to know of `route` before it is driven: each move without a free way, and the joints that are not approached
+/// from the side of their load, where `cell` asks for that; `stops` are its postures under their names.
+///
+/// # Errors
+/// A rope without a direction.
+pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>> {
     let blocked = route.moves.iter().filter(|each| !each.free);
-    let finding = |each: &RouteMove| {
-        let what = each.nearest.as_ref().map_or(String::new(), |nearest| {
-            let near = match nearest.kind {
-                LimitKind::Shapes | LimitKind::RopeClearance => {
-                    format!("{} come too near each other", nearest.subject)
-                }
-                kind if !can_be_touched(kind) => {
-                    format!("the {} goes beyond {}", nearest.subject, kind.describe())
-                }
-                kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),
-            };
-            format!(" on the straight joint move {near}")
-        });
-        Finding::new(
-            MOVE_BLOCKED,
-            Severity::Serious,
-            format!("move {}", each.name(stops)),
-            format!(
-                "no free way was found:{what}. Drive it by hand over via postures of your own, or move what is in the way."
-            ),
-        )
+    let mut findings: Vec<Finding> = blocked.map(|each| blocked_move(stops, each)).collect();
+    if cell.route.approach.is_some() {
+        findings.extend(not_approached(cell, stops, route)?);
+    }
+    Ok(findings)
+}
+
+fn blocked_move(stops: &[Posture], each: &RouteMove) -> Finding {
+    let what = each.nearest.as_ref().map_or(String::new(), |nearest| {
+        let near = match nearest.kind {
+            LimitKind::Shapes | LimitKind::RopeClearance => {
+                format!("{} come too near each other", nearest.subject)
+            }
+            kind if !can_be_touched(kind) => {
+                format!("the {} goes beyond {}", nearest.subject, kind.describe())
+            }
+            kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),
+        };
+        format!(" on the straight joint move {near}")
+    });
+    Finding::new(
+        MOVE_BLOCKED,
+        Severity::Serious,
+        format!("move {}", each.name(stops)),
+        format!(
+            "no free way was found:{what}. Drive it by hand over via postures of your own, or move what is in the way."
+        ),
+    )
+}
+
+/// Joints that stand on the side of their lost motion that chance gives them, and at which postures.
+fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Option<Finding>> {
+    let joints = cell.setup.robot.joints();
+    let mut left = Vec::new();
+    for one in &route.moves {
+        let Some(stop) = one.to else { continue };
+        let sides = cell.sides_of_load(&route.postures[stop])?;
+        let is_left = |joint: usize| sides[joint] != 0.0 && !one.approached.contains(&joint);
+        let names = (0..joints.len()).filter(|joint| is_left(*joint));
+        let names: Vec<&str> = names.map(|joint| &*joints[joint].name).collect();
+        if let (false, Some(posture)) = (names.is_empty(), stops.get(stop)) {
+            left.push(format!("{} at posture {}", list(&names), posture.name));
+        }
+    }
+    let message = match left.as_slice() {
+        _ if matches!(cell.setup.load, Load::Measured) => {
+            "[route] approach_deg needs to know which load acts: no posture is approached from its side. Give [load], or \
+             take the key out."
+                .to_string()
+        }
+        [] => return Ok(None),
+        left => format!(
+            "not approached from the side to which the load turns them: {}. A limit or something near is in the way; \
+             their lost motion is in the displacements.",
+            list(left)
+        ),
     };
-    blocked.map(finding).collect()
+    let code = "not-approached";
+    let finding = Finding::new(code, Severity::Caution, "route.approach_deg", message);
+    Ok(Some(finding))
 }

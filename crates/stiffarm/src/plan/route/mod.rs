@@ -6,6 +6,7 @@
 //! and of the postures that measure the same (other turns; about the axes alone also the wrist the other
 //! way round, see [`RouteOptions::keep_wrist`]) the one is taken that is nearest.
 
+mod approach;
 mod blocked;
 mod equivalent;
 mod found;
@@ -17,7 +18,7 @@ mod search;
 mod tour;
 mod way;
 
-pub use blocked::{MOVE_BLOCKED, blocked_moves};
+pub use blocked::{MOVE_BLOCKED, route_findings};
 pub use found::{NearestOnTheWay, Route, RouteMove, RouteOptions};
 
 use crate::error::Result;

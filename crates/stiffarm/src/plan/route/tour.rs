@@ -1,5 +1,6 @@
 //! The order of a route, with the ways that it needs.
 
+use super::approach::{Approach, approach};
 use super::found::{Route, RouteMove, RouteOptions};
 use super::moves::Moves;
 use super::nearest::nearest;
@@ -214,6 +215,13 @@ impl<'a> Tour<'a> {
             if a > b {
                 via.reverse();
             }
+            let mut approached = Vec::new();
+            if let (Some(turn), Some(_), Some(_)) = (rules.approach, &known, b) {
+                let last = via.last().map_or(self.at(a), |via| via);
+                let Approach { via: end, joints } = approach(cell, ways, last, self.at(b), turn)?;
+                via.extend(end);
+                approached = joints;
+            }
             let mut legs = vec![self.at(a).to_vec()];
             legs.extend(via.iter().cloned());
             legs.push(self.at(b).to_vec());
@@ -229,6 +237,7 @@ impl<'a> Tour<'a> {
                     .sum(),
                 nearest: nearest(cell, ways, &legs, known.is_some())?,
                 via,
+                approached,
             });
         }
         let posture = |place: &usize| self.places.posture[*place];
