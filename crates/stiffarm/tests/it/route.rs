@@ -403,3 +403,22 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
             .any(|f| f.code == "not-approached" && f.sentence.contains("[load]"))
     );
 }
+
+#[test]
+fn an_approach_needs_a_start_and_a_turn_that_takes_up_lost_motion() {
+    let text = builtin::cell_text("comau").unwrap();
+    let of = |table: &str| parse_cell(&format!("{text}\n[route]\n{table}"), "cell.toml");
+    let start = "start_deg = [0, -20, -90, 0, 60, 0]\n";
+    let cell = of(&format!("{start}approach_deg = 0.5")).unwrap();
+    assert_eq!(cell.route.approach, Some(0.5_f64.to_radians()));
+    for wrong in ["0", "-0.5", "0.01", "45", "nan"] {
+        let error = of(&format!("{start}approach_deg = {wrong}")).unwrap_err();
+        assert!(
+            error.to_string().contains("route.approach_deg")
+                || format!("{error:?}").contains("approach_deg"),
+            "{wrong}: {error:?}"
+        );
+    }
+    let error = of("approach_deg = 0.5").unwrap_err();
+    assert!(format!("{error:?}").contains("start_deg"), "{error:?}");
+}

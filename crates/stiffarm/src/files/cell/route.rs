@@ -10,8 +10,8 @@ use crate::units::deg_to_rad;
 
 /// Largest joint speed that is not a slip \[deg/s\].
 const FASTEST_DEG_S: f64 = 2000.0;
-/// Largest turn beyond a posture from which it is reached that is not a slip \[deg\].
-const LARGEST_APPROACH_DEG: f64 = 10.0;
+/// Turns beyond a posture from which it is reached that are no slip \[deg\].
+const APPROACH_DEG: std::ops::RangeInclusive<f64> = 0.05..=10.0;
 
 /// What the cell says of the drive; joint speeds are the catalogue's unless it gives others.
 pub(super) fn route(
@@ -54,12 +54,11 @@ pub(super) fn route(
         let fault = |message: String, hint: &str| {
             Err(source.error(Code::InvalidValue, value, message).hint(hint))
         };
-        if degrees > LARGEST_APPROACH_DEG {
-            let message = format!("{degrees}° is farther than lost motion needs.");
-            return fault(
-                message,
-                "half a degree is ten times the lost motion of a worn joint",
-            );
+        if !APPROACH_DEG.contains(&degrees) {
+            let message = format!("{degrees}° is no turn that takes up lost motion.");
+            let hint =
+                "give 0.05 to 10; half a degree is ten times the lost motion of a worn joint";
+            return fault(message, hint);
         }
         if rules.start.is_none() {
             let message = "Nothing says how the first posture is reached.".to_string();
