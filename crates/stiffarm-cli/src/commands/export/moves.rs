@@ -2,11 +2,11 @@
 
 use stiffarm::files::program::{Start, Stop};
 use stiffarm::files::table::is_turned;
-use stiffarm::findings::list;
+use stiffarm::findings::{Finding, list};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::route::{RouteOptions, route};
+use stiffarm::plan::route::{MOVE_BLOCKED, RouteOptions, route, route_findings};
 use stiffarm::{Control, Result};
 
 /// The stops of a program with the ways between them.
@@ -21,6 +21,10 @@ pub struct Driven {
     pub blocked: Vec<String>,
     /// What the moves were checked against.
     pub checked: Vec<LimitKind>,
+    /// Whether postures are reached from the side of their load.
+    pub is_approached: bool,
+    /// What else to know of the moves.
+    pub findings: Vec<Finding>,
 }
 
 impl Driven {
@@ -74,6 +78,11 @@ impl Driven {
             }
         }
         Ok(Driven {
+            is_approached: found.moves.iter().any(|m| !m.approached.is_empty()),
+            findings: route_findings(&cell, plan, &found)?
+                .into_iter()
+                .filter(|finding| finding.code != MOVE_BLOCKED)
+                .collect(),
             with_via: found.moves.iter().filter(|m| !m.via.is_empty()).count(),
             start: start.map(|start| Start {
                 posture: start.clone(),
@@ -91,7 +100,12 @@ impl Driven {
             Some(_) => "",
             None => " The way to the first posture was not checked.",
         };
-        match self.checked.contains(&LimitKind::Shapes) {
+        let approach = if self.is_approached {
+            " The via posture before a posture takes up lost motion: keep it."
+        } else {
+            ""
+        };
+        let checked = match self.checked.contains(&LimitKind::Shapes) {
             _ if !self.blocked.is_empty() => format!(
                 "WARNING: no way free of collision was found for the move {}.",
                 list(&self.blocked)
@@ -102,7 +116,8 @@ impl Driven {
             ),
             false => "The moves between the postures are straight in joint space and were not checked for collisions."
                 .to_string(),
-        }
+        };
+        checked + approach
     }
 }
 

@@ -69,7 +69,13 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     let rms_m = fit.leave_one_out()?.rms_m;
     let base = fit.identification()?;
     let tilts = (0..n).map(ExtraTerm::JointTilt);
-    let lost = (0..n).map(ExtraTerm::LostMotion);
+    // Of postures reached from the side of their load no reading shows it.
+    let shown = if fit.cell().route.approach.is_some() {
+        0
+    } else {
+        n
+    };
+    let lost = (0..shown).map(ExtraTerm::LostMotion);
     let terms: Vec<ExtraTerm> = [ExtraTerm::BaseTilt]
         .into_iter()
         .chain(tilts)

@@ -9,7 +9,7 @@ use super::restricted::Restricted;
 use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
 use super::{Estimates, Identification, IdentifyOptions, check, describe};
-use crate::error::Result;
+use crate::error::{Code, Error, Result};
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
@@ -92,6 +92,12 @@ impl Fit {
         watch: Watch,
     ) -> Result<Self> {
         check(options)?;
+        let is_lost = |term: &ExtraTerm| !term.is_spring();
+        if cell.route.approach.is_some() && options.extra.iter().any(is_lost) {
+            let message = "The cell says that postures are reached from the side of their load: no reading shows lost motion.";
+            return Err(Error::new(Code::Conflict, message.to_string())
+                .hint("leave the term out; or take [route] approach_deg out, if they were not"));
+        }
         let experiment = Experiment::new(cell, measured.into())?.watched(watch);
         let experiment = Arc::new(experiment);
         let system = Arc::new(experiment.system(&options.extra, options.weights)?);

@@ -152,6 +152,14 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
     out
 }
 
+/// What is believed of postures whose approach the cell gives.
+pub(super) fn reached_from_load() -> Finding {
+    let message = "Each posture is taken as reached from the side of its load ([route] approach_deg): no reading shows lost \
+                   motion, and none bounds it. Take the key out if they were not.";
+    let code = "reached-from-load";
+    Finding::new(code, Severity::Note, "route.approach_deg", message)
+}
+
 /// What the readings say of a size.
 fn seen(source: &SystematicSource, base: BaseSeen) -> Option<Finding> {
     let remaining = source.remaining?;

@@ -200,6 +200,9 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
         findings: Vec::new(),
     };
     systematic.findings = findings::findings(&systematic, findings::BaseSeen::of(fit.measured()));
+    if fit.cell().route.approach.is_some() {
+        systematic.findings.push(findings::reached_from_load());
+    }
     Ok(systematic)
 }
 

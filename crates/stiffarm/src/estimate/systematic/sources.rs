@@ -368,11 +368,13 @@ impl Nominal<'_> {
         named
             .map(|(name, term)| {
                 let part = self.part(name, |posture, terms, _| {
-                    let acts = match term {
-                        ExtraTerm::LostMotion(j) => self.crosses(posture)?[j],
+                    let shows = match term {
+                        ExtraTerm::LostMotion(j) => {
+                            !self.is_reached_from_load(j, posture, terms)?
+                        }
                         _ => true,
                     };
-                    Ok(term.column(terms) * if acts { size } else { 0.0 })
+                    Ok(term.column(terms) * if shows { size } else { 0.0 })
                 })?;
                 Ok(Part {
                     at_work: Some(term),
@@ -382,9 +384,18 @@ impl Nominal<'_> {
             .collect()
     }
 
-    /// Joints that the load took through their lost motion in the readings of a posture.
-    fn crosses(&self, posture: &MeasuredPosture) -> Result<Vec<bool>> {
-        self.cell.crosses_lost_motion(&posture.posture.q)
+    /// Whether the joint stood on the side to which the load of the readings turns it before it acted: the cell says how
+    /// postures are reached.
+    fn is_reached_from_load(
+        &self,
+        joint: usize,
+        posture: &MeasuredPosture,
+        terms: &PostureTerms,
+    ) -> Result<bool> {
+        Ok(self.cell.route.approach.is_some() && {
+            let sides = self.cell.sides_of_load(&posture.posture.q)?;
+            sides[joint] * terms.torque()[joint] > 0.0
+        })
     }
 
     /// What the part beyond the sensor does when the sensor turns.

@@ -57,7 +57,7 @@ pub(super) fn route(
         if !APPROACH_DEG.contains(&degrees) {
             let message = format!("{degrees}° is no turn that takes up lost motion.");
             let hint =
-                "give 0.05 to 10; half a degree is ten times the lost motion of a worn joint";
+                "give 0.05 to 10; half a degree is far more than the lost motion of a worn joint";
             return fault(message, hint);
         }
         if rules.start.is_none() {

@@ -30,10 +30,10 @@ pub(super) struct Arm {
 
 impl Arm {
     pub fn new(
-        cell: &Cell,
         setup: &Setup,
         posture: &Posture,
-        (stiffness, compliance): (&[f64], &DMatrix<f64>),
+        stiffness: &[f64],
+        compliance: &DMatrix<f64>,
         options: &Experiment,
         factor: f64,
     ) -> Result<Self> {
@@ -50,9 +50,8 @@ impl Arm {
         let angles: Vec<f64> = posture.q.iter().zip(&give).map(|(q, d)| q + d).collect();
         let mut turns = DVector::zeros(torque.len());
         if let Some(lost) = &options.lost_motion {
-            let crosses = cell.crosses_lost_motion(&posture.q)?;
             for (j, gap) in lost.iter().enumerate() {
-                if torque[j] != 0.0 && crosses[j] {
+                if torque[j] != 0.0 {
                     turns[j] += gap * torque[j].signum();
                 }
             }

@@ -119,8 +119,8 @@ pub struct Experiment {
     pub servo_deflection: Option<Vec<f64>>,
     /// Compliance of each joint about the two axes across its own \[rad/(N·m)\].
     pub joint_tilt: Option<Vec<f64>>,
-    /// Lost motion of each joint: half the gap, taken up in the direction of the torque where the cell has postures reached
-    /// from anywhere ([`Cell::crosses_lost_motion`]) \[rad\].
+    /// Lost motion of each joint: half the gap, taken up in the direction of the
+    /// torque \[rad\].
     pub lost_motion: Option<Vec<f64>>,
     /// Weight that a flange sensor carries.
     pub tool_weight: Option<ToolWeight>,
@@ -300,14 +300,7 @@ pub fn experiment(
                 0.0 => Cow::Borrowed(&unloaded),
                 _ => cell.setup.of_state(&state.name)?,
             };
-            let arm = Arm::new(
-                cell,
-                &setup,
-                posture,
-                (stiffness, &compliance),
-                options,
-                factor,
-            )?;
+            let arm = Arm::new(&setup, posture, stiffness, &compliance, options, factor)?;
             let common = match Role::of(&state.name) {
                 Role::Loaded => normal3(&mut rng) * options.posture_common_std,
                 Role::Unloaded | Role::Preload => Vector3::zeros(),

@@ -1,12 +1,13 @@
-//! The side of their lost motion that joints stand on where each posture is reached from the side of its load.
+//! The side to which the load turns joints, from which each posture may be reached.
 
 use super::Cell;
 use crate::error::Result;
 use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
 
-/// Torques below this part of the largest are those of rounding: such a joint has no side.
-const TURNED: f64 = 1e-6;
+/// Torques below this part of the largest may have either sign, by a few millimetres of anchor or loading point: such a
+/// joint has no side.
+const TURNED: f64 = 1e-2;
 
 impl Cell {
     /// For each joint the side to which the loads of the cell turn it at the posture `q` (controller angles, rad), 1 or
@@ -40,21 +41,5 @@ impl Cell {
             });
         }
         Ok(sides.unwrap_or_default())
-    }
-
-    /// Whether the load takes each joint through its lost motion at the posture `q`: not where the cell says that postures
-    /// are reached from the side of the load, see [`RouteRules::approach`](crate::model::route::RouteRules::approach).
-    ///
-    /// # Errors
-    /// As [`Self::sides_of_load`].
-    pub fn crosses_lost_motion(&self, q: &[f64]) -> Result<Vec<bool>> {
-        Ok(match self.route.approach {
-            None => vec![true; self.setup.robot.joint_count()],
-            Some(_) => self
-                .sides_of_load(q)?
-                .iter()
-                .map(|side| *side == 0.0)
-                .collect(),
-        })
     }
 }

@@ -74,28 +74,29 @@ fn blocked_move(stops: &[Posture], each: &RouteMove) -> Finding {
 fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Option<Finding>> {
     let joints = cell.setup.robot.joints();
     let mut left = Vec::new();
-    for one in &route.moves {
+    for one in route.moves.iter().filter(|one| one.free) {
         let Some(stop) = one.to else { continue };
         let sides = cell.sides_of_load(&route.postures[stop])?;
         let is_left = |joint: usize| sides[joint] != 0.0 && !one.approached.contains(&joint);
         let names = (0..joints.len()).filter(|joint| is_left(*joint));
         let names: Vec<&str> = names.map(|joint| &*joints[joint].name).collect();
-        if let (false, Some(posture)) = (names.is_empty(), stops.get(stop)) {
-            left.push(format!("{} at posture {}", list(&names), posture.name));
+        let posture = stops.get(stop).map_or("?", |posture| &posture.name);
+        if !names.is_empty() {
+            left.push(format!("{} at posture {posture}", list(&names)));
         }
     }
-    let message = match left.as_slice() {
-        _ if matches!(cell.setup.load, Load::Measured) => {
-            "[route] approach_deg needs to know which load acts: no posture is approached from its side. Give [load], or \
-             take the key out."
-                .to_string()
-        }
-        [] => return Ok(None),
-        left => format!(
+    let message = if matches!(cell.setup.load, Load::Measured) {
+        "[route] approach_deg needs to know which load acts: no posture is approached from its side. Give [load], or \
+         take the key out."
+            .to_string()
+    } else if left.is_empty() {
+        return Ok(None);
+    } else {
+        format!(
             "not approached from the side to which the load turns them: {}. A limit or something near is in the way; \
-             their lost motion is in the displacements.",
-            list(left)
-        ),
+             their lost motion is in the displacements, which `identify` does not know.",
+            list(&left)
+        )
     };
     let code = "not-approached";
     let finding = Finding::new(code, Severity::Caution, "route.approach_deg", message);

@@ -79,8 +79,8 @@ pub struct RouteMove {
         )
     )]
     pub via: Vec<Vec<f64>>,
-    /// Joints, counted from 0, that the last leg leaves on the side to which the load turns them: of a cell that asks for
-    /// it, see [`RouteRules::approach`](crate::model::route::RouteRules::approach).
+    /// Joints, counted from 0, that the last leg leaves on the side to which the load turns them: of a cell that has
+    /// `[route] approach_deg`.
     pub approached: Vec<usize>,
     /// Whether the move, over its via postures, is free; `false` asks for a way of your own.
     pub free: bool,

@@ -256,7 +256,9 @@ impl<'a> Tour<'a> {
             travel_s: moves.iter().map(|m| m.time_s).sum(),
             turn: moves.iter().map(|m| m.turn).sum::<f64>() + 0.0,
             checked: ways.cell.limit_kinds(),
-            shortest: (!options.keep_order).then(|| self.places.is_small()),
+            // Ways are weighed without their approach.
+            shortest: (!options.keep_order)
+                .then(|| self.places.is_small() && rules.approach.is_none()),
             postures,
             moves,
         })
