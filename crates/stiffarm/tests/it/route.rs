@@ -396,7 +396,9 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
         .postures
         .iter()
         .flat_map(|q| cell.sides_of_load(q).unwrap());
-    let turned = sides.filter(|side| *side != 0.0).count();
+    let turned = sides
+        .filter(|side| side.is_some_and(|side| side != 0.0))
+        .count();
     assert!(turned > 40, "{turned} of 48");
     assert_eq!(
         said.is_some(),

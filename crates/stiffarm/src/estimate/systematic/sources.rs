@@ -394,7 +394,7 @@ impl Nominal<'_> {
     ) -> Result<bool> {
         Ok(self.cell.route.approach.is_some() && {
             let sides = self.cell.sides_of_load(&posture.posture.q)?;
-            sides[joint] * terms.torque()[joint] > 0.0
+            sides[joint].is_some_and(|side| side * terms.torque()[joint] >= 0.0)
         })
     }
 

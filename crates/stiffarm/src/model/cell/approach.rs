@@ -5,41 +5,32 @@ use crate::error::Result;
 use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
 
-/// Torques below this part of the largest may have either sign, by a few millimetres of anchor or loading point: such a
-/// joint has no side.
+/// Torques below this part of the largest may have either sign, by a few millimetres of anchor or loading point, and
+/// friction holds the joint: it has no side and needs none.
 const TURNED: f64 = 1e-2;
 
 impl Cell {
     /// For each joint the side to which the loads of the cell turn it at the posture `q` (controller angles, rad), 1 or
-    /// −1; 0 where they do not, where two differ or where nothing says what acts.
+    /// −1; 0 where they hardly turn it, `None` where two turn it to different sides or nothing says what acts.
     ///
     /// # Errors
     /// Angles that do not fit the robot; a rope without a direction.
-    pub fn sides_of_load(&self, q: &[f64]) -> Result<Vec<f64>> {
-        let mut sides: Option<Vec<f64>> = None;
+    pub fn sides_of_load(&self, q: &[f64]) -> Result<Vec<Option<f64>>> {
+        let mut sides = vec![Some(0.0); self.setup.robot.joint_count()];
         for setup in self.setup.cases() {
             if matches!(setup.load, Load::Measured) {
-                return Ok(vec![0.0; self.setup.robot.joint_count()]);
+                return Ok(vec![None; sides.len()]);
             }
             let terms = PostureTerms::new(&setup, q, None)?;
             let torque = terms.torque().iter();
             let most = torque.clone().fold(0.0, |most: f64, t| most.max(t.abs()));
-            let side = |t: &f64| {
-                if t.abs() > TURNED * most {
-                    t.signum()
-                } else {
-                    0.0
+            for (side, torque) in sides.iter_mut().zip(torque) {
+                if torque.abs() > TURNED * most {
+                    let own = torque.signum();
+                    *side = side.filter(|known| known * own >= 0.0).map(|_| own);
                 }
-            };
-            let own: Vec<f64> = torque.map(side).collect();
-            sides = Some(match sides {
-                None => own,
-                Some(all) => {
-                    let both = all.iter().zip(&own);
-                    both.map(|(a, b)| if a == b { *a } else { 0.0 }).collect()
-                }
-            });
+            }
         }
-        Ok(sides.unwrap_or_default())
+        Ok(sides)
     }
 }

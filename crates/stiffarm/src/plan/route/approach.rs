@@ -37,7 +37,10 @@ pub(super) fn approach(
         joints: Vec::new(),
     };
     ways.begin(to, to)?;
-    for (joint, side) in sides.iter().enumerate().filter(|(_, side)| **side != 0.0) {
+    for (joint, side) in sides.into_iter().enumerate() {
+        let Some(side) = side.filter(|side| *side != 0.0) else {
+            continue;
+        };
         let mut tried = beyond.clone();
         tried[joint] += side * turn;
         let Some(q) = robot.controller_angles(&tried) else {

@@ -77,7 +77,9 @@ fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Optio
     for one in route.moves.iter().filter(|one| one.free) {
         let Some(stop) = one.to else { continue };
         let sides = cell.sides_of_load(&route.postures[stop])?;
-        let is_left = |joint: usize| sides[joint] != 0.0 && !one.approached.contains(&joint);
+        let is_left = |joint: usize| {
+            sides[joint].is_some_and(|side| side != 0.0) && !one.approached.contains(&joint)
+        };
         let names = (0..joints.len()).filter(|joint| is_left(*joint));
         let names: Vec<&str> = names.map(|joint| &*joints[joint].name).collect();
         let posture = stops.get(stop).map_or("?", |posture| &posture.name);
