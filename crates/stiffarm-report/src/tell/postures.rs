@@ -207,7 +207,7 @@ fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
             list(&kinds)
         ));
     }
-    if route.moves.iter().any(|one| !one.approached.is_empty()) {
+    if route.is_approached() {
         said = said.words(
             " The last turn of a joint before a posture goes against its load, which takes up lost motion.",
         );

@@ -11,6 +11,17 @@ fn routed(cell: &Cell, plan: &[Vec<f64>], keep_angles: bool) -> Route {
     route(cell, plan, &options, Control::default()).unwrap()
 }
 
+/// Postures along joint moves, `count` steps each.
+fn looks(legs: &[Vec<f64>], count: u32) -> impl Iterator<Item = Vec<f64>> {
+    legs.windows(2).flat_map(move |leg| {
+        (0..=count).map(move |i| {
+            let share = f64::from(i) / f64::from(count);
+            let joints = leg[0].iter().zip(&leg[1]);
+            joints.map(|(a, b)| a + (b - a) * share).collect()
+        })
+    })
+}
+
 fn degrees(q: &[f64]) -> Vec<f64> {
     q.iter()
         .map(|angle| (angle.to_degrees() * 1e6).round() * 1e-6)
@@ -193,22 +204,17 @@ fn boxes_hold_between_the_postures_and_nearest_is_never_too_far() {
             ]
             .concat();
             let mut nearest = f64::INFINITY;
-            for leg in legs.windows(2) {
-                for i in 0..=2000 {
-                    let share = f64::from(i) / 2000.0;
-                    let joints = leg[0].iter().zip(&leg[1]);
-                    let q: Vec<f64> = joints.map(|(a, b)| a + (b - a) * share).collect();
-                    for margin in margins.named(&q).unwrap() {
-                        match margin.kind {
-                            LimitKind::ToolBox | LimitKind::WristHeight => {
-                                assert!(margin.margin > -1.2e-3, "{name}: {margin:?}");
-                            }
-                            LimitKind::KeepOut => nearest = nearest.min(margin.margin),
-                            LimitKind::Shapes => {
-                                nearest = nearest.min(margin.margin + cell.scene.clearance());
-                            }
-                            _ => {}
+            for q in looks(&legs, 2000) {
+                for margin in margins.named(&q).unwrap() {
+                    match margin.kind {
+                        LimitKind::ToolBox | LimitKind::WristHeight => {
+                            assert!(margin.margin > -1.2e-3, "{name}: {margin:?}");
                         }
+                        LimitKind::KeepOut => nearest = nearest.min(margin.margin),
+                        LimitKind::Shapes => {
+                            nearest = nearest.min(margin.margin + cell.scene.clearance());
+                        }
+                        _ => {}
                     }
                 }
             }
@@ -371,19 +377,14 @@ fn stops_are_reached_from_the_side_to_which_their_load_turns() {
             assert!(pull.dot(&(loading_point(&there) - point)) > 0.0, "{joint}");
         }
         let legs = [vec![from], each.via.clone(), vec![to]].concat();
-        for leg in legs.windows(2) {
-            for i in 0..=500 {
-                let share = f64::from(i) / 500.0;
-                let joints = leg[0].iter().zip(&leg[1]);
-                let q: Vec<f64> = joints.map(|(a, b)| a + (b - a) * share).collect();
-                for margin in margins.named(&q).unwrap() {
-                    let least = match margin.kind {
-                        LimitKind::ToolBox | LimitKind::WristHeight | LimitKind::KeepOut => -1.2e-3,
-                        LimitKind::Shapes => -0.5 * cell.scene.clearance() - 1.5e-4,
-                        _ => f64::NEG_INFINITY,
-                    };
-                    assert!(margin.margin > least, "{margin:?}");
-                }
+        for q in looks(&legs, 500) {
+            for margin in margins.named(&q).unwrap() {
+                let least = match margin.kind {
+                    LimitKind::ToolBox | LimitKind::WristHeight | LimitKind::KeepOut => -1.2e-3,
+                    LimitKind::Shapes => -0.5 * cell.scene.clearance() - 1.5e-4,
+                    _ => f64::NEG_INFINITY,
+                };
+                assert!(margin.margin > least, "{margin:?}");
             }
         }
     }

@@ -123,7 +123,7 @@ impl Task {
         let limits = limits_of(cell, &self.plan)?;
         let mut findings = robot_doubts(&cell.setup.robot);
         findings.extend(on_limits(cell, &self.plan, &limits));
-        findings.extend(self.driven.findings.iter().cloned());
+        findings.extend(self.driven.not_approached.clone());
         Ok(findings)
     }
 

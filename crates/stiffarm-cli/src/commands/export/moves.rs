@@ -6,7 +6,7 @@ use stiffarm::findings::{Finding, list};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::route::{MOVE_BLOCKED, RouteOptions, route, route_findings};
+use stiffarm::plan::route::{RouteOptions, not_approached, route};
 use stiffarm::{Control, Result};
 
 /// The stops of a program with the ways between them.
@@ -23,8 +23,8 @@ pub struct Driven {
     pub checked: Vec<LimitKind>,
     /// Whether postures are reached from the side of their load.
     pub is_approached: bool,
-    /// What else to know of the moves.
-    pub findings: Vec<Finding>,
+    /// Joints that are not.
+    pub not_approached: Option<Finding>,
 }
 
 impl Driven {
@@ -78,11 +78,8 @@ impl Driven {
             }
         }
         Ok(Driven {
-            is_approached: found.moves.iter().any(|m| !m.approached.is_empty()),
-            findings: route_findings(&cell, plan, &found)?
-                .into_iter()
-                .filter(|finding| finding.code != MOVE_BLOCKED)
-                .collect(),
+            is_approached: found.is_approached(),
+            not_approached: not_approached(&cell, plan, &found)?,
             with_via: found.moves.iter().filter(|m| !m.via.is_empty()).count(),
             start: start.map(|start| Start {
                 posture: start.clone(),

@@ -70,12 +70,8 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     let base = fit.identification()?;
     let tilts = (0..n).map(ExtraTerm::JointTilt);
     // Of postures reached from the side of their load no reading shows it.
-    let shown = if fit.cell().route.approach.is_some() {
-        0
-    } else {
-        n
-    };
-    let lost = (0..shown).map(ExtraTerm::LostMotion);
+    let is_shown = fit.cell().route.approach.is_none();
+    let lost = (0..n).filter(|_| is_shown).map(ExtraTerm::LostMotion);
     let terms: Vec<ExtraTerm> = [ExtraTerm::BaseTilt]
         .into_iter()
         .chain(tilts)

@@ -392,10 +392,11 @@ impl Nominal<'_> {
         posture: &MeasuredPosture,
         terms: &PostureTerms,
     ) -> Result<bool> {
-        Ok(self.cell.route.approach.is_some() && {
-            let sides = self.cell.sides_of_load(&posture.posture.q)?;
-            sides[joint].is_some_and(|side| side * terms.torque()[joint] >= 0.0)
-        })
+        if self.cell.route.approach.is_none() {
+            return Ok(false);
+        }
+        let side = self.cell.sides_of_load(&posture.posture.q)?[joint];
+        Ok(side.is_some_and(|side| side * terms.torque()[joint] >= 0.0))
     }
 
     /// What the part beyond the sensor does when the sensor turns.

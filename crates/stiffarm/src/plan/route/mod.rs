@@ -7,19 +7,19 @@
 //! way round, see [`RouteOptions::keep_wrist`]) the one is taken that is nearest.
 
 mod approach;
-mod blocked;
 mod equivalent;
 mod found;
 mod moves;
 mod nearest;
 pub(crate) mod order;
+mod remarks;
 mod rounding;
 mod search;
 mod tour;
 mod way;
 
-pub use blocked::{MOVE_BLOCKED, route_findings};
 pub use found::{NearestOnTheWay, Route, RouteMove, RouteOptions};
+pub use remarks::{MOVE_BLOCKED, not_approached, route_findings};
 
 use crate::error::Result;
 use crate::model::cell::Cell;

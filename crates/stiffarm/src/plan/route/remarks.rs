@@ -16,6 +16,11 @@ impl Route {
     pub fn is_blocked(&self) -> bool {
         self.moves.iter().any(|each| !each.free)
     }
+
+    /// Whether stops are reached from the side of their load.
+    pub fn is_approached(&self) -> bool {
+        self.moves.iter().any(|each| !each.approached.is_empty())
+    }
 }
 
 impl RouteMove {
@@ -41,9 +46,7 @@ impl RouteMove {
 pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>> {
     let blocked = route.moves.iter().filter(|each| !each.free);
     let mut findings: Vec<Finding> = blocked.map(|each| blocked_move(stops, each)).collect();
-    if cell.route.approach.is_some() {
-        findings.extend(not_approached(cell, stops, route)?);
-    }
+    findings.extend(not_approached(cell, stops, route)?);
     Ok(findings)
 }
 
@@ -70,8 +73,15 @@ fn blocked_move(stops: &[Posture], each: &RouteMove) -> Finding {
     )
 }
 
-/// Joints that stand on the side of their lost motion that chance gives them, and at which postures.
-fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Option<Finding>> {
+/// Joints that stand on the side of their lost motion that chance gives them, and at which postures; nothing where `cell`
+/// asks for no approach.
+///
+/// # Errors
+/// A rope without a direction.
+pub fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Option<Finding>> {
+    if cell.route.approach.is_none() {
+        return Ok(None);
+    }
     let joints = cell.setup.robot.joints();
     let mut left = Vec::new();
     for one in route.moves.iter().filter(|one| one.free) {
