@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use stiffarm::files::builtin;
-use stiffarm::files::program::{Language, ProgramOptions, Stop, program_of_stops, write_program};
+use stiffarm_files::builtin;
+use stiffarm_files::program::{Language, ProgramOptions, Stop, program_of_stops, write_program};
 
 /// Tool paths among the inputs.
 const TOOL_PATHS: [&str; 7] = [
@@ -105,7 +105,7 @@ pub fn of(kind: Kind) -> Vec<&'static str> {
 
 /// Group 1 in every language.
 fn programs() -> Vec<String> {
-    let Ok(cell) = stiffarm::Cell::built_in("comau") else {
+    let Ok(cell) = stiffarm_files::builtin::cell("comau") else {
         return Vec::new();
     };
     let postures = builtin::postures("comau-group1", &cell.setup.robot).unwrap_or_default();

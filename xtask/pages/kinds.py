@@ -278,7 +278,7 @@ def sha256(data):
 
 
 def spelled(value):
-    """A value in the spelling whose hash is its seal, as crates/stiffarm/src/files/seal.rs has it."""
+    """A value in the spelling whose hash is its seal, as crates/stiffarm-files/src/seal.rs has it."""
     if value is None or isinstance(value, bool):
         return {None: b"n", True: b"t", False: b"f"}[value]
     if isinstance(value, str):

@@ -18,7 +18,7 @@ const COPIES: [(&str, &str); 2] = [
 ];
 
 /// A folder that holds the files of another and nothing else.
-const FOLDER: (&str, &str) = ("cells", "crates/stiffarm/data/cells");
+const FOLDER: (&str, &str) = ("cells", "crates/stiffarm-files/data/cells");
 
 /// File contents by path relative to the workspace root, with `/` on every system.
 type Files = BTreeMap<String, Vec<u8>>;

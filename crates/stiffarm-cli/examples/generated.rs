@@ -1,7 +1,7 @@
 //! The files that are made from the code, as one JSON object, path to text: what `cargo xtask generate` writes.
 
 use std::collections::BTreeMap;
-use stiffarm::files::envelope::to_json;
+use stiffarm_files::envelope::to_json;
 
 fn main() -> stiffarm::Result<()> {
     let mut files = BTreeMap::new();

@@ -3,8 +3,8 @@
 use crate::identity::{FileId, Input};
 use std::ffi::OsString;
 use std::path::Path;
-use stiffarm::files::builtin;
 use stiffarm::findings::visible;
+use stiffarm_files::builtin;
 
 /// Options without a value that no result depends on.
 const FLAGS: [&str; 5] = ["--json", "--quiet", "-q", "--force", "--details"];

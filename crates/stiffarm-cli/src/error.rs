@@ -11,8 +11,8 @@ use std::cell::RefCell;
 use std::io::Write;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use stiffarm::files::envelope::to_json;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::envelope::to_json;
 
 /// A byte order mark, which editors don't show either.
 const MARK: char = '\u{feff}';

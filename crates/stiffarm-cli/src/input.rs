@@ -5,12 +5,12 @@ use crate::session::Session;
 use std::io::Read;
 use std::path::Path;
 use stiffarm::estimate::saved::{PRIOR, Saved};
-use stiffarm::files::builtin;
-use stiffarm::files::source::{NamedCell, STANDARD_INPUT, STANDARD_INPUT_NAME, Source};
-use stiffarm::files::table::sha256_hex;
 use stiffarm::findings::visible;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::source::{NamedCell, STANDARD_INPUT, STANDARD_INPUT_NAME, Source};
+use stiffarm_files::table::sha256_hex;
 
 /// An input as a line above a table.
 pub trait Line {

@@ -10,13 +10,13 @@ use serde::Serialize;
 use std::any::Any;
 use std::io::{ErrorKind, Write};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::files::envelope::{Envelope, write_result};
-use stiffarm::files::result::SavedResult;
-use stiffarm::files::source::NamedCell;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::check::LEFT_OUT;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::envelope::{Envelope, write_result};
+use stiffarm_files::result::SavedResult;
+use stiffarm_files::source::NamedCell;
 use stiffarm_report::tell::{Given, Told, tell};
 
 /// How a command ended, where it ended without an error.

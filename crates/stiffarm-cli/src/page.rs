@@ -6,9 +6,9 @@ use crate::session::Session;
 use crate::session::WantedPage;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::result::SavedResult;
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error};
+use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::render_page;
 use stiffarm_report::report::{Given, report};
 

@@ -7,11 +7,11 @@ use crate::files::{Contents, Target, check_targets, ends_in, write_all};
 use crate::session::Session;
 use std::path::Path;
 use stiffarm::estimate::saved::Saved;
-use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::process::ForceAxes;
 use stiffarm::work::along::PathOptions;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::Source;
 
 impl PathArgs {
     /// The options of the library, which the result holds.

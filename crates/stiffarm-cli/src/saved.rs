@@ -4,8 +4,8 @@ use crate::page::page_of_saved;
 use crate::screen::plain;
 use crate::text;
 use stiffarm::Result;
-use stiffarm::files::result::read_result;
 use stiffarm::model::cell::Cell;
+use stiffarm_files::result::read_result;
 use stiffarm_report::page::render_told;
 use stiffarm_report::tell::{Given, tell};
 

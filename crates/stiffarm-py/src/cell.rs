@@ -9,11 +9,11 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell_bytes_with;
-use stiffarm::files::table::sha256_hex;
 use stiffarm::plan::check::prepared;
 use stiffarm::{Cell, Code, Error, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::cell::parse_cell_bytes_with;
+use stiffarm_files::table::sha256_hex;
 
 /// A robot cell, ready to be used.
 #[pyclass(frozen, module = "stiffarm._stiffarm", name = "Cell")]

@@ -6,9 +6,9 @@ use crate::long::watched;
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use stiffarm::files::envelope::to_json;
-use stiffarm::files::source::beside;
 use stiffarm_cli::{Host, Telling, described, run_captured};
+use stiffarm_files::envelope::to_json;
+use stiffarm_files::source::beside;
 
 /// An input that is no file.
 #[derive(FromPyObject)]

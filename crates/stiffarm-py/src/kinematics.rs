@@ -6,13 +6,13 @@ use crate::error::{Raised, to_python};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Matrix4, Rotation3, UnitQuaternion, Vector3};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use stiffarm::files::cell::robot_table;
-use stiffarm::files::urdf::{UrdfOptions, read_urdf};
 use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::observation::check_angles;
 use stiffarm::model::robot::{DhConvention, DhRobot, JointAxis, rows_of_axes};
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::cell::robot_table;
+use stiffarm_files::urdf::{UrdfOptions, read_urdf};
 
 /// How far a rotation matrix may be from one.
 const ROTATION: f64 = 1e-6;

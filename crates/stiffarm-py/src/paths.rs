@@ -3,11 +3,11 @@
 use crate::cell::PyCell;
 use crate::error::Raised;
 use pyo3::prelude::*;
-use stiffarm::files::builtin;
-use stiffarm::files::source::{NamedPath, Source};
-use stiffarm::files::table::{read_path, write_path};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::source::{NamedPath, Source};
+use stiffarm_files::table::{read_path, write_path};
 
 /// Files of the disk, and those that are built in.
 pub struct Files;

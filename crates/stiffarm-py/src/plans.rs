@@ -7,13 +7,13 @@ use crate::long::watched;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use stiffarm::estimate::validate::{Model, simulate_measurements as simulated};
-use stiffarm::files::envelope::to_json;
-use stiffarm::files::table::{write_simulated, write_simulated_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::certificate::{CertificateOptions, certify_further};
 use stiffarm::plan::index::Index;
 use stiffarm::{Code, Error};
+use stiffarm_files::envelope::to_json;
+use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// Postures of their names and angles \[rad\].
 pub fn named(

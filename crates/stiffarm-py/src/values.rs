@@ -10,10 +10,10 @@ use numpy::{
     PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
-use stiffarm::files::source::Source;
-use stiffarm::files::table::{read_postures as read_table, write_postures};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::{Code, Error};
+use stiffarm_files::source::Source;
+use stiffarm_files::table::{read_postures as read_table, write_postures};
 
 /// The door of all angles that come as arrays: radians of degrees, as files are read, or the array itself, unless its
 /// angles are so large that they must be degrees.

@@ -4,11 +4,11 @@ use crate::cell::{Full, cell_drawing};
 use crate::figure::svg::{escape, render_drawing};
 use std::fmt::Write;
 use stiffarm::Result;
-use stiffarm::files::table::{Sheet, SheetRow};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::ReadingTarget;
 use stiffarm::model::robot::{Controller, Robot};
 use stiffarm::units::rad_to_deg;
+use stiffarm_files::table::{Sheet, SheetRow};
 
 /// A4 with a margin; every posture begins a page.
 const STYLE: &str = "@page{size:A4;margin:14mm}\

@@ -6,9 +6,9 @@
 
 use std::hint::black_box;
 use std::time::Instant;
-use stiffarm::files::builtin;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction};
+use stiffarm_files::builtin;
 
 const POSTURES: f64 = 6.0;
 /// Postures are worked on four at a time, so six cost as much as eight.

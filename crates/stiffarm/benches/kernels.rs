@@ -6,7 +6,6 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use nalgebra::Translation3;
 use std::hint::black_box;
 use stiffarm::Control;
-use stiffarm::files::builtin;
 use stiffarm::internals::Minimax;
 use stiffarm::internals::information::Factor;
 use stiffarm::internals::optimise::Options;
@@ -17,6 +16,7 @@ use stiffarm::model::observation::{Rows, observation_matrix};
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction, evaluate};
 use stiffarm::plan::select::{GlobalOptions, StartKind, random_group, select, select_from};
+use stiffarm_files::builtin;
 
 fn cell(name: &str) -> Cell {
     with_characteristic_length(builtin::cell(name).expect("a built-in cell")).expect("a length")

@@ -13,11 +13,11 @@ use std::fmt::Write as _;
 use std::time::Instant;
 use stiffarm::Control;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::files::builtin;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::LoadedPosture;
 use stiffarm::work::compensate::{CompensateOptions, compensate};
 use stiffarm::work::predict::{PredictOptions, predict};
+use stiffarm_files::builtin;
 
 /// Repeats of each measurement; the median counts.
 const REPEATS: usize = 5;

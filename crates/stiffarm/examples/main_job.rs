@@ -2,11 +2,12 @@
 //!
 //! `cargo run --release -p stiffarm --example main_job`
 
-use stiffarm::{Cell, Control, Fit, Index, LoadedPosture, Wrench};
+use stiffarm::{Control, Fit, Index, LoadedPosture, Wrench};
 use stiffarm::{predict, prepare, select, simulated_readings};
+use stiffarm_files::builtin;
 
 fn main() -> stiffarm::Result<()> {
-    let (cell, control) = (Cell::built_in("comau")?, Control::default());
+    let (cell, control) = (builtin::cell("comau")?, Control::default());
     let plan = select(&cell, Index::ExpectedError, 6, &Default::default(), control)?;
     println!("six postures: k to {:.2} % (RMS)", 100.0 * plan.value);
     // Stands in for a day with robot and tracker.

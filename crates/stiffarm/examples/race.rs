@@ -7,11 +7,11 @@
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use stiffarm::Control;
-use stiffarm::files::builtin;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::index::{Index, IndexFunction};
 use stiffarm::plan::select::{GlobalOptions, select_watched};
 use stiffarm::units::rad_to_shortest_deg;
+use stiffarm_files::builtin;
 
 /// Time spent on one rate.
 const RATE_SECONDS: f64 = 1.0;

@@ -51,7 +51,7 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
     let runs: u64 = std::env::args()
         .nth(1)
         .map_or(Ok(2000), |text| text.parse())?;
-    let mut cell = Cell::built_in("comau")?;
+    let mut cell = stiffarm_files::builtin::cell("comau")?;
     let given = &mut cell.uncertainty;
     given.force_scale = Some(FORCE_SCALE);
     given.base_tilt_compliance = Some(BASE_TILT);
@@ -61,7 +61,7 @@ fn main() -> std::result::Result<(), Box<dyn Error>> {
     given.loading_point = Some(0.0);
     given.registration = Some(0.0);
     let robot = &cell.setup.robot;
-    let group1 = stiffarm::files::builtin::postures("comau-group1", robot)?;
+    let group1 = stiffarm_files::builtin::postures("comau-group1", robot)?;
     let mut options = GlobalOptions::default();
     options.rounds = Some(2);
     let plan = select(

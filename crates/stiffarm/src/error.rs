@@ -409,10 +409,7 @@ const LONGEST_NAME: usize = 100;
 const BEGINNING: usize = 3;
 
 /// `did you mean "…"?` for those of `known` that begin with `name`, else for the nearest to it.
-pub(crate) fn did_you_mean<'a>(
-    name: &str,
-    known: impl IntoIterator<Item = &'a str>,
-) -> Option<String> {
+pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
     if name.len() > LONGEST_NAME {
         return None;
     }

@@ -76,7 +76,7 @@ pub(crate) fn percent(fraction: f64) -> String {
 }
 
 /// A length in words: millimetres, below 0.01 mm micrometres.
-pub(crate) fn length(metres: f64) -> String {
+pub fn length(metres: f64) -> String {
     match metres.abs() {
         size if size >= 1e-2 => format!("{:.1} mm", m_to_mm(metres)),
         size if size >= 9.995e-6 => format!("{:.3} mm", m_to_mm(metres)),

@@ -9,11 +9,12 @@
 //! experiment stand in for your own (`examples/main_job.rs`):
 //!
 //! ```
-//! use stiffarm::{Cell, Control, Fit, Index, LoadedPosture, Wrench};
+//! use stiffarm::{Control, Fit, Index, LoadedPosture, Wrench};
 //! use stiffarm::{predict, prepare, select, simulated_readings};
+//! use stiffarm_files::builtin;
 //!
 //! fn main() -> stiffarm::Result<()> {
-//!     let (cell, control) = (Cell::built_in("comau")?, Control::default());
+//!     let (cell, control) = (builtin::cell("comau")?, Control::default());
 //!     let plan = select(&cell, Index::ExpectedError, 6, &Default::default(), control)?;
 //!     println!("six postures: k to {:.2} % (RMS)", 100.0 * plan.value);
 //!     // Stands in for a day with robot and tracker.
@@ -40,14 +41,15 @@
 //! | [`estimate`] | which joint stiffness, how sure, and what limits it? |
 //! | [`work`] | how far does the arm bend at work, and what to command instead? |
 //! | [`study`] | the paper's comparison of indices on any cell |
-//! | [`files`] | cell files, tables, robot descriptions, built-in examples |
+//!
+//! Nothing here reads or writes a file: cell files, tables, robot programs and built-in examples are the crate
+//! `stiffarm-files`.
 //!
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
 pub mod error;
 pub mod estimate;
-pub mod files;
 pub mod findings;
 pub mod measure;
 pub mod model;
@@ -86,8 +88,6 @@ pub mod internals {
     };
     pub use crate::estimate::mixed::internals::MixedModel;
     pub use crate::estimate::systematic::posterior::{moments, noise, sizes};
-    pub use crate::files::program::characters::{plain, wrapped};
-    pub use crate::files::program::text::fixed;
     pub use crate::model::observation::internals::link_axes;
     pub use crate::numerics::{
         arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,

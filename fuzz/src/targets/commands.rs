@@ -10,10 +10,10 @@ use crate::seeds::{self, Kind, Scratch};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::HashMap;
-use stiffarm::files::cell::parse_cell_bytes;
-use stiffarm::files::registration::read_registration;
-use stiffarm::files::stiffness::read_stiffness;
-use stiffarm::files::table::{read_measurements, read_path, read_postures, write_postures};
+use stiffarm_files::cell::parse_cell_bytes;
+use stiffarm_files::registration::read_registration;
+use stiffarm_files::stiffness::read_stiffness;
+use stiffarm_files::table::{read_measurements, read_path, read_postures, write_postures};
 
 /// Command lines that end soon; files by the names of [`FILES`], `out.…` is written.
 /// After `|` the schema of their object.
@@ -371,7 +371,7 @@ fn outputs_are_read(scratch: &Scratch, words: &[String], given: &str) -> Result<
         Some("cell.toml") => text("cell.toml").unwrap_or_default(),
         Some(name) => {
             let name = name.trim_start_matches("builtin:");
-            stiffarm::files::builtin::cell_text(name)
+            stiffarm_files::builtin::cell_text(name)
                 .unwrap_or_default()
                 .to_string()
         }

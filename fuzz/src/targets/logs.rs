@@ -1,11 +1,11 @@
 //! Logs of the load along a path.
 
-use stiffarm::files::builtin;
-use stiffarm::files::table::{read_log, read_path};
 use stiffarm::model::path::PathPoint;
 use stiffarm::model::process::{ForceAxes, Process, SpindlePower, TipLoad};
 use stiffarm::nalgebra::Vector3;
 use stiffarm::{Cell, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::table::{read_log, read_path};
 
 /// The log `name` put on the points of a path.
 pub fn read(file: &[u8], name: &str, cell: &Cell) -> Result<Vec<PathPoint>> {

@@ -6,9 +6,9 @@ use crate::input::Input;
 use crate::mutate::{Grammar, mutate, mutate_bytes};
 use crate::oracle::{error_is_sound, is_finite};
 use crate::random::Random;
-use stiffarm::files::builtin;
-use stiffarm::files::mesh::parse_mesh;
 use stiffarm::model::shape::capsules_of_mesh;
+use stiffarm_files::builtin;
+use stiffarm_files::mesh::parse_mesh;
 
 const COLLADA: &str = r##"<COLLADA><asset><unit meter="0.01"/></asset><library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="a" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array>

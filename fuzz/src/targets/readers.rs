@@ -9,20 +9,6 @@ use crate::seeds::{self, Kind};
 use std::fmt::Debug;
 use std::sync::OnceLock;
 use stiffarm::estimate::clamped::ClampedPosture;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::{parse_cell_bytes, template_of, template_with_shapes};
-use stiffarm::files::mesh::parse_mesh;
-use stiffarm::files::program::{Language, Program, ProgramFile, read_program, write_program};
-use stiffarm::files::registration::read_registration;
-use stiffarm::files::result::read_result;
-use stiffarm::files::stiffness::read_stiffness;
-use stiffarm::files::table::{
-    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
-    read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
-    write_readings,
-};
-use stiffarm::files::tool_path::{self, ReadPath, read_tool_path};
-use stiffarm::files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 use stiffarm::model::measurement::Measurements;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::pose::Convention;
@@ -30,6 +16,20 @@ use stiffarm::model::process::ForceAxes;
 use stiffarm::model::robot::{DhConvention, DhRobot};
 use stiffarm::nalgebra::{Translation3, Vector3};
 use stiffarm::{Cell, Posture, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::cell::{parse_cell_bytes, template_of, template_with_shapes};
+use stiffarm_files::mesh::parse_mesh;
+use stiffarm_files::program::{Language, Program, ProgramFile, read_program, write_program};
+use stiffarm_files::registration::read_registration;
+use stiffarm_files::result::read_result;
+use stiffarm_files::stiffness::read_stiffness;
+use stiffarm_files::table::{
+    read_clamped, read_dh_rows, read_measurements, read_pairs, read_path, read_poses,
+    read_postures, write_clamped, write_displacements, write_path, write_poses, write_postures,
+    write_readings,
+};
+use stiffarm_files::tool_path::{self, ReadPath, read_tool_path};
+use stiffarm_files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 
 /// A name for messages.
 const NAME: &str = "input";
@@ -37,7 +37,7 @@ const NAME: &str = "input";
 /// The cell whose tables are read.
 pub fn cell_of_tables() -> &'static Cell {
     static CELL: OnceLock<Cell> = OnceLock::new();
-    CELL.get_or_init(|| match Cell::built_in("comau") {
+    CELL.get_or_init(|| match stiffarm_files::builtin::cell("comau") {
         Ok(cell) => cell,
         Err(error) => unreachable!("the built-in cell: {}", error.message()),
     })

@@ -12,7 +12,7 @@ use crate::mutate::{Grammar, edge_number, mutate, mutate_bytes};
 use crate::oracle::{error_is_sound, is_finite};
 use crate::random::Random;
 use crate::seeds::{self, Kind};
-use stiffarm::files::table::{read_measurements, read_pairs, read_path, read_postures};
+use stiffarm_files::table::{read_measurements, read_pairs, read_path, read_postures};
 use workbook::{Cell, Entry, archive, cells, workbook_with};
 
 /// Places of a cell in its sheet, within and beyond what a sheet may have.

@@ -4,8 +4,8 @@ use super::values::one_of;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
-use stiffarm::files::program::Language;
 use stiffarm::model::robot::Controller;
+use stiffarm_files::program::Language;
 
 #[derive(Debug, Args)]
 pub struct ExportArgs {

@@ -5,7 +5,7 @@ use super::measured::ModelChoice;
 use super::values::{number, triple};
 use super::work::{AxesChoice, Triple};
 use clap::{Args, ValueEnum, ValueHint};
-use stiffarm::files::program::Language;
+use stiffarm_files::program::Language;
 
 /// The path, its loads and its postures.
 #[derive(Debug, Clone, Args)]

@@ -10,10 +10,10 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
 use stiffarm::Result;
-use stiffarm::files::mesh::parse_mesh;
-use stiffarm::files::source::Source;
 use stiffarm::model::shape::{Capsule, capsules_of_mesh, hull_volume};
 use stiffarm::units::m_to_mm;
+use stiffarm_files::mesh::parse_mesh;
+use stiffarm_files::source::Source;
 
 /// Options of the result.
 #[derive(Serialize)]

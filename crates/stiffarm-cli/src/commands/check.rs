@@ -7,11 +7,11 @@ use crate::output::Exit;
 use crate::screen::fitted;
 use crate::session::Session;
 use crate::table::title;
-use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::check;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::Source;
 use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 
 /// Value of `--posture` that draws none in full.

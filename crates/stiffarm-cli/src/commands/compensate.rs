@@ -9,10 +9,6 @@ use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::files::program::Language;
-use stiffarm::files::source::Source;
-use stiffarm::files::table::{PathFormat, PathKind, PathTable, write_path};
-use stiffarm::files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
@@ -21,6 +17,10 @@ use stiffarm::work::compensate::Compensation;
 use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::program::Language;
+use stiffarm_files::source::Source;
+use stiffarm_files::table::{PathFormat, PathKind, PathTable, write_path};
+use stiffarm_files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm_report::{compensation_figure, render_svg};
 
 /// Compensates.

@@ -7,8 +7,8 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
-use stiffarm::files::source::Source;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::Source;
 
 /// What was counted.
 #[derive(Serialize)]

@@ -4,8 +4,8 @@ use crate::args::{DocsArgs, DocsPage};
 use crate::described::described;
 use crate::output::Exit;
 use crate::session::Session;
-use stiffarm::files::envelope::to_json;
 use stiffarm::{Code, Result};
+use stiffarm_files::envelope::to_json;
 
 /// Prints one page as Markdown.
 pub fn run(session: &Session, args: &DocsArgs) -> Result<Exit> {

@@ -4,9 +4,9 @@ use crate::args::EvaluateArgs;
 use crate::output::Exit;
 use crate::session::Session;
 use stiffarm::Result;
-use stiffarm::files::source::Source;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
+use stiffarm_files::source::Source;
 
 /// Evaluates the groups.
 pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {

@@ -10,8 +10,6 @@ use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
 use stiffarm::estimate::{identified, simulated, validated};
-use stiffarm::files::cell::cell_schema;
-use stiffarm::files::envelope::{Written, to_json};
 use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
@@ -21,6 +19,8 @@ use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm::work::{compensated, judged, mapped, placed, predicted};
+use stiffarm_files::cell::cell_schema;
+use stiffarm_files::envelope::{Written, to_json};
 
 /// The texts of all schemas by name.
 ///

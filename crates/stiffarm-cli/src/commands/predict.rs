@@ -8,9 +8,9 @@ use crate::path::{Outputs, of_path_usage, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
-use stiffarm::files::source::Source;
 use stiffarm::work::predicted::Request;
 use stiffarm::{Error, Result};
+use stiffarm_files::source::Source;
 use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.

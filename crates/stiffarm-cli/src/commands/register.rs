@@ -6,10 +6,10 @@ use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
 use stiffarm::Result;
-use stiffarm::files::source::Source;
-use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registered::Options;
 use stiffarm::measure::registration::RegistrationRecord;
+use stiffarm_files::source::Source;
+use stiffarm_files::table::read_pairs;
 
 /// Registers tracker to base.
 pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {

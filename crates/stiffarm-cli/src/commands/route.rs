@@ -7,14 +7,14 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::source::Source;
-use stiffarm::files::table::write_postures;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::forbidden;
 use stiffarm::plan::route::{Route, RouteOptions, rounded, route, route_findings};
+use stiffarm_files::source::Source;
+use stiffarm_files::table::write_postures;
 
 /// Options of the result.
 #[derive(Serialize)]

@@ -10,11 +10,11 @@ use crate::session::Session;
 use stiffarm::estimate::identify::Fit;
 use stiffarm::estimate::validate::Model;
 use stiffarm::estimate::validated::{Folds, Options, Request, Validated};
-use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::findings::Severity;
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::{NamedCell, Source};
 
 /// Validates.
 pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {

@@ -39,7 +39,7 @@ fn results_hold_no_paths() {
     let folder = Folder::new();
     folder.write(
         "cell.toml",
-        stiffarm::files::builtin::cell_text("comau").unwrap(),
+        stiffarm_files::builtin::cell_text("comau").unwrap(),
     );
     let relative = folder.ok("check cell.toml --json");
     let absolute = folder.ok(&format!(
@@ -95,7 +95,7 @@ fn a_file_in_a_folder_that_does_not_exist_is_refused_before_the_work() {
 #[test]
 fn dashes_are_standard_input_and_output() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let ran = folder.run_with("check -", cell.as_bytes());
     assert_eq!(ran.code, Some(0));
     assert!(

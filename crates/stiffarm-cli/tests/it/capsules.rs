@@ -24,7 +24,7 @@ fn capsules_of_a_spindle() {
 #[test]
 fn names_and_numbers_are_toml() {
     let folder = Folder::new();
-    let text = stiffarm::files::builtin::mesh_text("spindle.obj").unwrap();
+    let text = stiffarm_files::builtin::mesh_text("spindle.obj").unwrap();
     folder.write("a\"b.obj", text);
     let said = folder.ok("capsules a\"b.obj --unit mm --most 1 --tool");
     assert!(said.contains("name = \"a\\\"b\"\n"), "{said}");

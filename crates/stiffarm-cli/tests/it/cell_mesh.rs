@@ -6,7 +6,7 @@ use support::{Folder, block};
 
 /// The default cell with more tables.
 fn cell(tables: &str) -> String {
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     format!("{cell}\n{tables}")
 }
 

@@ -4,18 +4,18 @@ use crate::support;
 
 use insta::assert_snapshot;
 use stiffarm::estimate::clamped::{ClampedPosture, ClampedSimulation, MotorMove, simulate_clamped};
-use stiffarm::files::table::{read_postures, write_clamped};
 use stiffarm::model::cell::Cell;
+use stiffarm_files::table::{read_postures, write_clamped};
 use support::Folder;
 
 fn cell() -> Cell {
-    let text = stiffarm::files::builtin::cell_text("comau").unwrap();
-    stiffarm::files::cell::parse_cell(text, "comau").unwrap()
+    let text = stiffarm_files::builtin::cell_text("comau").unwrap();
+    stiffarm_files::cell::parse_cell(text, "comau").unwrap()
 }
 
 /// Group 1 pushed up and down against a fixture.
 fn clamped(cell: &Cell) -> Vec<ClampedPosture> {
-    let text = stiffarm::files::builtin::postures_text("comau-group1").unwrap();
+    let text = stiffarm_files::builtin::postures_text("comau-group1").unwrap();
     let postures = read_postures(text.as_bytes(), "group", &cell.setup.robot).unwrap();
     let truth = cell.require_prior().unwrap();
     let torque = [900.0, -1200.0, 700.0, 300.0, -250.0, 200.0];

@@ -41,7 +41,7 @@ fn check() {
 #[test]
 fn check_finds_a_dark_joint() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     folder.write(
         "cell.toml",
         cell.replace("[200, 0, 250]", "[0, 0, 250]")
@@ -89,7 +89,7 @@ fn evaluate_names_undetermined_joints_first() {
 #[test]
 fn what_the_load_never_turns_is_left_out() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
     let lines = [
         "evaluate cell.toml builtin:comau-group1",
@@ -154,7 +154,7 @@ fn simulate_an_arm_that_gives_way_beyond_its_axes() {
 #[test]
 fn simulated_measurements_bend_by_the_sizes_of_the_cell() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let with = |size: f64| {
         format!(
             "{cell}\n[elastic]\nshift_std_m_per_n = {size}\nturn_std_rad_per_nm = {size}\ncoupling_std_rad_per_n = {size}\n"
@@ -253,7 +253,7 @@ fn identify_json() {
 #[test]
 fn identify_names_undetermined_joints_before_any_number() {
     let folder = measured();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     folder.write("cell.toml", cell.replace("[200, 0, 250]", "[0, 0, 250]"));
     let line = "identify cell.toml simulated.csv --output stiffness.json";
     let ran = folder.run(line);
@@ -290,7 +290,7 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     assert!(ran.out.contains("SERIOUS: joint 1"), "{}", ran.out);
     assert!(ran.out.contains("negative"), "{}", ran.out);
 
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     folder.write(
         "noisy.toml",
         cell.replace("variance_mm2 = 9.23e-5", "variance_mm2 = 9.23e-2"),
@@ -424,7 +424,7 @@ fn doubts_are_said_where_the_robot_is_used() {
 #[test]
 fn coverage_draws_the_shift_that_a_posture_shares() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let shifted = cell.replace("posture_common_mm = 0", "posture_common_mm = 0.03");
     assert_ne!(cell, shifted);
     folder.write("shifted.toml", &shifted);

@@ -4,7 +4,7 @@ use crate::support;
 
 use support::Folder;
 
-const CELL: &str = include_str!("../../../stiffarm/data/cells/comau.toml");
+const CELL: &str = include_str!("../../../stiffarm-files/data/cells/comau.toml");
 
 /// The default cell with one measuring point instead of four.
 fn one_point() -> String {

@@ -10,7 +10,7 @@ const HEADING: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
 /// A folder with the default cell, its Group 1 simulated, and slips of all kinds.
 fn folder() -> Folder {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let slip = |from: &str, to: &str| {
         assert!(cell.contains(from), "{from}");
         cell.replace(from, to)
@@ -199,7 +199,7 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
 fn a_group_that_cannot_determine_all_joints_is_a_finding_not_a_fault() {
     let folder = folder();
     // One posture with one measuring point: three rows for six joints.
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let start = cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap();
     let end = cell.find("[load]").unwrap();
     folder.write(

@@ -45,7 +45,7 @@ fn run(folder: &Folder, words: &[&str]) -> Ran {
 #[test]
 fn names_that_are_more_than_letters_are_refused_with_their_place() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     for name in NAMES {
         folder.write(
             "p.csv",
@@ -181,7 +181,7 @@ fn a_file_name_of_two_lines_makes_one() {
     let folder = Folder::new();
     folder.write(
         "a\ncell: b\u{1b}[1m.toml",
-        stiffarm::files::builtin::cell_text("comau").unwrap(),
+        stiffarm_files::builtin::cell_text("comau").unwrap(),
     );
     let ran = run(&folder, &["check", "a\ncell: b\u{1b}[1m.toml"]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -196,7 +196,7 @@ fn a_file_name_of_two_lines_makes_one() {
 #[test]
 fn the_page_of_a_study_takes_names_as_text() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let name = "<script>alert(1)</script> | [x](http://a.b) `c`";
     let mut lines: Vec<String> = cell.lines().map(String::from).collect();
     let at = lines

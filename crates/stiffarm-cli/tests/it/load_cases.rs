@@ -6,7 +6,7 @@ use insta::assert_snapshot;
 use support::Folder;
 
 /// The default cell, whose load is replaced.
-const CELL: &str = include_str!("../../../stiffarm/data/cells/comau.toml");
+const CELL: &str = include_str!("../../../stiffarm-files/data/cells/comau.toml");
 
 const CASES: &str = r#"[load]
 kind = "cases"

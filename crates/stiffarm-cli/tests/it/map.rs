@@ -8,7 +8,7 @@ use support::Folder;
 
 /// The default cell with a workpiece and a load on it.
 fn working_cell(load: &str) -> String {
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let (cell, _) = cell.split_once("[work]").unwrap();
     format!("{cell}\n[work]\nworkpiece_mm = [1700, 900, 700]\n\n[work.force]\n{load}\n")
 }

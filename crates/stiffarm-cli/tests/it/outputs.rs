@@ -89,7 +89,7 @@ fn an_input_as_output_is_refused_before_the_work() {
     let folder = Folder::new();
     folder.write(
         "plan.csv",
-        stiffarm::files::builtin::postures_text("comau-group1").unwrap(),
+        stiffarm_files::builtin::postures_text("comau-group1").unwrap(),
     );
     let line =
         "select builtin:comau --given plan.csv --add 2 --rounds 100000 --output ./plan.csv --force";

@@ -5,14 +5,14 @@ use crate::support;
 
 use insta::assert_snapshot;
 use serde_json::Value;
-use stiffarm::files::registration::read_registration;
+use stiffarm_files::registration::read_registration;
 use support::{Folder, redact, rounded};
 
 const HEADING: &str = "name,tracker_x_mm,tracker_y_mm,tracker_z_mm,base_x_mm,base_y_mm,base_z_mm";
 
 /// The rows of the built-in pairs: a name and six numbers each.
 fn rows() -> Vec<(String, [f64; 6])> {
-    let text = stiffarm::files::builtin::pairs_text("example-pairs").unwrap();
+    let text = stiffarm_files::builtin::pairs_text("example-pairs").unwrap();
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     lines
         .skip(1)

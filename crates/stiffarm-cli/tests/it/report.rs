@@ -3,7 +3,7 @@
 use crate::support;
 
 use serde_json::Value;
-use stiffarm::files::envelope::write_result;
+use stiffarm_files::envelope::write_result;
 use support::Folder;
 
 /// Readings of a simulated experiment and what `identify` makes of them.

@@ -2,7 +2,6 @@
 
 use crate::support::Folder;
 use serde::Serialize;
-use stiffarm::files::builtin;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::Posture;
@@ -11,6 +10,7 @@ use stiffarm::plan::planned::{
     plan_candidates, plan_curve, plan_drop, plan_space_filling,
 };
 use stiffarm::{Control, Index};
+use stiffarm_files::builtin;
 
 fn cell() -> Cell {
     builtin::cell("comau").unwrap()

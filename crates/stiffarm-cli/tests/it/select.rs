@@ -162,7 +162,7 @@ fn one_posture_more_is_the_default() {
 #[test]
 fn given_postures_that_leave_a_joint_undetermined_are_completed() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let (start, end) = (
         cell.find("[[tool.measuring_point]]\nname = \"2\"").unwrap(),
         cell.find("[load]").unwrap(),
@@ -255,7 +255,7 @@ fn the_load_chosen_with_the_postures_goes_into_the_cell() {
     assert_snapshot!(words(&folder, line));
     folder.write(
         "builtin.toml",
-        stiffarm::files::builtin::cell_text("comau").unwrap(),
+        stiffarm_files::builtin::cell_text("comau").unwrap(),
     );
     let out = folder.ok(&format!("{line} --force"));
     let mut cell = folder.read("builtin.toml");

@@ -114,7 +114,7 @@ fn commands_bring_the_loaded_tip_back_in_every_format() {
 #[test]
 fn slips() {
     let folder = folder();
-    let mut far = stiffarm::files::builtin::path_text("contour")
+    let mut far = stiffarm_files::builtin::path_text("contour")
         .unwrap()
         .to_string();
     far = far.replace("5,120,0,0,", "5,2620,0,0,");
@@ -128,7 +128,7 @@ fn slips() {
         "mixed.csv",
         "x_mm,y_mm,z_mm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n0,0,0,0,20,-120,0,50,0\n",
     );
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let (bare, _) = cell.split_once("[[task]]").unwrap();
     folder.write("bare.toml", bare);
     let lines = [
@@ -181,7 +181,7 @@ fn a_wrist_held_straight_is_named_with_its_row() {
 #[test]
 fn a_tip_that_nobody_gave_is_named() {
     let folder = Folder::new();
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let from = cell.find("[work]").unwrap();
     folder.write("bare.toml", &cell[..from]);
     let path = "builtin:comau-group1 --axes base --force-n 80,-200,300";

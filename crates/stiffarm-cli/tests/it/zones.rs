@@ -67,7 +67,7 @@ fn wrong_requests_are_answered() {
     folder.write("taken", "a file");
     std::fs::create_dir(folder.path("maps")).unwrap();
     folder.write("maps/zones.csv", "mine");
-    let cell = stiffarm::files::builtin::cell_text("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
     let measured = "kind = \"measured\"";
     let rope = "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
     let measured = cell.replace(rope, measured);

@@ -22,7 +22,7 @@ fn main() -> Done<()> {
         .nth(1)
         .map_or_else(|| PathBuf::from("target/scenes"), PathBuf::from);
     fs::create_dir_all(&folder)?;
-    let toml = |name: &str, text: &str| Cell::from_toml(text.as_bytes(), name);
+    let toml = |name: &str, text: &str| stiffarm_files::cell::parse_cell(text, name);
     let kr210 = toml("kr210.toml", include_str!("kr210.toml"))?;
     let panda = toml("panda.toml", include_str!("panda.toml"))?;
     let pages = [
@@ -30,7 +30,10 @@ fn main() -> Done<()> {
         ("kr210", random(kr210, 2, 8)?),
         ("fanuc", fanuc()?),
         ("panda", random(panda, 2, 6)?),
-        ("many", random(Cell::built_in("comau-shapes")?, 10, 50)?),
+        (
+            "many",
+            random(stiffarm_files::builtin::cell("comau-shapes")?, 10, 50)?,
+        ),
     ];
     for (name, (cell, postures, shown)) in pages {
         let picture = render_drawing(&cell_drawing(&cell, &postures, Full::Number(0))?);
@@ -54,7 +57,7 @@ type Shown = (Cell, Vec<Posture>, Scene);
 
 /// Validation postures, and spread ones with a path, arrows and an ellipsoid.
 fn comau() -> Done<Shown> {
-    let cell = Cell::built_in("comau-shapes")?;
+    let cell = stiffarm_files::builtin::cell("comau-shapes")?;
     let spread = spread(&cell, "Group 1", 6, 0);
     let validation = cell.validation.clone();
     let groups = [
@@ -107,7 +110,7 @@ fn comau() -> Done<Shown> {
 
 /// A measured load, with a stiffness handed in.
 fn fanuc() -> Done<Shown> {
-    let cell = Cell::built_in("fanuc-r2000ic")?;
+    let cell = stiffarm_files::builtin::cell("fanuc-r2000ic")?;
     let group = spread(&cell, "measured", 8, 0);
     let wrenches: Vec<Wrench> = (0..8)
         .map(|i| Wrench::force([300.0, 60.0 * f64::from(i) - 200.0, -700.0]))

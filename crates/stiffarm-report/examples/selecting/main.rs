@@ -21,11 +21,11 @@ use std::path::PathBuf;
 use std::time::Instant;
 use stiffarm::Control;
 use stiffarm::Result;
-use stiffarm::files::builtin;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{Sensitivity, SensitivityOptions, sensitivity, space_filling};
 use stiffarm::plan::zones::{MapRange, Zone, ZoneOptions, zones};
+use stiffarm_files::builtin;
 use stiffarm_report::{Figure, render_svg};
 
 /// Rounds of each selection of the table of plans.

@@ -11,8 +11,8 @@ use crate::page::{Block, Page, Part, Provenance, Section};
 use crate::tell::{plain, quoted, tell};
 use serde_json::Value;
 use stiffarm::Result;
-use stiffarm::files::result::SavedResult;
 use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm_files::result::SavedResult;
 
 /// The page of saved results, in their order.
 ///

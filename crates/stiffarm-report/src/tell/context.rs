@@ -9,9 +9,9 @@ use std::any::Any;
 use std::borrow::Cow;
 use std::cmp::Reverse;
 use stiffarm::Result;
-use stiffarm::files::result::SavedResult;
 use stiffarm::findings::{Finding, Severity, list, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm_files::result::SavedResult;
 
 /// Commands whose numbers come after what forbids to use them.
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];

@@ -45,10 +45,10 @@ use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
 use std::any::Any;
 use std::cmp::Reverse;
-use stiffarm::files::result::SavedResult;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::result::SavedResult;
 
 /// Cautions that are seen without asking for details.
 pub const SEEN_AT_ONCE: usize = 4;

@@ -6,8 +6,6 @@ use serde_json::json;
 use std::any::Any;
 use stiffarm::Control;
 use stiffarm::estimate::saved::Saved;
-use stiffarm::files::builtin;
-use stiffarm::files::table::read_path;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::PathPoint;
@@ -18,12 +16,14 @@ use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
 use stiffarm::work::predicted::{Predicted, Request};
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
 use stiffarm::work::{compensated, mapped};
+use stiffarm_files::builtin;
+use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
 use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Text, Told, tell};
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let saved = Saved::prior(&cell).unwrap();
     (cell, saved)
 }

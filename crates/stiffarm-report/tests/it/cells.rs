@@ -3,12 +3,12 @@
 use crate::render::{check, texts};
 use nalgebra::Vector3;
 use std::collections::HashSet;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell;
 use stiffarm::model::cell::{Cell, LimitKind, LimitMargin};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm_files::builtin;
+use stiffarm_files::cell::parse_cell;
 use stiffarm_report::figure::drawing::{Drawing, Mark, Shape, Tone};
 use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 

@@ -2,19 +2,19 @@
 
 use super::identified::{group, saved};
 use serde_json::json;
-use stiffarm::files::builtin;
-use stiffarm::files::result::SavedResult;
-use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registration::{RegistrationRecord, register};
 use stiffarm::model::measurement::{Measurements, ReadingTable, ReadingTarget};
 use stiffarm::simulated_readings;
 use stiffarm::work::judged::{Options, judge};
-use stiffarm::{Cell, Code, Control, Error, Result};
+use stiffarm::{Code, Control, Error, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::result::SavedResult;
+use stiffarm_files::table::read_pairs;
 use stiffarm_report::tell::{Block, Given, Outcome, Told, tell};
 
 /// What is said of readings beside a plan of six postures.
 fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let plan = group(&cell);
     let options = Options {
         until_stiffness: goal,

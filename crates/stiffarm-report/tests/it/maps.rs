@@ -4,14 +4,14 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use roxmltree::Document;
 use stiffarm::Control;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::plan::zones::{ZoneOptions, zones};
 use stiffarm::work::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
+use stiffarm_files::builtin;
+use stiffarm_files::cell::parse_cell;
 use stiffarm_report::{
     Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,
     placement_table, render_svg, series_colour, zones_figure,

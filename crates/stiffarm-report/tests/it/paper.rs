@@ -3,10 +3,10 @@
 use crate::gallery;
 use roxmltree::{Document, Node};
 use stiffarm::Code;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm_files::builtin;
+use stiffarm_files::cell::parse_cell;
 use stiffarm_report::paper::{Format, PaperOptions, paper_files, paper_names};
 use stiffarm_report::{
     Axis, Drawing, Figure, Full, Layout, Panel, Series, Style, cell_drawing, render_drawing_with,

@@ -52,7 +52,7 @@ fn drawn_flange(scene: &Scene, posture: &ScenePosture, times: f64) -> Isometry3<
 
 #[test]
 fn links_are_where_the_library_has_them() {
-    let cell = Cell::built_in("comau-shapes").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
     let postures = spread(&cell, 5);
     let scene = shown(&cell, &postures, Model::Linear);
     for (posture, given) in scene.groups[0].postures.iter().zip(&postures) {
@@ -78,7 +78,7 @@ fn links_are_where_the_library_has_them() {
 
 #[test]
 fn the_arm_bent_once_as_far_moves_its_points_as_the_linear_model_says() {
-    let cell = Cell::built_in("comau-shapes").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
     let stiffness = cell.prior.clone().unwrap();
     let postures = spread(&cell, 6);
     let scene = shown(&cell, &postures, Model::Linear);
@@ -110,7 +110,7 @@ fn the_arm_bent_once_as_far_moves_its_points_as_the_linear_model_says() {
 
 #[test]
 fn the_exact_arm_is_drawn_where_its_equilibrium_is() {
-    let cell = Cell::built_in("comau-shapes").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
     let scene = shown(&cell, &spread(&cell, 4), Model::Equilibrium);
     for posture in &scene.groups[0].postures {
         let (rest, bent) = (0.0, 1.0);
@@ -129,7 +129,7 @@ fn the_exact_arm_is_drawn_where_its_equilibrium_is() {
 
 #[test]
 fn the_closest_pair_is_the_least_margin_between_shapes() {
-    let cell = Cell::built_in("comau-shapes").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
     for posture in spread(&cell, 20) {
         let terms = PostureTerms::new(&cell.setup, &posture.q, None).unwrap();
         let closest = cell.scene.closest(&terms).unwrap();
@@ -156,7 +156,7 @@ fn the_closest_pair_is_the_least_margin_between_shapes() {
 fn hostile_names_stay_text_and_equal_cells_give_equal_bytes() {
     const EVIL: &str = "</script><img src=x onerror=alert(1)>\u{1b}[31m\"'&=cmd|' /C calc'!A0";
     let page = || {
-        let mut cell = Cell::built_in("comau-shapes").unwrap();
+        let mut cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
         cell.name = EVIL.into();
         cell.setup.tool.measuring_points[0].name = EVIL.into();
         let mut postures = spread(&cell, 3);
@@ -179,7 +179,7 @@ fn hostile_names_stay_text_and_equal_cells_give_equal_bytes() {
 
 #[test]
 fn a_measured_load_is_shown_where_it_is_known() {
-    let cell = Cell::built_in("fanuc-r2000ic").unwrap();
+    let cell = stiffarm_files::builtin::cell("fanuc-r2000ic").unwrap();
     let postures = spread(&cell, 2);
     let unknown = shown(&cell, &postures, Model::Equilibrium);
     assert!(
@@ -234,7 +234,7 @@ fn an_arm_that_buckles_is_shown_without_deflection() {
 
 #[test]
 fn ten_groups_of_fifty_postures_stay_below_a_megabyte() {
-    let cell = Cell::built_in("comau-shapes").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau-shapes").unwrap();
     let postures = spread(&cell, 50);
     let groups = [SceneGroup::new("Group 1", &postures); 10];
     let shown = scene(&cell, &groups, &SceneOptions::default()).unwrap();

@@ -2,16 +2,16 @@
 
 use super::identified::{group, identified, measured, saved};
 use serde_json::{Value, json};
-use stiffarm::files::result::SavedResult;
 use stiffarm::findings::Severity;
 use stiffarm::measure::prepare;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::ReadingTarget;
+use stiffarm_files::result::SavedResult;
 use stiffarm_report::tell::{Block, Depth, Given, Outcome, Section, Text, Told, tell};
 
 /// What `identify` makes of good readings.
 pub(crate) fn good() -> (Cell, Value) {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let result = identified(&cell, &measured(&cell, &group(&cell)));
     (cell, result)
 }
@@ -48,7 +48,7 @@ pub(crate) fn suspected(mut result: Value, cause: &str, severity: &str, sentence
 
 /// What is said where two points of the second posture are exchanged.
 fn exchanged() -> Told {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let mut readings = stiffarm::simulated_readings(&cell, &group(&cell), 1).unwrap();
     let states = readings.postures[1].states.iter_mut();
     for reading in states.flat_map(|state| &mut state.readings) {
@@ -253,7 +253,7 @@ fn a_column_that_says_nothing_is_left_out_and_the_summary_is_short() {
 #[test]
 fn a_joint_that_cannot_be_told_is_named() {
     // The rope's force goes through the axis of joint 6, and the only measuring point lies on it.
-    let mut cell = Cell::built_in("comau").unwrap();
+    let mut cell = stiffarm_files::builtin::cell("comau").unwrap();
     cell.setup.tool.loading_point.x = 0.0;
     cell.setup.tool.loading_point.y = 0.0;
     let made = identified(&cell, &measured(&cell, &group(&cell)));

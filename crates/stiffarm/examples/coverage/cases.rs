@@ -7,7 +7,6 @@ use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, Intervals, Outliers, Truth};
 use stiffarm::estimate::identify::{Estimator, IdentifyOptions, NoiseSource, Weights};
 use stiffarm::estimate::simulate::ModelErrors;
-use stiffarm::files::builtin;
 use stiffarm::internals::optimise::Options;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::TrackerAccuracy;
@@ -15,6 +14,7 @@ use stiffarm::model::measurement::ReadingScatter;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::select::{StartKind, random_group, select_from};
+use stiffarm_files::builtin;
 
 /// One row of the page before it is simulated.
 pub struct Row {

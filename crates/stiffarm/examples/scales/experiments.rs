@@ -125,7 +125,7 @@ fn stiffness(key: &str, dice: &mut Dice) -> Vec<f64> {
 /// that suit its size.
 fn cell_of(robot: usize, kind: Kind, dice: &mut Dice) -> Cell {
     let entry = find_in_catalogue(ROBOTS[robot]).expect("a robot of the catalogue");
-    let mut cell = Cell::built_in("comau").expect("the default cell");
+    let mut cell = stiffarm_files::builtin::cell("comau").expect("the default cell");
     let reach = entry.reach_m().unwrap_or(2.7);
     let payload = entry.payload_kg().unwrap_or(165.0);
     if robot > 0 {

@@ -154,8 +154,8 @@ impl From<&Measured> for Measured {
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::{Cell, prepare, simulated_readings};
 ///
-/// let cell = Cell::built_in("comau")?;
-/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let readings = simulated_readings(&cell, &postures, 1)?;
 /// let measured = prepare(&cell, readings, &Default::default())?;
 /// assert_eq!(measured.readings_per_displacement, Some(2));

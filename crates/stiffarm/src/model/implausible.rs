@@ -22,7 +22,7 @@ const LEVER: f64 = 2.0;
 /// Tangential cutting coefficients that materials have, foam to nickel alloys \[Pa\].
 const COEFFICIENT: [f64; 2] = [1e6, 2e10];
 /// Feeds per tooth that cutters have \[mm\]; beyond are slips of unit.
-pub(crate) const FEEDS_PER_TOOTH_MM: [f64; 2] = [5e-4, 5.0];
+pub const FEEDS_PER_TOOTH_MM: [f64; 2] = [5e-4, 5.0];
 /// Longest cutters \[m\].
 const CUTTER: f64 = 0.3;
 
@@ -31,7 +31,7 @@ pub(crate) const NEAR_TOOL: f64 = 1e-3;
 
 /// Says of a point of the tool \[m, flange axes\] that it looks like metres typed as millimetres,
 /// where it does.
-pub(crate) fn tool_in_metres(point: &Vector3<f64>) -> Option<String> {
+pub fn tool_in_metres(point: &Vector3<f64>) -> Option<String> {
     let distance = point.norm();
     (distance < NEAR_TOOL).then(|| {
         format!(

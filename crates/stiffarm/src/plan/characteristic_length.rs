@@ -68,7 +68,7 @@ impl Problem for Dexterity<'_> {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::characteristic_length::characteristic_length;
 ///
 /// let cell = builtin::cell("comau")?;

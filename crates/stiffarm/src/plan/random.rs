@@ -26,7 +26,7 @@ pub enum StartKind {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::select::{StartKind, random_group};
 ///
 /// let cell = builtin::cell("comau")?;

@@ -176,7 +176,7 @@ struct Values {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::characteristic_length::with_characteristic_length;
 /// use stiffarm::plan::zones::{ZoneOptions, zones};
 ///

@@ -173,8 +173,8 @@ pub struct Study {
 /// use stiffarm::study::{StudyOptions, study};
 /// use stiffarm::{Cell, Control};
 ///
-/// let cell = Cell::built_in("comau")?;
-/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let initial = PostureGroup {
 ///     name: "Group 1".to_string(),
 ///     postures,

@@ -2,7 +2,7 @@
 
 mod sense;
 
-pub(crate) use sense::LARGEST_NUMBER;
+pub use sense::LARGEST_NUMBER;
 pub use sense::Sense;
 
 use nalgebra::UnitQuaternion;
@@ -137,7 +137,7 @@ pub fn roll_pitch_yaw(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 
 /// The number of fewest decimal digits that `back` turns into `value`, or else
 /// into what `there` and `back` make of it.
-pub(crate) fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
+pub fn shortest(value: f64, there: fn(f64) -> f64, back: fn(f64) -> f64) -> f64 {
     let find = |target: f64| {
         let near = there(target);
         let rounded = |digits: usize| rounded(near, digits);

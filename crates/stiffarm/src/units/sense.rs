@@ -7,7 +7,7 @@
 //! [`implausible`](crate::model::implausible) to say.
 
 /// Numbers without unit beyond this are slips of the pen.
-pub(crate) const LARGEST_NUMBER: f64 = 1e9;
+pub const LARGEST_NUMBER: f64 = 1e9;
 
 /// What the numbers of a unit can be.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,7 +20,7 @@ fn away(q: &[f64]) -> bool {
 
 #[test]
 fn every_posture_of_a_plan_is_accepted_as_it_is_driven() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let found = plan(
         &cell,
         &request(Accept::new(away)),
@@ -41,7 +41,7 @@ fn every_posture_of_a_plan_is_accepted_as_it_is_driven() {
 
 #[test]
 fn the_same_seed_gives_the_same_accepted_plan() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let found = || {
         let request = request(Accept::new(away));
         let found = plan(&cell, &request, &mut |_| {}, Control::default());
@@ -52,7 +52,7 @@ fn the_same_seed_gives_the_same_accepted_plan() {
 
 #[test]
 fn a_constraint_that_accepts_everything_changes_nothing_but_the_turns() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let all = plan(
         &cell,
         &request(Accept::new(|_| true)),
@@ -72,7 +72,7 @@ fn a_constraint_that_accepts_everything_changes_nothing_but_the_turns() {
 
 #[test]
 fn a_constraint_that_accepts_nothing_is_named() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let error = plan(
         &cell,
         &request(Accept::new(|_| false)),

@@ -3,9 +3,9 @@
 
 use crate::common::prelude::*;
 use proptest::prelude::*;
-use stiffarm::files::cell::{parse_cell_bytes, template};
-use stiffarm::files::table::{read_displacements, read_measurements, read_postures};
 use stiffarm::model::measurement::Measurements;
+use stiffarm_files::cell::{parse_cell_bytes, template};
+use stiffarm_files::table::{read_displacements, read_measurements, read_postures};
 
 fn finite<'a>(values: impl IntoIterator<Item = &'a f64>) -> bool {
     values.into_iter().all(|value| value.is_finite())

@@ -1,9 +1,9 @@
 //! Errors, and the sentences that results are told in.
 
 use stiffarm::error::{Code, Error};
-use stiffarm::files::check_name;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::robot::Robot;
+use stiffarm_files::check_name;
 
 #[test]
 fn codes_are_unique_and_complete() {

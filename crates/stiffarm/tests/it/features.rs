@@ -2,8 +2,6 @@
 
 use nalgebra::Vector3;
 use stiffarm::estimate::saved::Saved;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::files::tool_path::{Kind, read_tool_path};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::PathPoint;
 use stiffarm::model::process::{ForceAxes, Process, TipLoad};
@@ -13,6 +11,8 @@ use stiffarm::work::compensated::Options;
 use stiffarm::work::features::Verdict;
 use stiffarm::work::predicted::{Predicted, Request};
 use stiffarm::{Control, Result};
+use stiffarm_files::cell::parse_cell;
+use stiffarm_files::tool_path::{Kind, read_tool_path};
 
 const PROGRAM: &str = "\
 TOOL PATH/SLOT,TOOL,T1\nUNITS/MM\nRAPID\nGOTO/-20,0,50,0,0,1\nRAPID\nGOTO/-20,0,0\nGOTO/0,0,0\nGOTO/20,0,0\nRAPID\nGOTO/20,0,50\n\

@@ -14,7 +14,7 @@ fn options() -> MeasuredStudyOptions {
 }
 
 fn simulated() -> (Cell, Measured) {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let plan = random_group(&cell, StartKind::Uniform, 13, 3, 0).unwrap();
     let postures = numbered(plan);
     let readings = simulated_readings(&cell, &postures, 1).unwrap();

@@ -344,7 +344,7 @@ fn a_curve_with_its_bounds() {
 
 #[test]
 fn a_missing_length_is_computed_or_its_lack_explained() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let (with, missing) = with_length(cell);
     assert!(with.characteristic_length.is_some() && missing.is_none());
     let mut own = with.clone();

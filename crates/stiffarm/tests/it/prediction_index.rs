@@ -292,7 +292,7 @@ fn wrenches_of_their_own_count() {
 /// Very many postures: the covariance of all their readings would be a hundred gigabytes.
 #[test]
 fn very_many_postures_take_no_more_room_than_their_unknowns() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let all = random_group(&cell, StartKind::Uniform, 20_000, 3, 1).unwrap();
     let of = |count: usize| evaluate(&cell, "many", &all[..count]).unwrap().indices;
     let value = |count: usize| of(count).prediction.unwrap();

@@ -5,7 +5,6 @@ use crate::common::prelude::*;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::estimate::simulated;
 use stiffarm::estimate::validated::{self, Folds};
-use stiffarm::files::table::read_pairs;
 use stiffarm::measure::registered;
 use stiffarm::plan::poses;
 use stiffarm::work::along::PathOptions;
@@ -13,6 +12,7 @@ use stiffarm::work::mapped::{self, LoadSource};
 use stiffarm::work::placed;
 use stiffarm::work::predicted;
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
+use stiffarm_files::table::read_pairs;
 
 fn key(error: Error) -> (Code, String) {
     (error.code(), error.place().key.clone().unwrap_or_default())

@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use std::sync::LazyLock;
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::files::envelope::write_result;
-use stiffarm::files::stiffness::read_stiffness;
 use stiffarm::work::compensate::{CompensateOptions, compensate};
+use stiffarm_files::envelope::write_result;
+use stiffarm_files::stiffness::read_stiffness;
 
 fn cell() -> Cell {
     default_cell()

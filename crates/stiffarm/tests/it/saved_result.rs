@@ -2,9 +2,9 @@
 
 use crate::common::prelude::*;
 use serde_json::{Value, json};
-use stiffarm::files::envelope::write_result;
-use stiffarm::files::result::{SavedResult, read_result};
 use stiffarm::study::{Study, StudyOptions, study};
+use stiffarm_files::envelope::write_result;
+use stiffarm_files::result::{SavedResult, read_result};
 
 fn wrapped(result: Value) -> Value {
     json!({

@@ -3,12 +3,12 @@
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use stiffarm::files::builtin;
-use stiffarm::files::envelope::to_json;
-use stiffarm::files::source::{Source, beside};
-use stiffarm::files::table::sha256_hex;
 use stiffarm::findings::is_hidden;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::envelope::to_json;
+use stiffarm_files::source::{Source, beside};
+use stiffarm_files::table::sha256_hex;
 
 #[test]
 fn plain_lists_are_joined_and_nothing_else_changes() {

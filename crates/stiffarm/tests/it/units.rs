@@ -3,10 +3,10 @@
 use nalgebra::UnitQuaternion;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
-use stiffarm::internals::fixed;
 use stiffarm::units::{
     Sense, deg_to_rad, degrees, m_to_shortest_mm, mm_to_m, rad_to_shortest_deg, roll_pitch_yaw,
 };
+use stiffarm_files::internals::fixed;
 
 #[test]
 fn angles_are_degrees_in_json_only() {

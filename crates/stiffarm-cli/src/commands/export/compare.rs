@@ -10,15 +10,15 @@ use crate::session::Session;
 use crate::table::red;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::program::{
-    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, compare_statements,
-    missing_stops, read_program, write_program,
-};
-use stiffarm::files::source::Source;
 use stiffarm::findings::Finding;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::feasibility::{Violation, violations};
 use stiffarm::units::deg_to_rad;
+use stiffarm_files::program::{
+    Difference, Move, MoveKind, Program, ProgramFile, compare_moves, compare_statements,
+    missing_stops, read_program, write_program,
+};
+use stiffarm_files::source::Source;
 
 /// Angles that differ by less are the same \[deg\]: no arm repeats better.
 const TOLERANCE_DEG: f64 = 0.001;

@@ -15,13 +15,6 @@ use crate::table::{red, yellow};
 use moves::Driven;
 use serde::Serialize;
 use std::path::Path;
-use stiffarm::files::check_name;
-use stiffarm::files::program::{
-    Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
-    write_program,
-};
-use stiffarm::files::source::{NamedCell, Source, group_name};
-use stiffarm::files::table::{SheetOptions, sha256_hex};
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;
@@ -31,6 +24,13 @@ use stiffarm::plan::feasibility::{Violation, on_limits, violations};
 use stiffarm::plan::select::limits_of;
 use stiffarm::units::rad_to_deg;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::check_name;
+use stiffarm_files::program::{
+    Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
+    write_program,
+};
+use stiffarm_files::source::{NamedCell, Source, group_name};
+use stiffarm_files::table::{SheetOptions, sha256_hex};
 
 /// Name of the start that the cell gives.
 const START: &str = "home";

@@ -1,13 +1,13 @@
 //! How the robot goes through a plan.
 
-use stiffarm::files::program::{Start, Stop};
-use stiffarm::files::table::is_turned;
 use stiffarm::findings::{Finding, list};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::route::{RouteOptions, not_approached, route};
 use stiffarm::{Control, Result};
+use stiffarm_files::program::{Start, Stop};
+use stiffarm_files::table::is_turned;
 
 /// The stops of a program with the ways between them.
 pub struct Driven {

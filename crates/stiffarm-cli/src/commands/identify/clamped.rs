@@ -8,11 +8,11 @@ use crate::session::Session;
 use stiffarm::estimate::clamped::{ClampedPosture, Options, identify_clamped, without};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::NoiseSource;
-use stiffarm::files::source::{NamedCell, Source};
-use stiffarm::files::table::read_clamped;
 use stiffarm::findings::Severity;
 use stiffarm::units::deg_to_rad;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::table::read_clamped;
 
 /// Identifies the joint stiffness from clamped postures.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {

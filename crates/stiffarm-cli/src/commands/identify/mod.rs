@@ -11,9 +11,9 @@ use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::estimate::identified::{Identified, Options, Wanted};
 use stiffarm::estimate::identify::{Fit, implausible_scale};
-use stiffarm::files::source::Source;
 use stiffarm::findings::Severity;
 use stiffarm::measure::prepare;
+use stiffarm_files::source::Source;
 
 /// Identifies the joint stiffness.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {

@@ -12,12 +12,12 @@ use crate::session::Session;
 use robot::{Chain, Options, start};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::cell::{
-    BOUNDS_MARGIN_DEG, joints_kept_inside, measurements_template, parse_cell, postures_template,
-};
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::units::rad_to_shortest_deg;
+use stiffarm_files::cell::{
+    BOUNDS_MARGIN_DEG, joints_kept_inside, measurements_template, parse_cell, postures_template,
+};
 
 #[derive(Serialize)]
 struct Written {

@@ -7,13 +7,13 @@ use crate::commands::robots::entry_of;
 use crate::session::Session;
 use serde::Serialize;
 use std::path::PathBuf;
-use stiffarm::files::cell::{template, template_of, template_with_shapes};
-use stiffarm::files::check_name;
-use stiffarm::files::source::{Source, group_name};
-use stiffarm::files::table::read_dh_rows;
-use stiffarm::files::urdf::{UrdfOptions, read_urdf};
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::cell::{template, template_of, template_with_shapes};
+use stiffarm_files::check_name;
+use stiffarm_files::source::{Source, group_name};
+use stiffarm_files::table::read_dh_rows;
+use stiffarm_files::urdf::{UrdfOptions, read_urdf};
 
 /// The cell's text and what it is from.
 pub struct Start {

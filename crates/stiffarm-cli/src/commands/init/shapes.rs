@@ -3,10 +3,10 @@
 use crate::args::InitArgs;
 use crate::session::Session;
 use std::path::Path;
-use stiffarm::files::mesh::parse_mesh;
-use stiffarm::files::urdf::{MeshFolders, UrdfRobot};
 use stiffarm::model::robot::LinkCapsule;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::mesh::parse_mesh;
+use stiffarm_files::urdf::{MeshFolders, UrdfRobot};
 
 /// Capsules around the links; `from` is the URDF, `name` its name in messages.
 ///

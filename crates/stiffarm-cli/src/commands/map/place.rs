@@ -8,10 +8,10 @@ use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
-use stiffarm::files::source::{NamedPath, Source};
 use stiffarm::work::map::{MapOptions, place};
 use stiffarm::work::placed::Request;
 use stiffarm::{Error, Result};
+use stiffarm_files::source::{NamedPath, Source};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
 /// Files of the folder.

@@ -6,12 +6,12 @@ use crate::args::{Goal, MeasureArgs};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
-use stiffarm::files::source::Source;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::work::judged::{Judgement, Options, judge};
 use stiffarm::work::predicted::tasks;
 use stiffarm::{Code, Control, Error, Result};
+use stiffarm_files::source::Source;
 
 /// Judges what is there, once or again and again.
 pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {

@@ -12,12 +12,12 @@ use crate::table::green;
 use crate::text;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
-use stiffarm::files::source::Source;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::work::judged::Judgement;
 use stiffarm::{Code, Control, Error, Result};
+use stiffarm_files::source::Source;
 
 /// Longest time without a look at whether the user stopped.
 const NAP: Duration = Duration::from_millis(50);

@@ -7,11 +7,11 @@ use crate::files::{Target, only_target, write_all};
 use crate::output::Exit;
 use crate::session::Session;
 use serde::Serialize;
-use stiffarm::files::source::{NamedCell, Source};
-use stiffarm::files::table::{read_poses, write_poses, write_postures};
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::poses::Request;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::table::{read_poses, write_poses, write_postures};
 
 /// What both ways need.
 struct Job<'a> {

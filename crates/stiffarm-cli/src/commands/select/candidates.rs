@@ -5,8 +5,8 @@ use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
-use stiffarm::files::source::Source;
 use stiffarm::plan::planned::{CandidateRequest, plan_candidates};
+use stiffarm_files::source::Source;
 
 /// Chooses, and writes plan and sheet.
 pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Exit> {

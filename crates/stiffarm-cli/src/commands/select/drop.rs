@@ -5,9 +5,9 @@ use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use stiffarm::Result;
-use stiffarm::files::source::Source;
 use stiffarm::plan::planned::{DropRequest, plan_drop};
 use stiffarm::plan::select::drop_evaluations;
+use stiffarm_files::source::Source;
 
 /// From so many groups on, their number is said before they are evaluated.
 const EVALUATIONS: usize = 10_000;

@@ -9,11 +9,6 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use std::path::Path;
-use stiffarm::files::check_name;
-use stiffarm::files::source::NamedCell;
-use stiffarm::files::table::{
-    SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
-};
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
@@ -22,6 +17,11 @@ use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::{Planned, Stage};
 use stiffarm::plan::select::RoundReport;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::check_name;
+use stiffarm_files::source::NamedCell;
+use stiffarm_files::table::{
+    SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
+};
 use stiffarm_report::tell::{Number, index_quantity};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 

@@ -6,8 +6,8 @@ use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
-use stiffarm::files::source::Source;
 use stiffarm::plan::planned::{PlanRequest, plan};
+use stiffarm_files::source::Source;
 
 /// Selects, bounds and examines the plan, and writes plan and sheet.
 pub(super) fn run(job: &Job<'_>) -> Result<Exit> {

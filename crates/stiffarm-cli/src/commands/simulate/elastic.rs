@@ -9,9 +9,9 @@ use crate::progress::Progress;
 use crate::session::Session;
 use stiffarm::estimate::simulate::{simulate_elastic, simulate_elastic_measurements};
 use stiffarm::estimate::simulated::ElasticOptions;
-use stiffarm::files::source::Source;
-use stiffarm::files::table::write_simulated;
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::source::Source;
+use stiffarm_files::table::write_simulated;
 
 /// Runs the simulation.
 pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {

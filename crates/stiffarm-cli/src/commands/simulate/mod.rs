@@ -15,9 +15,9 @@ use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::simulate;
 use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
-use stiffarm::files::source::Source;
-use stiffarm::files::table::{write_simulated, write_simulated_readings};
 use stiffarm::measure::experiment::{Experiment, experiment};
+use stiffarm_files::source::Source;
+use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// What is asked for that has a size.
 const SIZES: [&str; 6] = [

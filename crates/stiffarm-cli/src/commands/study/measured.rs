@@ -9,10 +9,10 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::files::source::Source;
 use stiffarm::measure::{is_of_table, prepare};
 use stiffarm::plan::index::Index;
 use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
+use stiffarm_files::source::Source;
 use stiffarm_report::render_svg;
 use stiffarm_report::study::{measured_figure, measured_table};
 

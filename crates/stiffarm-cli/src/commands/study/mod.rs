@@ -12,14 +12,14 @@ use crate::session::Session;
 use serde::Serialize;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::SimulationOptions;
-use stiffarm::files::builtin;
-use stiffarm::files::envelope::write_result;
-use stiffarm::files::source::{NamedCell, Source};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};
+use stiffarm_files::builtin;
+use stiffarm_files::envelope::write_result;
+use stiffarm_files::source::{NamedCell, Source};
 use stiffarm_report::study::{cell_picture, figures, tables};
 use stiffarm_report::{render_drawing, render_svg};
 

@@ -14,8 +14,8 @@ use super::{Given, Outcome, Told, arrows, counted, level, shown};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
-use stiffarm::files::result::SavedResult;
 use stiffarm::findings::Severity;
+use stiffarm_files::result::SavedResult;
 
 /// Whether a result of `identify` comes from postures with the flange fixed.
 pub(crate) fn is_clamped(saved: &SavedResult) -> bool {

@@ -4,13 +4,13 @@ use super::{figures, html, page, saved, story};
 use serde_json::json;
 use stiffarm::Control;
 use stiffarm::estimate::simulate::{SimulationOptions, simulate};
-use stiffarm::files::builtin;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::check::check;
 use stiffarm::plan::index::EvaluatedGroup;
 use stiffarm::plan::route::{RouteOptions, route};
 use stiffarm::plan::zones::{ZoneOptions, zones};
+use stiffarm_files::builtin;
 
 #[test]
 fn groups_are_compared_and_the_best_is_named() {

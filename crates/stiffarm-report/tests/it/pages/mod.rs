@@ -4,8 +4,8 @@ mod groups;
 mod plans;
 
 use serde_json::{Value, json};
-use stiffarm::files::result::SavedResult;
 use stiffarm::model::cell::Cell;
+use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::{Block, Number, Page, Piece, Text, render_page};
 use stiffarm_report::report::{Given, report};
 

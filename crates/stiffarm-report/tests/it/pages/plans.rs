@@ -3,7 +3,6 @@
 use super::{figures, html, page, saved, story};
 use serde_json::{Value, json};
 use stiffarm::Control;
-use stiffarm::files::builtin;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::certificate::{CertificateOptions, certify};
@@ -12,6 +11,7 @@ use stiffarm::plan::route::{RouteOptions, route};
 use stiffarm::plan::select::{
     GlobalOptions, LocalOptions, Selection, drop_postures, select, select_from,
 };
+use stiffarm_files::builtin;
 
 const HOSTILE: &str = "</script><img onerror=alert(1)>\u{1b}[31m=cmd|x";
 

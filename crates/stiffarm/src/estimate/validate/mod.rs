@@ -179,8 +179,8 @@ fn displacements(
 /// use stiffarm::model::stiffness::Model;
 /// use stiffarm::{Cell, prepare, simulated_readings};
 ///
-/// let cell = Cell::built_in("comau")?;
-/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let measured = prepare(&cell, simulated_readings(&cell, &postures, 1)?, &Default::default())?;
 /// // The cell's prior is the truth of the simulation: only noise is left.
 /// let found = validate(&cell, cell.require_prior()?, &measured, Model::Equilibrium, None)?;

@@ -1,6 +1,6 @@
 //! A robot cell: what is measured, within which bounds, how exactly.
 //!
-//! Values only; reading and writing `cell.toml` is in [`crate::files::cell`].
+//! Values only; reading and writing `cell.toml` is in `stiffarm_files::cell`.
 
 mod approach;
 mod columns;

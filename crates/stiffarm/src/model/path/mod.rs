@@ -17,7 +17,7 @@ use nalgebra::{Isometry3, UnitVector3, Vector3};
 use std::sync::Arc;
 
 /// Feeds beyond this are none \[m/s\].
-pub(crate) const FASTEST: f64 = 100.0;
+pub const FASTEST: f64 = 100.0;
 
 /// Where the tip should be, base frame.
 #[derive(Debug, Clone, PartialEq)]

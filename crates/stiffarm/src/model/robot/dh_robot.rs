@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Isometry3};
 
 /// Joints of a robot that is read from a file: beyond that it is a slip, and C alone
 /// would fill the memory.
-pub(crate) const MOST_JOINTS: usize = 100;
+pub const MOST_JOINTS: usize = 100;
 
 /// What a cell file says of a robot that is in no catalogue: rows, and the
 /// frames, limits and names that go with them.

@@ -18,7 +18,7 @@ pub use catalogue::{catalogue, find as find_in_catalogue};
 pub use controller::Controller;
 pub use dh::{DhConvention, DhRow};
 pub use dh_robot::DhRobot;
-pub(crate) use dh_robot::MOST_JOINTS;
+pub use dh_robot::MOST_JOINTS;
 pub use entry::{CatalogueEntry, Doubt, DoubtAbout, JointStiffness};
 pub use shapes::LinkCapsule;
 

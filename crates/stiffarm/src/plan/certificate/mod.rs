@@ -166,7 +166,7 @@ pub struct JointEfficiency {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::certificate::{CertificateOptions, certify};
 /// use stiffarm::plan::index::Index;
 ///
@@ -202,7 +202,7 @@ pub fn certify<Q: AsRef<[f64]>>(
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::certificate::{CertificateOptions, certify_further};
 /// use stiffarm::plan::index::Index;
 ///
@@ -287,7 +287,7 @@ pub fn certify_further<Q: AsRef<[f64]>>(
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::certificate::{CertificateOptions, joint_efficiencies};
 ///
 /// let cell = builtin::cell("comau")?;

@@ -58,7 +58,7 @@ impl CellCheck {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::check::check;
 ///
 /// let cell = builtin::cell("comau")?;

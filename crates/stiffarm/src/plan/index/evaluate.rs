@@ -169,7 +169,7 @@ impl GroupEvaluation {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::{Index, evaluate};
 ///
 /// let cell = builtin::cell("comau")?;

@@ -27,7 +27,7 @@ use std::collections::HashSet;
 /// use stiffarm::plan::planned::{PlanRequest, plan};
 /// use stiffarm::{Cell, Control};
 ///
-/// let cell = Cell::built_in("comau")?;
+/// let cell = stiffarm_files::builtin::cell("comau")?;
 /// let mut request = PlanRequest::default();
 /// request.postures = 3;
 /// request.rounds = Some(1); // more find better plans

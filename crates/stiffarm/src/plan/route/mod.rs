@@ -65,7 +65,7 @@ pub fn rounded<Q: AsRef<[f64]>>(
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::route::{RouteOptions, route};
 ///
 /// let cell = builtin::cell("comau-shapes")?;

@@ -35,7 +35,7 @@ pub struct ErrorAtCount {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::{GlobalOptions, error_by_count};
 ///

@@ -20,7 +20,7 @@ use crate::plan::index::{Index, evaluate, evaluate_for};
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::{LocalOptions, select_from};
 ///

@@ -56,7 +56,7 @@ pub struct Dropped {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::drop_postures;
 ///

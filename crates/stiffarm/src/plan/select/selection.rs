@@ -226,7 +226,7 @@ pub(super) fn smallest_length(limits: &[PostureLimits]) -> Option<f64> {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 ///
 /// let cell = builtin::cell("comau")?;

@@ -100,7 +100,7 @@ pub struct Sensitivity {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::{SensitivityOptions, sensitivity};
 ///

@@ -57,7 +57,7 @@ pub struct SpaceFilling {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::select::{smallest_distance, space_filling};
 ///
 /// let cell = builtin::cell("comau")?;

@@ -154,7 +154,7 @@ impl Compensation {
 /// use stiffarm::estimate::compliance::IdentifiedCompliance;
 /// use stiffarm::{Cell, Control, LoadedPosture, Wrench, compensate};
 ///
-/// let cell = Cell::built_in("comau")?;
+/// let cell = stiffarm_files::builtin::cell("comau")?;
 /// let catalogue = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
 /// let force = Wrench::force([0.0, 300.0, 0.0]);
 /// let work = [LoadedPosture::new("mill", vec![0.0, -0.5, -1.8, 0.3, 0.9, 0.2], force)];

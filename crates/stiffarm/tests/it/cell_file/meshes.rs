@@ -3,8 +3,8 @@
 use super::*;
 use crate::common::random::Dice;
 use nalgebra::{Rotation3, Vector3};
-use stiffarm::files::cell::parse_cell_with;
 use stiffarm::model::shape::Solid;
+use stiffarm_files::cell::parse_cell_with;
 
 /// A ragged surface as OBJ in mm, and its corners.
 fn mesh() -> (String, Vec<Vector3<f64>>) {

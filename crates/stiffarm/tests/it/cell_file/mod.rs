@@ -11,10 +11,6 @@ mod templates;
 use crate::common;
 
 use nalgebra::Vector3;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::{
-    measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
-};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::cell::Columns;
 use stiffarm::model::elastic::ElasticSource;
@@ -24,6 +20,10 @@ use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::process::{MillingDirection, Process};
 use stiffarm::model::robot::catalogue;
 use stiffarm::model::work::Work;
+use stiffarm_files::builtin;
+use stiffarm_files::cell::{
+    measurements_template, parse_cell, parse_cell_bytes, postures_template, template,
+};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

@@ -2,8 +2,8 @@
 //! generate --check` holds that it is the one of the types.
 
 use serde_json::Value;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::template;
+use stiffarm_files::builtin;
+use stiffarm_files::cell::template;
 
 const SCHEMA: &str = include_str!("../../../../../docs/cell.schema.json");
 

@@ -77,7 +77,7 @@ fn numbers_too_large_and_too_small_are_said_shortly() {
 
 #[test]
 fn a_tool_in_metres_is_told_where_a_shape_swallows_it() {
-    let mut text = stiffarm::files::builtin::cell_text("comau-shapes")
+    let mut text = stiffarm_files::builtin::cell_text("comau-shapes")
         .unwrap()
         .to_string();
     for (mm, m) in [

@@ -62,13 +62,13 @@ fn templates_can_be_used_as_they_are() -> Check {
             entry.key
         );
         // The tables begin with what to fill in, and no rows yet.
-        let error = stiffarm::files::table::read_postures(
+        let error = stiffarm_files::table::read_postures(
             postures_template(&cell.setup.robot).as_bytes(),
             "postures.csv",
             &cell.setup.robot,
         );
         assert!(error.unwrap_err().message().contains("no rows"));
-        let error = stiffarm::files::table::read_measurements(
+        let error = stiffarm_files::table::read_measurements(
             measurements_template(&cell).as_bytes(),
             "measurements.csv",
             &cell,
@@ -99,10 +99,10 @@ fn examples_of_the_templates_are_valid_rows() -> Check {
     };
     let postures = uncommented(postures_template(robot));
     let postures =
-        stiffarm::files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
+        stiffarm_files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
     assert_eq!(postures.len(), 1);
     let sheet = uncommented(measurements_template(&cell));
-    let read = stiffarm::files::table::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
+    let read = stiffarm_files::table::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
     let states: Vec<_> = read.postures[0]
         .states
         .iter()

@@ -10,9 +10,9 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use stiffarm::estimate::clamped::{
     ClampedPosture, ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
 };
-use stiffarm::files::table::{read_clamped, write_clamped};
 use stiffarm::internals::clamped_system;
 use stiffarm::model::stiffness::displacement_between;
+use stiffarm_files::table::{read_clamped, write_clamped};
 
 const FALSE_ALARM: f64 = 1e-6;
 

@@ -23,8 +23,6 @@ pub use stiffarm::estimate::systematic::systematic_errors;
 pub use stiffarm::estimate::validate::{
     Model, calculated_displacements, cross_validate, simulate_measurements, validate_with,
 };
-pub use stiffarm::files::builtin;
-pub use stiffarm::files::cell::parse_cell;
 pub use stiffarm::findings::{Finding, Severity};
 pub use stiffarm::internals::information::Factor;
 pub use stiffarm::internals::measured_system;
@@ -65,3 +63,5 @@ pub use stiffarm::plan::select::{
 };
 pub use stiffarm::work::predict::{LoadedArm, PredictOptions, predict};
 pub use stiffarm::{Code, Control, Error, Termination, simulated_readings};
+pub use stiffarm_files::builtin;
+pub use stiffarm_files::cell::parse_cell;

@@ -4,7 +4,7 @@ use super::*;
 
 /// Its cell and its 43 displacements.
 pub fn measured_robot() -> (Cell, Measured) {
-    let cell = Cell::built_in("fanuc-r2000ic").unwrap();
+    let cell = stiffarm_files::builtin::cell("fanuc-r2000ic").unwrap();
     let readings = builtin::measurements("fanuc-r2000ic-readings", &cell).unwrap();
     let measured = prepare(&cell, readings, &Default::default()).unwrap();
     assert_eq!(measured.postures.len(), 43);

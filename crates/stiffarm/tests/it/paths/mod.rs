@@ -5,11 +5,11 @@ mod slips;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 use proptest::prelude::*;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::files::table::{PathFormat, PathKind, PathTable, read_path, write_path};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::{ForceAxes, TipLoad};
+use stiffarm_files::cell::parse_cell;
+use stiffarm_files::table::{PathFormat, PathKind, PathTable, read_path, write_path};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

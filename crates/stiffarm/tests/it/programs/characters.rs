@@ -1,7 +1,7 @@
 //! Texts in characters that every controller shows.
 
 use super::*;
-use stiffarm::internals::{plain, wrapped};
+use stiffarm_files::internals::{plain, wrapped};
 
 #[test]
 fn texts_keep_what_can_be_shown() {

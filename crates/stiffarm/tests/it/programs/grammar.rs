@@ -3,7 +3,7 @@
 //! The checkers are written from the grammars that the library's files cite, and use nothing of
 //! the library: they know the subset that may be written and refuse everything else.
 
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 /// What a checker found a program to do.
 #[derive(Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! INFORM: head in order, positions counted, instructions between NOP and END.
 
 use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;

@@ -1,7 +1,7 @@
 //! KRL: head of the controller's template, points of the `.dat` each declared and used once.
 
 use super::grammar::{Checked, Found, Tokens, holds, lines, name};
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 const INI: [&str; 7] = [
     ";FOLD INI",

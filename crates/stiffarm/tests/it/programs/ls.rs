@@ -1,7 +1,7 @@
 //! FANUC TP: sections in order, lines numbered and counted, points in joint representation.
 
 use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;

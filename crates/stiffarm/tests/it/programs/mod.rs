@@ -17,13 +17,13 @@ use grammar::{Checked, Found};
 use proptest::prelude::*;
 use std::fmt::Write;
 use stiffarm::Cell;
-use stiffarm::files::program::{
-    Language, Program, ProgramFile, ProgramOptions, Start, Step, Stop, program_of_stops,
-    read_program, write_program,
-};
 use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{DhConvention, DhRow, Robot};
 use stiffarm::plan::feasibility::forbidden;
+use stiffarm_files::program::{
+    Language, Program, ProgramFile, ProgramOptions, Start, Step, Stop, program_of_stops,
+    read_program, write_program,
+};
 
 /// The six languages of controllers.
 const CONTROLLERS: [Language; 6] = [
@@ -264,7 +264,7 @@ fn agrees(language: Language, program: &Program, joints: usize, hundredths: bool
 
 #[test]
 fn programs_of_6_and_50_postures_are_sound_and_read_back() {
-    let cell = Cell::built_in("comau").unwrap();
+    let cell = stiffarm_files::builtin::cell("comau").unwrap();
     let seven = seven_joints();
     for (count, hundredths, seed) in [(6, true, 1), (50, true, 2), (6, false, 3), (50, false, 4)] {
         let six = feasible(&cell, count, hundredths, seed);

@@ -1,7 +1,7 @@
 //! PDL2: one program whose variable is declared, set, and used.
 
 use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;

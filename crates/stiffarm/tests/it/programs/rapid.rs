@@ -1,7 +1,7 @@
 //! RAPID: one module with its jointtargets and one procedure.
 
 use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;

@@ -2,11 +2,11 @@
 
 use super::{CONTROLLERS, options, small};
 use stiffarm::Code;
-use stiffarm::files::program::{
+use stiffarm::model::posture::Posture;
+use stiffarm_files::program::{
     Difference, Language, Move, Program, ProgramFile, ProgramOptions, Stop, compare_moves,
     missing_stops, program_of_stops, read_program, write_program,
 };
-use stiffarm::model::posture::Posture;
 
 fn written(language: Language) -> (Program, Vec<ProgramFile>) {
     let mut program = small();
@@ -138,7 +138,7 @@ fn what_a_language_cannot_hold_is_refused() {
     refused(Language::Pdl2, 6, &|p, _| p.name = "Move".into());
     let first = |p: &mut Program, change: &dyn Fn(&mut Move)| {
         for step in &mut p.steps {
-            if let stiffarm::files::program::Step::Move(target) = step {
+            if let stiffarm_files::program::Step::Move(target) = step {
                 change(target);
             }
         }

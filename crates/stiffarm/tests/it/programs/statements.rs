@@ -1,7 +1,7 @@
 //! What a program holds beside the plan's moves is found, whatever it is.
 
 use super::{Language, ProgramFile, options, small};
-use stiffarm::files::program::{
+use stiffarm_files::program::{
     Difference, Move, compare_moves, compare_statements, missing_stops, read_program, write_program,
 };
 
@@ -154,7 +154,7 @@ fn found(language: Language, files: &[ProgramFile]) -> Vec<Difference> {
     let planned = written(language);
     let read = |files: &[ProgramFile]| read_program(files, language, &options, 6).unwrap();
     let (own, other) = (read(&planned), read(files));
-    let moves = |program: &stiffarm::files::program::Program| -> Vec<Move> {
+    let moves = |program: &stiffarm_files::program::Program| -> Vec<Move> {
         program.moves().cloned().collect()
     };
     let (own, moved) = (moves(&own), moves(&other));

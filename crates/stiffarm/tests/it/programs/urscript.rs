@@ -1,7 +1,7 @@
 //! URScript: one function; angles in radians come back as degrees, speeds as per cent of 60 deg/s.
 
 use super::grammar::{Checked, Found, Tokens, holds, lines, name, only};
-use stiffarm::files::program::ProgramFile;
+use stiffarm_files::program::ProgramFile;
 
 pub fn check(files: &[ProgramFile], joints: usize) -> Checked {
     let file = only(files)?;

@@ -1,7 +1,7 @@
 //! Exports of tracker software, made up in its style (tests/exports/README.md).
 
 use super::*;
-use stiffarm::files::table::read_measurements_of;
+use stiffarm_files::table::read_measurements_of;
 
 /// The readings of all exports, as a table of our own.
 const PLAIN: &str = "\
@@ -136,7 +136,7 @@ fn uncertainties_and_temperatures_are_those_of_their_rows() -> Check {
     assert_eq!(last.temperature, Some(21.75));
     // What is written is read as the same; °F and µm are read.
     let cell = rope_cell();
-    let written = stiffarm::files::table::write_readings(&table, &cell);
+    let written = stiffarm_files::table::write_readings(&table, &cell);
     let again = readings(&written, &cell)?;
     assert_same(&again, &table, true, "written");
     let stated = |table: &ReadingTable| -> Vec<(Option<Vector3<f64>>, Option<f64>)> {

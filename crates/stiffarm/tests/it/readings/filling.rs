@@ -104,7 +104,7 @@ fn a_sheet_that_says_nothing_yet_is_an_error() -> Check {
 
 #[test]
 fn a_workbook_to_fill_in_holds_what_its_text_holds() -> Check {
-    use stiffarm::files::table::write_sheet_workbook;
+    use stiffarm_files::table::write_sheet_workbook;
     let mut options = SheetOptions::default();
     options.states = ["up-250", "up-500, slowly", "007"]
         .map(String::from)

@@ -14,10 +14,6 @@ mod workbook;
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::files::table::{
-    SheetOptions, read_measurements, read_postures, read_readings, reading_sheet, write_readings,
-};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::Measurements;
@@ -25,6 +21,10 @@ use stiffarm::model::measurement::{
     PostureReadings, Reading, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
 use stiffarm::model::posture::Posture;
+use stiffarm_files::cell::parse_cell;
+use stiffarm_files::table::{
+    SheetOptions, read_measurements, read_postures, read_readings, reading_sheet, write_readings,
+};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
@@ -338,7 +338,7 @@ fn the_heading_says_what_a_table_holds() -> Check {
     }
     let wrong = [
         readings(displacements, &cell).unwrap_err(),
-        stiffarm::files::table::read_displacements(FULL.as_bytes(), "m.csv", &cell, None)
+        stiffarm_files::table::read_displacements(FULL.as_bytes(), "m.csv", &cell, None)
             .unwrap_err(),
     ];
     for error in wrong {

@@ -3,9 +3,9 @@
 use super::*;
 use proptest::prelude::*;
 use stiffarm::Code;
-use stiffarm::files::table::{NamedPose, read_poses, write_poses};
 use stiffarm::model::inverse::InverseKinematics;
 use stiffarm::model::pose::{Convention, held_postures};
+use stiffarm_files::table::{NamedPose, read_poses, write_poses};
 
 /// Turns about x, y and z, written out.
 fn about(axis: usize, deg: f64) -> Matrix4<f64> {

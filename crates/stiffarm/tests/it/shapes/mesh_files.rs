@@ -4,7 +4,7 @@ use crate::common::meshes::{box_mesh, l_mesh};
 use crate::common::prelude::*;
 use std::fmt::Write;
 use std::path::Path;
-use stiffarm::files::mesh::{parse_mesh, read_mesh};
+use stiffarm_files::mesh::{parse_mesh, read_mesh};
 
 fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
     let mut out = vec![b' '; 80];

@@ -2,11 +2,11 @@
 
 use super::*;
 use stiffarm::Code;
-use stiffarm::files::cell::template_of;
-use stiffarm::files::table::read_dh_rows;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::robot::{DhConvention, DhRobot, DhRow, Robot};
 use stiffarm::units::deg_to_rad;
+use stiffarm_files::cell::template_of;
+use stiffarm_files::table::read_dh_rows;
 
 const ROWS: &str = "joint,alpha_deg,a_mm,d_mm,offset_deg,low_deg,high_deg,sign\n\
                     A1,0,0,645,0,-185,185,-1\n\

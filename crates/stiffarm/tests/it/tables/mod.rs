@@ -6,16 +6,16 @@ mod round_trip;
 mod slips;
 
 use proptest::prelude::*;
-use stiffarm::files::builtin;
-use stiffarm::files::cell::parse_cell;
-use stiffarm::files::table::{
-    displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
-    write_simulated,
-};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::posture::Posture;
+use stiffarm_files::builtin;
+use stiffarm_files::cell::parse_cell;
+use stiffarm_files::table::{
+    displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
+    write_simulated,
+};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

@@ -3,9 +3,9 @@
 use super::{Check, apart, axes, cell_with, codes, positions, read, rounded, stated, unit};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use stiffarm::files::program::Language;
-use stiffarm::files::table::{read_path, write_path};
-use stiffarm::files::tool_path::{Kind, ReadPath, read_tool_path};
+use stiffarm_files::program::Language;
+use stiffarm_files::table::{read_path, write_path};
+use stiffarm_files::tool_path::{Kind, ReadPath, read_tool_path};
 
 /// A pose as x, y, z \[mm\] and turns about fixed x, y, z \[deg\].
 type Row = [f64; 6];

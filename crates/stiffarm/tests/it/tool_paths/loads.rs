@@ -3,10 +3,10 @@
 use super::{Check, cell_with, read, read_with};
 use nalgebra::{Vector3, Vector6};
 use proptest::prelude::*;
-use stiffarm::files::table::{read_log, read_path, write_path};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{CountedBy, LoadLog, PathPoint, PathTarget, Recorded};
 use stiffarm::model::process::ForceAxes;
+use stiffarm_files::table::{read_log, read_path, write_path};
 
 /// What the head of a table of points over the workpiece says.
 const POINTS: &str = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z";
@@ -349,7 +349,7 @@ fn slips_of_logs() {
             "format = 1\nrobot.catalogue = 'kuka-kr500-r2800-2'\nload = {{ kind = 'measured' }}\n\
             tool = {{ loading_point_mm = [200, 0, 250], measuring_point = [{{ name = '1', position_mm = [0, 0, 300] }}] }}\n{table}{keys}\n"
         );
-        let error = stiffarm::files::cell::parse_cell(&text, "cell.toml").unwrap_err();
+        let error = stiffarm_files::cell::parse_cell(&text, "cell.toml").unwrap_err();
         shown += &format!("{keys:?}\n{error}\n");
     }
     insta::assert_snapshot!(shown);

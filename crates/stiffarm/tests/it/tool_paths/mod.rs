@@ -8,10 +8,10 @@ mod slips;
 mod writing;
 
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion, UnitVector3, Vector3};
-use stiffarm::files::cell::parse_cell;
-use stiffarm::files::tool_path::{Kind, ReadPath, read_tool_path};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget};
+use stiffarm_files::cell::parse_cell;
+use stiffarm_files::tool_path::{Kind, ReadPath, read_tool_path};
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 

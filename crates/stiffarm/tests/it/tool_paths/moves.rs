@@ -1,13 +1,13 @@
 //! New programs of linear moves.
 
 use super::{Check, apart, stated};
-use stiffarm::files::cell::parse_cell;
-use stiffarm::files::program::Language;
-use stiffarm::files::tool_path::{Kind, MoveOptions, Posed, read_tool_path, write_moves};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::{Code, Error};
+use stiffarm_files::cell::parse_cell;
+use stiffarm_files::program::Language;
+use stiffarm_files::tool_path::{Kind, MoveOptions, Posed, read_tool_path, write_moves};
 
 /// Robots of the catalogue with a posture each \[deg\], and the language of their controllers.
 const ROBOTS: [(&str, Language, [f64; 6]); 4] = [

@@ -6,9 +6,9 @@ use super::{
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiffarm::Code;
-use stiffarm::files::program::Language;
-use stiffarm::files::tool_path::{Kind, ReadPath, WrittenPath, read_tool_path};
 use stiffarm::model::path::PathPoint;
+use stiffarm_files::program::Language;
+use stiffarm_files::tool_path::{Kind, ReadPath, WrittenPath, read_tool_path};
 
 /// Programs with modal words, comments, arcs and odd layout.
 const PROGRAMS: [(&str, &str); 6] = [

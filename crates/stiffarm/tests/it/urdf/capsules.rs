@@ -3,10 +3,10 @@
 use super::shapes::ARM;
 use super::*;
 use nalgebra::{Vector3, Vector4};
-use stiffarm::files::cell::template_with_shapes;
-use stiffarm::files::urdf::CollisionGeometry;
 use stiffarm::model::robot::LinkCapsule;
 use stiffarm::model::shape::TriangleMesh;
+use stiffarm_files::cell::template_with_shapes;
+use stiffarm_files::urdf::CollisionGeometry;
 
 /// Corners of a mesh in its own unit: a ragged body of some 400 by 300 by 200.
 fn corners(path: &str) -> Vec<Vector3<f64>> {

@@ -12,10 +12,10 @@ use crate::common::random::Dice;
 use nalgebra::{Isometry3, Matrix4};
 use plain::{joints, pose_and_jacobian};
 use std::collections::BTreeMap;
-use stiffarm::files::cell::{parse_cell, template_of};
-use stiffarm::files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::robot::{DhRobot, Robot};
+use stiffarm_files::cell::{parse_cell, template_of};
+use stiffarm_files::urdf::{UrdfOptions, UrdfRobot, read_urdf};
 
 fn options(base: &str, tip: &str) -> UrdfOptions {
     UrdfOptions {

@@ -3,7 +3,7 @@
 use super::*;
 use std::f64::consts::TAU;
 use stiffarm::Code;
-use stiffarm::files::urdf::CollisionGeometry;
+use stiffarm_files::urdf::CollisionGeometry;
 
 /// An arm of two joints, every part of it written out.
 const WHOLE: &str = r#"<robot name="arm">

@@ -4,7 +4,7 @@ use super::*;
 use std::fs;
 use std::path::PathBuf;
 use stiffarm::Code;
-use stiffarm::files::urdf::{CollisionGeometry, MeshFolders};
+use stiffarm_files::urdf::{CollisionGeometry, MeshFolders};
 
 pub const ARM: &str = r#"<robot name="arm">
   <link name="pedestal"><collision><geometry><box size="1 1 0.5"/></geometry></collision></link>

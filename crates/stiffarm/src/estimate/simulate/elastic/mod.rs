@@ -54,8 +54,8 @@ const MEASUREMENTS: (usize, usize) = (1 << 16, 1);
 /// use stiffarm::estimate::simulate::{ElasticSimulationOptions, simulate_elastic};
 /// use stiffarm::{Cell, Control, PostureGroup};
 ///
-/// let cell = Cell::built_in("comau")?;
-/// let postures = stiffarm::files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let group = PostureGroup { name: "Group 1".to_string(), postures };
 /// let mut options = ElasticSimulationOptions::default();
 /// options.runs = 4;

@@ -117,7 +117,7 @@ pub struct CandidateSelection {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::model::measurement::Candidate;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::{CandidateOptions, StartKind, random_group, select_candidates};

@@ -62,7 +62,7 @@ const LEAST: f64 = 1e-6;
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::{GlobalOptions, select};
 ///
@@ -94,7 +94,7 @@ pub fn select(
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::Control;
-/// use stiffarm::files::builtin;
+/// use stiffarm_files::builtin;
 /// use stiffarm::plan::index::Index;
 /// use stiffarm::plan::select::{GlobalOptions, select_watched};
 ///

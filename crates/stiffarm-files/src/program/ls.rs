@@ -1,0 +1,416 @@
+//! FANUC teach pendant program as text: `.ls`.
+//!
+//! Grammar: listings that R-30iA and R-30iB controllers write (public examples:
+//! github.com/mitchtown98/FANUC_LS_Examples, github.com/WILDER-SYSTEMS-LLC/git-ftp) and FANUC, *R-30iB
+//! HandlingTool Setup and Operations Manual*: a remark has at most 32 characters, a message 24, the
+//! comment of a position 16; `PAUSE` waits for the start key. Positions are in joint representation,
+//! three decimals; axes beyond the sixth of the group are E1 to E3. `FINE` ends a move at rest. The
+//! dates of the head are constants, so that equal plans give equal bytes.
+//!
+//! CR LF, as the controller writes.
+
+use super::characters::said;
+use super::cursor::Cursor;
+use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
+use super::reader::{Aim, Motion, OpenPoint, Reader, Section, leading};
+use stiffarm::error::Result;
+use stiffarm::model::pose::Convention;
+use stiffarm::model::robot::Controller;
+
+pub const LS: Dialect = Dialect {
+    name: "ls",
+    title: "FANUC TP",
+    controller: Some(Controller::Fanuc),
+    axes: [1, 9],
+    axis_name: |axis| match axis {
+        0..6 => format!("J{}", axis + 1),
+        _ => format!("E{}", axis - 5),
+    },
+    most_decimals: 3,
+    tool: Tool::Number(29, Some("1")),
+    upper_case: true,
+    reserved: "ALL CON NUL PRN AUX",
+    syntax: Some(Syntax {
+        files: &[("ls", LISTING)],
+        small_file_names: true,
+        comment_width: 32,
+        // After `posture `.
+        name_width: 24,
+        label: |number| format!("P[{number}]"),
+        marker: |named| format!("  !{named} ;"),
+        movement: |to| vec![format!("J {} {}% FINE ;", to.label, to.speed_percent)],
+        point: |to| {
+            let values = to.values.iter().map(|value| format!("{value:>9} deg"));
+            let padded = Target {
+                label: String::new(),
+                values: values.collect(),
+                ..*to
+            };
+            let fields = padded.named(&LS, "= ");
+            let rows = fields.chunks(3).map(|row| format!("\t{}", row.join(",\t")));
+            let rows = rows.collect::<Vec<_>>().join(",\n");
+            let head = [
+                format!("{}{{", to.label),
+                "   GP1:".to_string(),
+                format!("\tUF : 0, UT : {},", to.tool),
+            ];
+            let rows = rows.lines().chain(["};"]).map(String::from);
+            head.into_iter().chain(rows).collect()
+        },
+        wait: |text| {
+            let said = said(text, 24).into_iter();
+            let shown = said.map(|line| format!("  MESSAGE[{line}] ;"));
+            shown.chain(["  PAUSE ;".to_string()]).collect()
+        },
+        read,
+        joint_move: "J",
+        other_moves: &["L", "C", "A", "S"],
+        branches: &[
+            "IF", "JMP", "FOR", "SELECT", "CALL", "OFFSET", "UFRAME", "UTOOL",
+        ],
+        poses: Some(PoseForm {
+            convention: Convention::Fanuc,
+            unit: 1e-3,
+            degrees: true,
+            before: &[],
+            decimals: [3, 3],
+            in_base: false,
+            moves: Moves {
+                template: LISTING,
+                frames: ["1", "1"],
+                // Lines of a program are numbered with 15 bits.
+                most: 32_000,
+                lines: |to| {
+                    vec![match to.number {
+                        1 => "J P[1] 10% FINE ;".to_string(),
+                        number => format!("L P[{number}] {}mm/sec CNT10 ;", to.speed_mm_s),
+                    }]
+                },
+                point: |to| {
+                    let [first, second] = match to.number {
+                        1 => {
+                            let rows = |at: usize| {
+                                let angles = to.angles[at..at + 3].iter().zip(at + 1..);
+                                let angles =
+                                    angles.map(|(angle, axis)| format!("J{axis}= {angle:>9} deg"));
+                                angles.collect::<Vec<_>>().join(",\t")
+                            };
+                            [rows(0), rows(3)]
+                        }
+                        _ => {
+                            let rows = |at: usize, unit: &str| {
+                                let names = POSE[at..at + 3].iter().zip(&to.pose[at..]);
+                                let names = names
+                                    .map(|(name, value)| format!("{name} = {value:>9} {unit}"));
+                                names.collect::<Vec<_>>().join(",\t")
+                            };
+                            [rows(0, " mm"), rows(3, "deg")]
+                        }
+                    };
+                    let configuration = match to.number {
+                        1 => String::new(),
+                        _ => format!("\t\tCONFIG : '{}',", to.configuration),
+                    };
+                    vec![
+                        format!("P[{}]{{", to.number),
+                        "   GP1:".to_string(),
+                        format!("\tUF : {}, UT : {},{configuration}", to.base, to.tool),
+                        format!("\t{first},"),
+                        format!("\t{second}"),
+                        "};".to_string(),
+                    ]
+                },
+            },
+        }),
+        missing_point: "/POS has no",
+        comment: "!",
+        comments_fill_lines: true,
+        numbered: true,
+        notes: &[
+            "owner=",
+            "comment=",
+            "prog_size=",
+            "create=",
+            "modified=",
+            "file_name=",
+            "version=",
+            "line_count=",
+            "memory_size=",
+        ],
+        angle_words: &["deg"],
+        angles: Angles::Named(2),
+        ..Syntax::USUAL
+    }),
+    ..Dialect::USUAL
+};
+
+const LISTING: &str = "\
+/PROG  {name}
+/ATTR
+OWNER\t\t= MNEDITOR;
+COMMENT\t\t= \"stiffarm {what}\";
+PROG_SIZE\t= 0;
+CREATE\t\t= DATE 00-01-01  TIME 00:00:00;
+MODIFIED\t= DATE 00-01-01  TIME 00:00:00;
+FILE_NAME\t= ;
+VERSION\t\t= 0;
+LINE_COUNT\t= {count};
+MEMORY_SIZE\t= 0;
+PROTECT\t\t= READ_WRITE;
+TCD:  STACK_SIZE\t= 0,
+      TASK_PRIORITY\t= 50,
+      TIME_SLICE\t= 0,
+      BUSY_LAMP_OFF\t= 0,
+      ABORT_REQUEST\t= 0,
+      PAUSE_REQUEST\t= 0;
+DEFAULT_GROUP\t= 1,*,*,*,*;
+CONTROL_CODE\t= 00000000 00000000;
+/MN
+{n}  !{header} ;
+{n}  UFRAME_NUM={base} ;
+{n}  UTOOL_NUM={tool} ;
+{n}{body}
+/POS
+{points}
+/END
+";
+
+fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    if line.word("/PROG") {
+        reader.named(line.identifier()?);
+    } else if line.word("/MN") {
+        reader.section = Section::Body;
+    } else if line.word("/POS") {
+        reader.section = Section::Points;
+    } else if line.word("/END") {
+        reader.section = Section::Head;
+    } else if reader.section == Section::Points {
+        position(line, reader)?;
+    } else if reader.section == Section::Body && !line.is_done() {
+        // The number of the line; a long instruction goes on without one.
+        if line.number().is_ok() || line.passes(":") {
+            line.passes(":");
+        }
+        return statement(line, reader);
+    }
+    Ok(true)
+}
+
+fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    if line.passes("!") {
+        reader.comment(line.rest().trim_end().trim_end_matches(';'));
+    } else if line.passes("MESSAGE[") {
+        let Some((said, _)) = line.rest().split_once(']') else {
+            return Err(line.wrong("The `]` of this message is missing."));
+        };
+        reader.say(said);
+    } else if line.word("PAUSE") {
+        reader.wait();
+    } else if reader.is_path && (line.clone().word("UFRAME_NUM") || line.clone().word("UTOOL_NUM"))
+    {
+        let number = usize::from(line.identifier()?.eq_ignore_ascii_case("UFRAME_NUM"));
+        let name = line.rest().trim().trim_end_matches(';').trim().to_string();
+        reader.uses(number, name, line.line_number());
+    } else if reader.is_path {
+        return path_move(line, reader);
+    } else if line.word("J") {
+        let place = line.clone();
+        let label = point(line)?;
+        reader.speed = line.percent()?;
+        line.expect("%")?;
+        if !line.word("FINE") {
+            return Err(line.wrong_here("The move does not end at rest (FINE)."));
+        }
+        line.expect(";")?;
+        reader.go(place.clone(), Aim::Label(place, label));
+    } else {
+        return Ok(false);
+    }
+    Ok(true)
+}
+
+/// What moves a position of a tool path.
+const CALCULATED: [&str; 9] = [
+    "PR[",
+    " Offset",
+    " OFFSET",
+    "Tool_Offset",
+    "TOOL_OFFSET",
+    " INC",
+    "VOFFSET",
+    " VOFF",
+    "SEARCH",
+];
+
+/// A move of a tool path. The end of an arc stands in a line of its own.
+fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
+    let place = line.clone();
+    if let Some((start, via)) = reader.arc.take() {
+        let aim = Aim::Label(place, point(line)?);
+        reader.moves(start, Motion::Circular, Some(via), aim);
+        reader.at_feed(feed(line.rest()));
+        return Ok(true);
+    }
+    let words = [
+        ("L", Motion::Linear),
+        ("J", Motion::Joint),
+        ("C", Motion::Circular),
+    ];
+    let Some(motion) = line.motion(&words) else {
+        return Ok(false);
+    };
+    if let Some(word) = CALCULATED.iter().find(|word| line.rest().contains(**word)) {
+        return Err(line.wrong_here(format!(
+            "This move is calculated by the controller ({}): only stated positions are read.",
+            word.trim()
+        )));
+    }
+    let aim = Aim::Label(line.clone(), point(line)?);
+    if line.rest().contains(" COORD") {
+        // The path moves with a positioner.
+        reader.passed_over.push((line.line_number(), "COORD"));
+    }
+    match motion {
+        Motion::Circular => reader.arc = Some((place, aim)),
+        _ => {
+            reader.moves(place, motion, None, aim);
+            reader.at_feed(feed(line.rest()));
+        }
+    }
+    Ok(true)
+}
+
+/// The feed that stands behind the point, `100mm/sec` \[m/s\].
+fn feed(rest: &str) -> Option<f64> {
+    let units = [
+        ("mm/sec", 1e-3),
+        ("cm/min", 1e-2 / 60.0),
+        ("inch/min", 25.4e-3 / 60.0),
+    ];
+    let rest = rest.trim_start();
+    let unit = rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+    let mut units = units.iter();
+    let (_, unit) = units.find(|(name, _)| unit.trim_start().starts_with(name))?;
+    Some(leading(rest)? * unit)
+}
+
+/// `P[1]`, with or without a comment.
+fn point(line: &mut Cursor<'_>) -> Result<String> {
+    line.expect("P[")?;
+    let label = label(line)?;
+    if line.passes(":") {
+        line.skip(line.rest().find(']').unwrap_or(0));
+    }
+    line.expect("]")?;
+    Ok(label)
+}
+
+/// `P[` and the number of a point.
+fn label(line: &mut Cursor<'_>) -> Result<String> {
+    let place = line.clone();
+    let number = line.number()?;
+    if number >= 1.0 && number.fract() == 0.0 && number <= 1e6 {
+        Ok(format!("P[{number}]"))
+    } else {
+        Err(place.wrong("This is no number of a point."))
+    }
+}
+
+/// A line of `/POS`.
+fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
+    if line.passes("P[") {
+        let place = line.clone();
+        let label = label(line)?;
+        reader.open = Some(OpenPoint {
+            label,
+            place,
+            values: vec![None; reader.joints],
+            pose: [None; 7],
+            is_first_group: true,
+        });
+    } else if line.passes("}") {
+        if let Some(open) = reader.open.take() {
+            let label = open.label;
+            let aim = match open.pose.iter().any(Option::is_some) {
+                true => match open.pose.iter().take(6).position(Option::is_none) {
+                    None => Ok(Aim::Pose(reader.pose(open.pose, &open.place))),
+                    Some(at) => Err(POSE[at].to_string()),
+                },
+                false => reader.complete(&open.values),
+            };
+            let missing = |name| open.place.wrong(format!("{label} has no {name}."));
+            reader.point(&label, aim.map_err(missing)?);
+        }
+    } else if let Some(open) = &mut reader.open {
+        let was_first = open.is_first_group;
+        fields(line, open, reader.is_path)?;
+        if was_first && !open.is_first_group {
+            reader
+                .passed_over
+                .push((line.line_number(), "A second group of axes"));
+        }
+    }
+    Ok(())
+}
+
+/// Numbers of a pose in their order.
+const POSE: [&str; 6] = ["X", "Y", "Z", "W", "P", "R"];
+
+/// A line within a position: `J1= 10.000 deg,`.
+fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Result<()> {
+    if line.passes("GP") {
+        open.is_first_group = line.number()? == 1.0 || !is_path;
+        return Ok(());
+    }
+    if line.word("UF") || (is_path && line.word("CONFIG")) {
+        return Ok(());
+    }
+    if !open.is_first_group {
+        let values = line.rest().split('=').skip(1);
+        let mut values =
+            values.filter_map(|part| part.split_whitespace().next()?.parse::<f64>().ok());
+        return match values.any(|value| value != 0.0) {
+            true => {
+                Err(line.wrong_here("A second group of axes is not at 0: the path moves with it."))
+            }
+            false => Ok(()),
+        };
+    }
+    let values = &mut open.values;
+    while !line.is_done() {
+        let mut field = line.clone();
+        let axis = line.identifier()?.to_ascii_uppercase();
+        if let Some(at) = POSE.iter().position(|name| is_path && *name == axis) {
+            line.expect("=")?;
+            if open.pose[at].replace(line.placed()?).is_some() {
+                return Err(field.wrong_here(format!("`{axis}` stands twice in this position.")));
+            }
+            let _ = line.word("mm") || line.word("deg");
+            if !line.passes(",") {
+                line.end()?;
+            }
+            continue;
+        }
+        let Some(known) = (0..9).find(|i| (LS.axis_name)(*i) == axis) else {
+            let message = format!(
+                "`{axis}` is no joint: only positions in joint representation can be read."
+            );
+            return Err(field.wrong_here(message));
+        };
+        line.expect("=")?;
+        let value = line.angle()?;
+        let unit = line.word("deg");
+        match values.get_mut(known) {
+            Some(value_of) if unit => *value_of = Some(value),
+            Some(_) => return Err(line.wrong_here("`deg` is missing here.")),
+            // Further axes of the group are none of the cell's.
+            None => {
+                line.word("mm");
+            }
+        }
+        if !line.passes(",") {
+            line.end()?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,335 @@
+//! The columns that tables of displacements and of readings share.
+
+use super::grid::{Column, Row, Table};
+use super::heading::{Known, force, moment};
+use super::postures::angles;
+use super::values::{Values, expanded};
+use nalgebra::Vector3;
+use std::collections::BTreeMap;
+use stiffarm::error::{Code, Error, Result, did_you_mean};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::{Load, Wrench};
+use stiffarm::model::measurement::{Role, WrenchColumns};
+use stiffarm::model::posture::Posture;
+
+/// Postures of a posture file, by name.
+pub(super) type Plan<'p> = BTreeMap<&'p str, &'p Posture>;
+
+/// Positions and units of the columns.
+pub(super) struct MeasurementColumns {
+    pub(super) posture: Column,
+    pub(super) state: Option<Column>,
+    pub(super) point: Column,
+    vector: Vec<Column>,
+    force: Option<Vec<Column>>,
+    moment: Option<Vec<Column>>,
+    pub(super) load: Option<Column>,
+    time: Option<Column>,
+    expanded: Option<Vec<Column>>,
+    temperature: Option<Column>,
+    pub(super) angles: Option<Vec<Column>>,
+}
+
+impl MeasurementColumns {
+    pub(super) fn of(
+        table: &Table<'_>,
+        cell: &Cell,
+        values: Values,
+        has_postures: bool,
+    ) -> Result<Self> {
+        let joints = cell.setup.robot.joint_count();
+        let found = table.check_heading(&values.known(joints), joints)?;
+        let fault = |column: Option<Column>, code: Code, message: &str, hint: &str| {
+            let at = column.map(|column| column.at);
+            Err(table.heading_error(at, code, message).hint(hint))
+        };
+        let hint = match values {
+            Values::Positions => {
+                "a table of readings has the columns posture, state, point, x_mm, y_mm, z_mm; one without names is read beside the sheet in whose order it was taken: give both"
+            }
+            Values::Displacements => {
+                "a table of displacements has the columns posture, point, dx_mm, dy_mm, dz_mm"
+            }
+        };
+        let hint = hint.to_string() + &unmatched(table, cell, &values.known(joints));
+        let posture = found.require(&Known::name("posture"), &hint)?;
+        let state = match values {
+            Values::Positions => Some(found.require(&Known::name("state"), &hint)?),
+            Values::Displacements => found.get("state"),
+        };
+        let point = found.require(&Known::name("point"), &hint)?;
+        let vector = found.all(&values.components(), &hint)?;
+        let hint = "give all three components of the force, or none";
+        let force = found.all_or_none(&force(), hint)?;
+        let hint = "give all three components of the moment, or none";
+        let moment = found.all_or_none(&moment(), hint)?;
+        let load = found.get("load");
+        if force.is_none() && cell.setup.load == Load::Measured {
+            let message = "The cell's load is measured, but the table has no forces.";
+            let hint = match (values, &cell.sensor) {
+                (Values::Displacements, _) => {
+                    "add fx_n, fy_n, fz_n: the force on the robot in base axes, loaded minus unloaded"
+                }
+                (Values::Positions, Some(_)) => {
+                    "add fx_n, fy_n, fz_n, mx_nm, my_nm, mz_nm as the sensor reports them in each state"
+                }
+                (Values::Positions, None) => {
+                    "add fx_n, fy_n, fz_n: the force on the robot in base axes; or give readings of a sensor, and its pose in [sensor]"
+                }
+            };
+            return fault(None, Code::TableHeading, message, hint);
+        }
+        if let (None, Some(moment)) = (&force, &moment) {
+            let message = "The table has moments but no forces.";
+            let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
+            return fault(Some(moment[0]), Code::TableHeading, message, hint);
+        }
+        if let (Some(load), false) = (load, cell.setup.load.each().any(|l| l.size().is_some())) {
+            let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
+            let hint =
+                "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
+            return fault(Some(load), Code::Conflict, message, hint);
+        }
+        let angle_columns: Vec<Known> = Known::angles(joints).collect();
+        let hint = format!("give the angles of all {joints} joints, or a posture file");
+        let angles = found.all_or_none(&angle_columns, &hint)?;
+        if angles.is_none() && !has_postures {
+            let message = "The table has no controller angles.";
+            let hint = format!(
+                "add q1_deg to q{joints}_deg, or give the posture file whose names the table uses"
+            );
+            return fault(None, Code::TableHeading, message, &hint);
+        }
+        Ok(MeasurementColumns {
+            posture,
+            state,
+            point,
+            vector,
+            force,
+            moment,
+            load,
+            time: found.get("time"),
+            expanded: found.all_or_none(&expanded(), "give all three, or none")?,
+            temperature: found.get("temperature"),
+            angles,
+        })
+    }
+
+    /// Which columns of force there are.
+    pub(super) fn wrench_columns(&self) -> WrenchColumns {
+        match (&self.force, &self.moment) {
+            (None, _) => WrenchColumns::None,
+            (Some(_), None) => WrenchColumns::Force,
+            (Some(_), Some(_)) => WrenchColumns::ForceAndMoment,
+        }
+    }
+
+    /// Position or displacement \[m\].
+    pub(super) fn vector(&self, table: &Table<'_>, row: &Row) -> Result<Vector3<f64>> {
+        vector(table, row, &self.vector)
+    }
+
+    /// True where all three lengths are empty.
+    pub(super) fn has_no_position(&self, table: &Table<'_>, row: &Row) -> bool {
+        self.vector.iter().all(|c| table.is_blank(row, *c))
+    }
+
+    /// Refuses a loaded state that belongs to none of the cell's load cases; the number of the
+    /// one it belongs to, 0 where there is a single load.
+    pub(super) fn load_case(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        cell: &Cell,
+        state: &str,
+    ) -> Result<usize> {
+        if Role::of(state) != Role::Loaded {
+            return Ok(0);
+        }
+        let load = &cell.setup.load;
+        if self.state.is_none() && load.has_cases() {
+            let message = "The table has no column state, which says under which load case a row was measured.";
+            return Err(table
+                .heading_error(None, Code::TableHeading, message)
+                .hint(format!("add it, with one of: {}", load.case_names())));
+        }
+        let at = self.state.unwrap_or(self.posture).at;
+        load.case_of(state).map_err(|error| {
+            let hint = error.hint_text().unwrap_or_default().to_string();
+            let named = table.error(row, at, Code::UnknownName, error.message());
+            named.hint(hint)
+        })
+    }
+
+    /// Time \[s\], where the row has one.
+    pub(super) fn time(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
+        number(table, row, self.time)
+    }
+
+    /// Temperature \[°C\], where the row has one.
+    pub(super) fn temperature(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
+        number(table, row, self.temperature)
+    }
+
+    /// Expanded uncertainty of the coordinates \[m\], where the row has it.
+    pub(super) fn expanded(&self, table: &Table<'_>, row: &Row) -> Result<Option<Vector3<f64>>> {
+        let filled = |column: &Column| !table.is_blank(row, *column);
+        let columns = self.expanded.as_ref();
+        let Some(columns) = columns.filter(|columns| columns.iter().any(filled)) else {
+            return Ok(None);
+        };
+        let expanded = vector(table, row, columns)?;
+        match columns
+            .iter()
+            .zip(&expanded)
+            .find(|(_, value)| **value < 0.0)
+        {
+            Some((column, _)) => {
+                let message = "An uncertainty is not below zero.";
+                Err(table.error(row, column.at, Code::InvalidValue, message))
+            }
+            None => Ok(Some(expanded)),
+        }
+    }
+
+    /// Force and moment \[N, N·m\]; a moment without columns is zero.
+    pub(super) fn wrench(&self, table: &Table<'_>, row: &Row) -> Result<Option<Wrench>> {
+        let Some(force) = &self.force else {
+            return Ok(None);
+        };
+        let force = vector(table, row, force)?;
+        let moment = self.moment.as_deref();
+        let moment = moment
+            .map(|moment| vector(table, row, moment))
+            .transpose()?;
+        Ok(Some(Wrench {
+            force,
+            moment: moment.unwrap_or_default(),
+        }))
+    }
+
+    /// True where all fields of force and moment are empty.
+    pub(super) fn has_no_wrench(&self, table: &Table<'_>, row: &Row) -> bool {
+        let columns = [&self.force, &self.moment].into_iter().flatten().flatten();
+        columns
+            .into_iter()
+            .all(|column| table.is_blank(row, *column))
+    }
+
+    /// The row's own controller angles \[rad\], inside the machine's limits.
+    pub(super) fn own_angles(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        cell: &Cell,
+    ) -> Result<Option<Vec<f64>>> {
+        let columns = self.angles.as_ref();
+        columns
+            .map(|columns| angles(table, row, columns, &cell.setup.robot))
+            .transpose()
+    }
+
+    /// The posture of the posture file that the row names.
+    pub(super) fn planned<'p>(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        plan: Option<&Plan<'p>>,
+    ) -> Result<Option<&'p Posture>> {
+        let Some(plan) = plan else {
+            return Ok(None);
+        };
+        let name = row.fields[self.posture.at].text.as_str();
+        if let Some(posture) = plan.get(name) {
+            return Ok(Some(posture));
+        }
+        let message = format!("The posture file has no posture \"{name}\".");
+        let error = table.error(row, self.posture.at, Code::UnknownName, message);
+        Err(match did_you_mean(name, plan.keys().copied()) {
+            Some(hint) => error.hint(hint),
+            None => error,
+        })
+    }
+
+    /// Index of the measuring point that the row names; `also` are names that
+    /// the table knows beside.
+    pub(super) fn measuring_point(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        cell: &Cell,
+        also: &[&str],
+    ) -> Result<usize> {
+        let name = table.name(row, self.point)?;
+        let tool = &cell.setup.tool;
+        if let Some(point) = tool.point_index(name) {
+            return Ok(point);
+        }
+        let own = tool.measuring_points.iter().map(|p| p.name.as_str());
+        let names: Vec<&str> = own.chain(also.iter().copied()).collect();
+        let message = format!("The cell has no measuring point \"{name}\".");
+        let hint = did_you_mean(name, names.iter().copied())
+            .unwrap_or_else(|| format!("measuring points: {}", names.join(", ")));
+        let error = table.error(row, self.point.at, Code::UnknownName, message);
+        Err(error.hint(hint))
+    }
+
+    /// The first column in which two rows of one posture and state differ.
+    pub(super) fn contradiction(&self, table: &Table<'_>, first: &Row, row: &Row) -> Error {
+        let given = [&self.angles, &self.force, &self.moment];
+        let given = given.into_iter().flatten().flatten().copied();
+        let differs =
+            |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
+        let column = given.chain(self.load).find(differs).unwrap_or(self.posture);
+        let shown = |row: &Row| match row.fields[column.at].text.as_str() {
+            "" => "An empty field".to_string(),
+            text => text.to_string(),
+        };
+        let message = format!(
+            "{} differs from {} on line {}, but the posture and its state are the same.",
+            shown(row),
+            shown(first).replace("An empty", "an empty"),
+            first.line
+        );
+        table.error(row, column.at, Code::Conflict, message).hint(
+            "angles and wrench belong to the posture and state: average them, or name another state",
+        )
+    }
+}
+
+/// The number of a column, where there is one and the row has it.
+fn number(table: &Table<'_>, row: &Row, column: Option<Column>) -> Result<Option<f64>> {
+    let column = table.filled(row, column);
+    column.map(|column| table.number(row, column)).transpose()
+}
+
+pub(super) fn vector(table: &Table<'_>, row: &Row, columns: &[Column]) -> Result<Vector3<f64>> {
+    let mut vector = Vector3::zeros();
+    for (component, column) in vector.iter_mut().zip(columns) {
+        *component = table.number(row, *column)?;
+    }
+    Ok(vector)
+}
+
+/// Says which of the cell's foreign headings the table has not, for hints.
+fn unmatched(table: &Table<'_>, cell: &Cell, known: &[Known]) -> String {
+    let missing = |ours: &String| {
+        // A path has columns that measurements have not.
+        known
+            .iter()
+            .any(|k| k.headings().any(|heading| heading == *ours))
+            && table.headings.iter().all(|heading| heading.name != *ours)
+    };
+    let names = cell.columns.names.iter();
+    let names: Vec<String> = names
+        .filter(|(ours, _)| missing(ours))
+        .map(|(_, theirs)| format!("\"{theirs}\""))
+        .collect();
+    if names.is_empty() {
+        return String::new();
+    }
+    format!(
+        "; [columns] in the cell file looks for {}, which the table has not",
+        names.join(", ")
+    )
+}

@@ -1,0 +1,34 @@
+//! Tables that another software wrote: where their heading is, names that hold several names,
+//! times as clocks show them, several files as one table, names that stand in a sheet beside them.
+//!
+//! What a file needs beyond its headings stands in `[columns]` of the cell file
+//! ([`Columns`]). After [`finish`] a table is like one of our own.
+
+mod by_sheet;
+mod heading;
+mod join;
+mod names;
+mod suggest;
+mod times;
+
+pub(super) use by_sheet::{put, take};
+pub(super) use heading::{find, own_unit};
+pub(super) use join::join;
+pub(super) use suggest::suggestion;
+pub(super) use times::{DATED, date_of};
+
+use super::grid::Table;
+use stiffarm::error::Result;
+use stiffarm::model::cell::Columns;
+
+/// Makes a table one of our own: compound names split, clock times in seconds.
+///
+/// # Errors
+/// A name that does not fit the pattern, a time that cannot be read, dates whose order of day
+/// and month nothing tells.
+pub(super) fn finish(table: &mut Table<'_>, foreign: &Columns) -> Result<()> {
+    if let Some(pattern) = &foreign.name_pattern {
+        names::split(table, pattern)?;
+    }
+    times::to_seconds(table, foreign.dates)
+}

@@ -1,0 +1,92 @@
+//! What the columns of a path may hold.
+
+use crate::table::heading::{Known, force, moment};
+use crate::table::quantity::Quantity;
+
+/// What the rows of a path say of the tip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathKind {
+    /// `q1_deg` to `qn_deg`: controller angles.
+    Angles,
+    /// `x_mm, y_mm, z_mm, roll_deg, pitch_deg, yaw_deg`: the pose of the tip frame.
+    Poses,
+    /// `x_mm, y_mm, z_mm, axis_x, axis_y, axis_z`: position of the tip and
+    /// direction of the tool axis.
+    ToolAxes,
+}
+
+/// What a column holds; components and joints count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Content {
+    Name,
+    Angle(usize),
+    Position(usize),
+    Turn(usize),
+    Axis(usize),
+    Force(usize),
+    Moment(usize),
+    Axes,
+    Feature,
+    Feed,
+}
+
+impl Content {
+    /// True where it is part of what the rows of this kind say of the tip.
+    pub(super) fn belongs_to(self, kind: PathKind) -> bool {
+        match kind {
+            PathKind::Angles => matches!(self, Content::Angle(_)),
+            PathKind::Poses => matches!(self, Content::Position(_) | Content::Turn(_)),
+            PathKind::ToolAxes => matches!(self, Content::Position(_) | Content::Axis(_)),
+        }
+    }
+
+    pub(super) fn is_target(self) -> bool {
+        let kinds = [PathKind::Angles, PathKind::Poses, PathKind::ToolAxes];
+        kinds.into_iter().any(|kind| self.belongs_to(kind))
+    }
+
+    pub(super) fn is_load(self) -> bool {
+        matches!(self, Content::Force(_) | Content::Moment(_) | Content::Axes)
+    }
+}
+
+pub(super) fn position() -> [Known; 3] {
+    ["x", "y", "z"].map(|stem| Known::of(stem, Quantity::Length, "position"))
+}
+
+pub(super) fn turns() -> [Known; 3] {
+    ["roll", "pitch", "yaw"].map(|stem| Known::of(stem, Quantity::Angle, "orientation"))
+}
+
+pub(super) fn axis() -> [Known; 3] {
+    ["axis_x", "axis_y", "axis_z"].map(|stem| Known::of(stem, Quantity::Number, "axis"))
+}
+
+/// The columns that a path may have, with what they hold.
+pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
+    fn numbered<const N: usize>(
+        content: fn(usize) -> Content,
+        known: [Known; N],
+    ) -> impl Iterator<Item = (Content, Known)> {
+        let known = known.into_iter().enumerate();
+        known.map(move |(i, known)| (content(i), known))
+    }
+    let mut all = vec![(Content::Name, Known::name("point"))];
+    let angles = Known::angles(joints).enumerate();
+    all.extend(angles.map(|(j, known)| (Content::Angle(j), known)));
+    all.extend(numbered(Content::Position, position()));
+    all.extend(numbered(Content::Turn, turns()));
+    all.extend(numbered(Content::Axis, axis()));
+    all.extend(numbered(Content::Force, force()));
+    all.extend(numbered(Content::Moment, moment()));
+    all.push((Content::Axes, Known::name("axes")));
+    all.push((Content::Feature, Known::name("feature")));
+    all.push((Content::Feed, Known::of("feed", Quantity::Feed, "feed")));
+    all
+}
+
+/// The columns that a path may have.
+pub(in crate::table) fn known(joints: usize) -> Vec<Known> {
+    let contents = contents(joints).into_iter();
+    contents.map(|(_, known)| known).collect()
+}

@@ -1,0 +1,232 @@
+//! Sheets to fill in beside the robot: rows as data first, then text or a workbook.
+
+mod page;
+mod workbook;
+
+pub use workbook::write_sheet_workbook;
+
+use super::displacements::DEFAULT_STATE;
+use super::loads;
+use super::values::Values;
+use super::write::{Layout, degrees, line};
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Load;
+use stiffarm::model::measurement::Role;
+use stiffarm::model::posture::Posture;
+
+/// What a sheet for raw readings asks for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct SheetOptions {
+    /// Load states in the order in which they are taken; if none is named, `loaded`, or
+    /// the cell's load cases with an unloaded state before each. An unloaded state comes first where none is among them.
+    pub states: Vec<String>,
+    /// Whether each posture ends with another unloaded state, which shows the drift.
+    pub drift: bool,
+    /// Whether a reflector on the base is read in each state.
+    pub base_reflector: bool,
+}
+
+impl SheetOptions {
+    /// All states of a posture, in the order in which they are taken.
+    pub fn all_states(&self, cell: &Cell) -> Vec<String> {
+        let mut states = self.states.clone();
+        let is_unloaded = |state: &String| Role::of(state) == Role::Unloaded;
+        if states.is_empty() {
+            states = default_states(cell);
+            // Before each of several loads the arm is read unloaded again: so each
+            // displacement has an unloaded reading of its own, and drift shows.
+            let loads = states.len();
+            for number in (2..=loads).rev() {
+                states.insert(number - 1, format!("unloaded-{number}"));
+            }
+            if loads > 1 {
+                states.insert(0, "unloaded".to_string());
+            }
+        }
+        if !states.iter().any(is_unloaded) {
+            states.insert(0, "unloaded".to_string());
+        }
+        if self.drift && !states.last().is_some_and(is_unloaded) {
+            let taken = states.iter().filter(|state| is_unloaded(state)).count();
+            states.push(format!("unloaded-{}", taken + 1));
+        }
+        states
+    }
+}
+
+/// The loads of the cell by name, `loaded` where there is one.
+fn default_states(cell: &Cell) -> Vec<String> {
+    match cell.setup.load.cases() {
+        [] => vec![DEFAULT_STATE.to_string()],
+        cases => cases.iter().map(|case| case.name.clone()).collect(),
+    }
+}
+
+/// A table to fill in: one row per reading, in measuring order.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Sheet {
+    /// What stands above the columns, units included.
+    pub headings: Vec<String>,
+    /// The rows, in the order in which they are taken.
+    pub rows: Vec<SheetRow>,
+    layout: Layout,
+}
+
+/// One reading to take.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct SheetRow {
+    /// The posture, with the controller angles to drive to \[rad\].
+    pub posture: Posture,
+    /// Name of the load state.
+    pub state: String,
+    /// Name of the measuring point, or of the reflector on the base.
+    pub point: String,
+    /// Force of rope, cylinder or weight in this state \[N\], where the cell or the
+    /// state's name gives it.
+    pub load: Option<f64>,
+}
+
+impl Sheet {
+    /// Makes a row for each posture, state and point.
+    fn new(
+        layout: Layout,
+        postures: &[Posture],
+        states: &[String],
+        points: &[&str],
+        cell: &Cell,
+    ) -> Self {
+        let loads = match layout.loads {
+            true => loads::planned(states, &cell.setup.load),
+            false => vec![None; states.len()],
+        };
+        let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
+        for (number, posture) in postures.iter().enumerate() {
+            let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
+            if is_turned(cell, states, number) {
+                own.reverse();
+            }
+            for (state, load) in own {
+                rows.extend(points.iter().map(|point| SheetRow {
+                    posture: posture.clone(),
+                    state: state.clone(),
+                    point: (*point).to_string(),
+                    load: *load,
+                }));
+            }
+        }
+        Sheet {
+            headings: layout.heading(cell),
+            rows,
+            layout,
+        }
+    }
+
+    /// What stands in the fields of a row; an empty text is to be filled in.
+    fn fields(&self, row: &SheetRow) -> Vec<String> {
+        let mut fields = vec![
+            row.posture.name.clone(),
+            row.state.clone(),
+            row.point.clone(),
+        ];
+        fields.extend([""; 3].map(String::from));
+        fields.extend(self.layout.optional(None, row.load, None));
+        fields.extend(degrees(&row.posture.q));
+        fields
+    }
+
+    /// The names in the column of postures (0), states (1) or points (2), each once, in their order.
+    fn names(&self, column: u16) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            let name = match column {
+                0 => &row.posture.name,
+                1 => &row.state,
+                _ => &row.point,
+            };
+            // Postures come in blocks; there are few states and points.
+            let known = match column {
+                0 => names.last() == Some(&name.as_str()),
+                _ => names.contains(&name.as_str()),
+            };
+            if !known {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// The sheet as CSV text.
+    pub fn to_csv(&self) -> String {
+        let rows = self.rows.iter().map(|row| line(&self.fields(row)));
+        line(&self.headings) + &rows.collect::<String>()
+    }
+}
+
+/// A sheet for raw readings: the rows of [`read_readings`](super::read_readings)
+/// for each posture, load state and point, with empty fields for what is to be
+/// read. It has columns of force where the cell has a sensor or its load is
+/// measured, else `load_n` where the load is a rope, cylinder or weight, and the
+/// angles of the posture, to be replaced by those that the controller shows.
+///
+/// `load_n` is filled in where it is certain: with the cell's own force where a load has
+/// one state, or with the one number in the state's name (`up-250`, `500N`) where it is a
+/// force that the cell's load can have.
+///
+/// Rows stand in measuring order; where the load stays on between postures, every second posture
+/// is measured from the last state to the first.
+pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> Sheet {
+    let states = options.all_states(cell);
+    let forces = asks_for_forces(cell) || cell.sensor.is_some();
+    let layout = Layout {
+        values: Values::Positions,
+        forces,
+        moments: cell.sensor.is_some(),
+        loads: !forces && cell.setup.load.each().any(|load| load.size().is_some()),
+        times: true,
+        expanded: false,
+        temperatures: false,
+    };
+    let points = cell.setup.tool.measuring_points.iter();
+    let mut points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
+    if options.base_reflector {
+        points.push("base");
+    }
+    Sheet::new(layout, postures, &states, &points, cell)
+}
+
+/// A sheet for displacements that were calculated elsewhere: the rows of
+/// [`read_displacements`](super::read_displacements) for each posture, load
+/// state (if none is named `loaded`, or the cell's load cases) and measuring point.
+pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> Sheet {
+    let states = match states {
+        [] => default_states(cell),
+        _ => states.iter().map(|state| (*state).to_string()).collect(),
+    };
+    let layout = Layout {
+        values: Values::Displacements,
+        forces: asks_for_forces(cell),
+        moments: false,
+        loads: false,
+        times: false,
+        expanded: false,
+        temperatures: false,
+    };
+    let points = cell.setup.tool.measuring_points.iter();
+    let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
+    Sheet::new(layout, postures, &states, &points, cell)
+}
+
+/// Whether the states of posture `number`, counted from 0, are taken in the reverse order: where the load
+/// stays on between postures, every second one begins as the one before has ended. Not where names say
+/// that the load goes up or down: they would say the opposite.
+pub fn is_turned(cell: &Cell, states: &[String], number: usize) -> bool {
+    let says_way = |state: &String| state.starts_with("up") || state.starts_with("down");
+    cell.route.load_stays_on && number % 2 == 1 && !states.iter().any(says_way)
+}
+
+fn asks_for_forces(cell: &Cell) -> bool {
+    cell.setup.load == Load::Measured || cell.setup.tool.has_sensor
+}

@@ -1,0 +1,139 @@
+//! Which columns tables of measurements may have, and what the headings say that they hold.
+
+use super::grid::Table;
+use super::heading::{Known, find_heading, force, moment, stem};
+use super::path::known_paths;
+use super::quantity::Quantity;
+use stiffarm::error::{Code, Result};
+
+/// What the three lengths of a row are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Values {
+    /// `x`, `y`, `z`: positions as the tracker gave them.
+    Positions,
+    /// `dx`, `dy`, `dz`: loaded minus reference position.
+    Displacements,
+}
+
+impl Values {
+    pub(super) fn stems(self) -> [&'static str; 3] {
+        match self {
+            Values::Positions => ["x", "y", "z"],
+            Values::Displacements => ["dx", "dy", "dz"],
+        }
+    }
+
+    pub(super) fn components(self) -> [Known; 3] {
+        let group = match self {
+            Values::Positions => "position",
+            Values::Displacements => "displacement",
+        };
+        self.stems()
+            .map(|stem| Known::of(stem, Quantity::Length, group))
+    }
+
+    /// The columns that a table of these values may have.
+    pub(super) fn known(self, joints: usize) -> Vec<Known> {
+        let mut known = ["posture", "state", "point"].map(Known::name).to_vec();
+        known.extend(self.components());
+        known.extend(force());
+        known.extend(moment());
+        if self == Values::Positions {
+            known.push(load());
+        }
+        known.push(time());
+        if self == Values::Positions {
+            known.extend(expanded());
+            known.push(Known::of(
+                "temperature",
+                Quantity::Temperature,
+                "temperature",
+            ));
+        }
+        known.extend(Known::angles(joints));
+        known
+    }
+
+    /// What the heading says that the table holds.
+    ///
+    /// # Errors
+    /// Both, or neither.
+    pub(super) fn of(table: &Table<'_>, joints: usize) -> Result<Self> {
+        let first = |values: Values| {
+            let own = |name: &str| values.stems().contains(&stem(name));
+            let mut headings = table.headings.iter();
+            headings.position(|heading| !heading.ignored && own(&heading.name))
+        };
+        match (first(Values::Positions), first(Values::Displacements)) {
+            (Some(_), None) => Ok(Values::Positions),
+            (None, Some(_)) => Ok(Values::Displacements),
+            (Some(position), Some(displacement)) => {
+                let second = position.max(displacement);
+                let message = "The table has both positions and displacements.";
+                let error = table.heading_error(Some(second), Code::Conflict, message);
+                Err(error.hint(
+                    "keep x, y, z or dx, dy, dz; `ignore` in [columns] of the cell file leaves columns out",
+                ))
+            }
+            (None, None) => {
+                // A heading that is no heading has an error of its own.
+                table.check_heading(&known_measurements(joints), joints)?;
+                let message = "The table has neither positions nor displacements.";
+                let error = table.heading_error(None, Code::TableHeading, message);
+                Err(error.hint(
+                    "give x_mm, y_mm, z_mm as the tracker read them, or dx_mm, dy_mm, dz_mm: loaded minus unloaded, base axes",
+                ))
+            }
+        }
+    }
+}
+
+/// Every column that a measurement table may have.
+fn known_measurements(joints: usize) -> Vec<Known> {
+    let mut known = Values::Positions.known(joints);
+    let displacements = Values::Displacements.components();
+    known.splice(3..3, displacements);
+    known
+}
+
+/// Every column that a table of measurements or of a path may have: those for
+/// which the cell file can name other headings.
+fn known_everywhere(joints: usize) -> Vec<Known> {
+    let mut known = known_measurements(joints);
+    for column in known_paths(joints) {
+        if !known.iter().any(|k| k.heading() == column.heading()) {
+            known.push(column);
+        }
+    }
+    known
+}
+
+/// A heading of tables as this program writes it, whatever its case.
+///
+/// # Errors
+/// A name that no table of measurements or of a path has, with the nearest, among
+/// `also`, too, as a hint.
+pub(crate) fn own_heading(name: &str, joints: usize, also: &str) -> Result<String> {
+    find_heading(name, &known_everywhere(joints), joints, also)
+}
+
+/// Every heading of tables of measurements and of paths in every unit, for
+/// `joints` joints.
+#[cfg(feature = "schema")]
+pub(crate) fn own_headings(joints: usize) -> Vec<String> {
+    let known = known_everywhere(joints);
+    known.iter().flat_map(Known::headings).collect()
+}
+
+fn load() -> Known {
+    Known::of("load", Quantity::Force, "load")
+}
+
+fn time() -> Known {
+    Known::of("time", Quantity::Time, "time")
+}
+
+/// Expanded uncertainty of the coordinates, 95 %.
+pub(super) fn expanded() -> [Known; 3] {
+    ["u95x", "u95y", "u95z"].map(|stem| Known::of(stem, Quantity::Length, "uncertainty"))
+}

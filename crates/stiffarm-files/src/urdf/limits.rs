@@ -1,0 +1,118 @@
+//! Limits of the controller's joints.
+
+use super::robot::{Joint, JointKind};
+use super::source::Source;
+use std::f64::consts::TAU;
+use stiffarm::error::{Code, Result};
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::units::{Sense, deg_to_rad, rad_to_deg};
+
+/// Limits of a joint \[rad\]: full turns for one without end.
+pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
+    if joint.kind == JointKind::Continuous {
+        return Ok([-TAU, TAU]);
+    }
+    let found = [joint.limit.lower, joint.limit.upper];
+    let [low, high] = found.map(rad_to_deg);
+    let error = |code, message| source.error_at("joint", &joint.name, code, message);
+    if found[0] >= found[1] {
+        let message = match joint.limit.is_given {
+            true => format!(
+                "The lower limit of the joint \"{}\" is not below the upper one: {low:.3}° and {high:.3}°.",
+                joint.name
+            ),
+            false => format!("The joint \"{}\" has no limits.", joint.name),
+        };
+        let error = error(Code::InvalidValue, message);
+        return Err(
+            error.hint("give <limit lower=\"…\" upper=\"…\" …/> in rad, or type=\"continuous\"")
+        );
+    }
+    if let Some(message) = found.iter().find_map(|limit| too_far(*limit)) {
+        return Err(error(Code::InvalidValue, message).key("limit"));
+    }
+    // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
+    let turn = |limit: f64| match limit.is_finite() {
+        true => meant(limit),
+        false => TAU.copysign(limit),
+    };
+    Ok(found.map(turn))
+}
+
+/// Decimals of radians at least: who writes 2.5 may mean just that.
+const FEWEST_DECIMALS: usize = 4;
+/// Largest joint speed that is not a stand-in for none \[rad/s\]: 2000°/s.
+const FASTEST: f64 = 34.9;
+
+/// An angle that was written in radians with a few digits, \[rad\]: that of fewest decimals in degrees
+/// which these digits do not tell from it, cut off or rounded. 3.14159 means 180°.
+fn meant(rad: f64) -> f64 {
+    let digits = rad.to_string();
+    let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
+    let decimals = decimals.max(FEWEST_DECIMALS);
+    let deg = rad_to_deg(rad);
+    // Of all digits the conversion itself costs the last.
+    let last = rad_to_deg(10f64.powi(-(decimals as i32))).max(4.0 * f64::EPSILON * deg.abs());
+    let rounded = |decimals: usize| {
+        let factor = 10f64.powi(decimals as i32);
+        (deg * factor).round() / factor
+    };
+    let near = (0..decimals).map(rounded).find(|r| (r - deg).abs() <= last);
+    near.map_or(rad, deg_to_rad)
+}
+
+/// Largest speeds of the controller's joints \[rad/s\], where the file has one for each.
+pub(super) fn speeds(drives: &[&Joint]) -> Option<Vec<f64>> {
+    let speeds = drives.iter().map(|drive| {
+        let speed = drive.limit.velocity;
+        (speed > 0.0 && speed <= FASTEST).then(|| meant(speed))
+    });
+    speeds.collect()
+}
+
+/// Says that limits of a joint without end do not count.
+pub(super) fn endless(joint: &Joint) -> Option<Finding> {
+    let given = joint.limit.is_given && joint.limit.lower < joint.limit.upper;
+    (given && joint.kind == JointKind::Continuous).then(|| {
+        let [low, high] = [joint.limit.lower, joint.limit.upper].map(rad_to_deg);
+        let sentence = format!(
+            "The joint is of the type continuous, so that its limits, {low:.1}° to {high:.1}°, do not count; ±360° \
+             stand for them. Set limits_deg in the cell if they hold.",
+        );
+        Finding::new("urdf-limits", Severity::Caution, joint.name.as_str(), sentence)
+    })
+}
+
+/// Says that a limit cannot be meant.
+fn too_far(limit: f64) -> Option<String> {
+    let sense = Sense::of("limit_rad");
+    sense.filter(|_| limit.is_finite())?.refuse(limit)
+}
+
+/// Limits of a `drive` as the limits of a joint leave them whose angle is `multiplier` times
+/// the drive's, plus `offset`.
+pub(super) fn narrowed(
+    source: &Source<'_>,
+    limits: [f64; 2],
+    joint: &Joint,
+    (drive, multiplier, offset): (&Joint, f64, f64),
+) -> Result<[f64; 2]> {
+    let own = [joint.limit.lower, joint.limit.upper].map(meant);
+    if joint.kind == JointKind::Continuous || own[0] == own[1] || multiplier == 0.0 {
+        return Ok(limits);
+    }
+    if own[0] > own[1] {
+        return self::limits(source, joint);
+    }
+    let mut ends = own.map(|end| (end - offset) / multiplier);
+    ends.sort_by(f64::total_cmp);
+    let both = [limits[0].max(ends[0]), limits[1].min(ends[1])];
+    if both[0] < both[1] {
+        return Ok(both);
+    }
+    let message = format!(
+        "The limits of the joint \"{}\" leave the joint \"{}\" no range, which it follows.",
+        joint.name, drive.name
+    );
+    Err(source.error_at("joint", &joint.name, Code::InvalidValue, message))
+}
