@@ -95,7 +95,16 @@ pub fn python(
     made.and_then(|_| {
         call(
             &bin,
-            &["-m", "pip", "install", "--quiet", "--requirement", &list],
+            // Of gigabytes of packages the tests import a part, which Python compiles itself.
+            &[
+                "-m",
+                "pip",
+                "install",
+                "--quiet",
+                "--no-compile",
+                "--requirement",
+                &list,
+            ],
         )
     })
     .and_then(|_| std::fs::write(&noted, &wanted).map_err(|e| e.to_string()))
