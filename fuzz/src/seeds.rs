@@ -105,7 +105,7 @@ pub fn of(kind: Kind) -> Vec<&'static str> {
 
 /// Group 1 in every language.
 fn programs() -> Vec<String> {
-    let Ok(cell) = stiffarm_files::builtin::cell("comau") else {
+    let Ok(cell) = builtin::cell("comau") else {
         return Vec::new();
     };
     let postures = builtin::postures("comau-group1", &cell.setup.robot).unwrap_or_default();

@@ -184,13 +184,12 @@ pub trait Source {
     /// # Errors
     /// A file that cannot be read, or holds no registration.
     fn read_registration(&self, from: Option<&str>) -> Result<ReduceOptions> {
-        let Some(from) = from else {
-            return Ok(ReduceOptions::default());
-        };
-        let (name, bytes) = self.read("registration", from)?;
-        let registration = read_registration(&bytes, &name)?;
         let mut options = ReduceOptions::default();
-        options.base_from_tracker = Some(registration.base_from_tracker);
+        if let Some(from) = from {
+            let (name, bytes) = self.read("registration", from)?;
+            let registration = read_registration(&bytes, &name)?;
+            options.base_from_tracker = Some(registration.base_from_tracker);
+        }
         Ok(options)
     }
 

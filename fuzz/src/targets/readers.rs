@@ -37,7 +37,7 @@ const NAME: &str = "input";
 /// The cell whose tables are read.
 pub fn cell_of_tables() -> &'static Cell {
     static CELL: OnceLock<Cell> = OnceLock::new();
-    CELL.get_or_init(|| match stiffarm_files::builtin::cell("comau") {
+    CELL.get_or_init(|| match builtin::cell("comau") {
         Ok(cell) => cell,
         Err(error) => unreachable!("the built-in cell: {}", error.message()),
     })

@@ -23,7 +23,7 @@ use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Text, Told,
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let saved = Saved::prior(&cell).unwrap();
     (cell, saved)
 }

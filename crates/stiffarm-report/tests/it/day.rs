@@ -14,7 +14,7 @@ use stiffarm_report::tell::{Block, Given, Outcome, Told, tell};
 
 /// What is said of readings beside a plan of six postures.
 fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let plan = group(&cell);
     let options = Options {
         until_stiffness: goal,

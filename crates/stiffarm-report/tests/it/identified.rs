@@ -111,7 +111,7 @@ fn words(page: &Page) -> [String; 3] {
 
 #[test]
 fn good_readings_tell_which_joints_are_known_and_that_the_rest_is_noise() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let result = saved(
         "identify",
         identified(&cell, &measured(&cell, &group(&cell))),
@@ -146,7 +146,7 @@ fn good_readings_tell_which_joints_are_known_and_that_the_rest_is_noise() {
 
 #[test]
 fn arrows_stand_at_the_measuring_points_and_are_the_residuals() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let result = saved(
         "identify",
         identified(&cell, &measured(&cell, &group(&cell))),
@@ -178,7 +178,7 @@ fn arrows_stand_at_the_measuring_points_and_are_the_residuals() {
 
 #[test]
 fn residuals_are_measured_minus_calculated() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let measured = measured(&cell, &group(&cell));
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let found = fit.identification().unwrap();
@@ -201,7 +201,7 @@ fn residuals_are_measured_minus_calculated() {
 
 #[test]
 fn hostile_names_stay_text() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let mut postures = group(&cell);
     postures[0].name = HOSTILE.to_string();
     postures[1].name = "\u{1b}[31mred".to_string();
@@ -213,7 +213,7 @@ fn hostile_names_stay_text() {
 
 #[test]
 fn validation_says_how_far_calculated_and_measured_differ() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let measured = measured(&cell, &group(&cell));
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let folds = cross_validate(&fit, 6, Some(1e-6)).unwrap();
@@ -242,7 +242,7 @@ fn validation_says_how_far_calculated_and_measured_differ() {
 
 #[test]
 fn a_clamped_arm_has_a_page_of_angles() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let truth = cell.require_prior().unwrap();
     let torque = [900.0, -1200.0, 700.0, 300.0, -250.0, 200.0];
     let motor: Vec<f64> = torque.iter().zip(truth).map(|(t, k)| t / k).collect();
@@ -336,7 +336,7 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
 
 #[test]
 fn bars_of_a_validation_are_named_by_what_tells_them_apart() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let prior = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
     let figure = |count: usize| {
         let measured = measured(&cell, &group(&cell)[..count]);

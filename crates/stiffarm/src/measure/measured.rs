@@ -152,10 +152,11 @@ impl From<&Measured> for Measured {
 ///
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
-/// use stiffarm::{Cell, prepare, simulated_readings};
+/// use stiffarm::{prepare, simulated_readings};
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
-/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = builtin::cell("comau")?;
+/// let postures = builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let readings = simulated_readings(&cell, &postures, 1)?;
 /// let measured = prepare(&cell, readings, &Default::default())?;
 /// assert_eq!(measured.readings_per_displacement, Some(2));

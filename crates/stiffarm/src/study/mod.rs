@@ -171,10 +171,11 @@ pub struct Study {
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::model::posture::PostureGroup;
 /// use stiffarm::study::{StudyOptions, study};
-/// use stiffarm::{Cell, Control};
+/// use stiffarm::Control;
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
-/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = builtin::cell("comau")?;
+/// let postures = builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let initial = PostureGroup {
 ///     name: "Group 1".to_string(),
 ///     postures,

@@ -53,10 +53,11 @@ impl Fit {
     ///
     /// ```
     /// # fn main() -> stiffarm::Result<()> {
-    /// use stiffarm::{Cell, Fit, prepare, simulated_readings};
+    /// use stiffarm::{Fit, prepare, simulated_readings};
+    /// use stiffarm_files::builtin;
     ///
-    /// let cell = stiffarm_files::builtin::cell("comau")?;
-    /// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
+    /// let cell = builtin::cell("comau")?;
+    /// let postures = builtin::postures("comau-group1", &cell.setup.robot)?;
     /// let readings = simulated_readings(&cell, &postures, 1)?;
     /// let measured = prepare(&cell, readings, &Default::default())?;
     /// let fit = Fit::new(&cell, &measured, &Default::default())?;

@@ -177,10 +177,11 @@ fn displacements(
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::validate::validate;
 /// use stiffarm::model::stiffness::Model;
-/// use stiffarm::{Cell, prepare, simulated_readings};
+/// use stiffarm::{prepare, simulated_readings};
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
-/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = builtin::cell("comau")?;
+/// let postures = builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let measured = prepare(&cell, simulated_readings(&cell, &postures, 1)?, &Default::default())?;
 /// // The cell's prior is the truth of the simulation: only noise is left.
 /// let found = validate(&cell, cell.require_prior()?, &measured, Model::Equilibrium, None)?;

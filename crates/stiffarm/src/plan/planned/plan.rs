@@ -25,9 +25,10 @@ use std::collections::HashSet;
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::plan::planned::{PlanRequest, plan};
-/// use stiffarm::{Cell, Control};
+/// use stiffarm::Control;
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let cell = builtin::cell("comau")?;
 /// let mut request = PlanRequest::default();
 /// request.postures = 3;
 /// request.rounds = Some(1); // more find better plans

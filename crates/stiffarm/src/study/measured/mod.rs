@@ -38,9 +38,10 @@ const STARTS: usize = 4;
 /// ```no_run
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::study::{MeasuredStudyOptions, measured_study};
-/// use stiffarm::{Cell, Control, prepare, simulated_readings};
+/// use stiffarm::{Control, prepare, simulated_readings};
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let cell = builtin::cell("comau")?;
 /// let plan = stiffarm::plan::select::random_group(&cell, stiffarm::plan::select::StartKind::Uniform, 30, 1, 0)?;
 /// let postures = stiffarm::PostureGroup::from_angles("all", plan).postures;
 /// let measured = prepare(&cell, simulated_readings(&cell, &postures, 1)?, &Default::default())?;

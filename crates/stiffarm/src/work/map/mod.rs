@@ -47,9 +47,10 @@ use reach::Reach;
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::compliance::IdentifiedCompliance;
 /// use stiffarm::work::map::{MapOptions, stiffness_map};
-/// use stiffarm::{Cell, Control};
+/// use stiffarm::Control;
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let cell = builtin::cell("comau")?;
 /// let catalogue = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
 /// let plane = MapOptions::new([1.2, -0.6, 0.8], [2.0, 0.6, 0.8], [5, 7, 1]);
 /// let map = stiffness_map(&cell, &catalogue, &plane, Control::default())?;

@@ -142,9 +142,10 @@ pub struct Prediction {
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::compliance::IdentifiedCompliance;
-/// use stiffarm::{Cell, Control, LoadedPosture, Wrench, predict};
+/// use stiffarm::{Control, LoadedPosture, Wrench, predict};
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
+/// let cell = builtin::cell("comau")?;
 /// let catalogue = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior()?)?;
 /// let force = Wrench::force([0.0, 300.0, 0.0]);
 /// let work = [LoadedPosture::new("mill", vec![0.0, -0.5, -1.8, 0.3, 0.9, 0.2], force)];

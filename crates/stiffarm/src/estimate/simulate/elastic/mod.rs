@@ -52,10 +52,11 @@ const MEASUREMENTS: (usize, usize) = (1 << 16, 1);
 /// ```
 /// # fn main() -> stiffarm::Result<()> {
 /// use stiffarm::estimate::simulate::{ElasticSimulationOptions, simulate_elastic};
-/// use stiffarm::{Cell, Control, PostureGroup};
+/// use stiffarm::{Control, PostureGroup};
+/// use stiffarm_files::builtin;
 ///
-/// let cell = stiffarm_files::builtin::cell("comau")?;
-/// let postures = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
+/// let cell = builtin::cell("comau")?;
+/// let postures = builtin::postures("comau-group1", &cell.setup.robot)?;
 /// let group = PostureGroup { name: "Group 1".to_string(), postures };
 /// let mut options = ElasticSimulationOptions::default();
 /// options.runs = 4;
