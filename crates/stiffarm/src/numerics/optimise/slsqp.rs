@@ -26,6 +26,8 @@ pub struct Evaluation {
     pub merit: f64,
     /// Largest violation of a hard limit, in its own unit; 0 when all are met.
     pub violation: f64,
+    /// Whether a hard limit is violated that is not among the margins.
+    pub crossed: bool,
 }
 
 /// Something to minimise within bounds.
@@ -46,6 +48,8 @@ pub trait Problem {
 pub struct Options {
     /// Iterations in all restarts together.
     pub max_iterations: u64,
+    /// Restarts with a fresh curvature estimate at most; each must improve.
+    pub restarts: usize,
     /// Tolerance on objective change and optimality (both are logarithms of
     /// the index here, so it is a relative one).
     pub tolerance: f64,
@@ -60,6 +64,7 @@ impl Default for Options {
     fn default() -> Self {
         Options {
             max_iterations: 2000,
+            restarts: 11,
             tolerance: 1e-10,
             feasibility: 1e-9,
             optimality: 5e-3,
@@ -141,6 +146,10 @@ struct Cache<'a> {
     last: Evaluation,
     best: Option<(f64, Vec<f64>)>,
     evaluations: u64,
+    /// Gradients asked for in this run: one before the first iteration, one after each.
+    gradients: u64,
+    /// The last evaluations of this run, in a row, at which a limit was crossed.
+    crossed: usize,
 }
 
 /// A problem as the library wants to see it.
@@ -164,6 +173,14 @@ impl Adapter<'_, '_> {
             cache.last = cache.problem.evaluate(x);
             cache.at = x.to_vec();
             cache.evaluations += 1;
+            cache.crossed = if cache.last.crossed {
+                cache.crossed + 1
+            } else {
+                0
+            };
+            if cache.crossed > MOST_CROSSED {
+                return Err(Stopped);
+            }
             let (merit, violation) = (cache.last.merit, cache.last.violation);
             let better = cache.best.as_ref().is_none_or(|(best, _)| merit < *best);
             if violation <= self.feasibility && merit.is_finite() && better {
@@ -199,6 +216,7 @@ impl CostFunction for Adapter<'_, '_> {
 impl Gradient for Adapter<'_, '_> {
     type Gradient = Vec<f64>;
     fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
+        self.cache.borrow_mut().gradients += 1;
         self.with(x, |e| e.gradient.clone())
     }
 }
@@ -235,8 +253,10 @@ impl basin::ConstraintJacobian for Adapter<'_, '_> {
     }
 }
 
-/// Rounds of restarting with a fresh curvature estimate; each must improve.
-const MAX_RESTARTS: usize = 12;
+/// Evaluations in a row outside a limit that is not among the margins; one more
+/// ends the search. What it finds out there is of no use, and its caller can add the
+/// limit.
+const MOST_CROSSED: usize = 3;
 
 /// Minimises `problem` from `start`, restarting with a fresh curvature estimate
 /// while that still improves.
@@ -252,6 +272,8 @@ pub fn minimise(
         last: Evaluation::default(),
         best: None,
         evaluations: 0,
+        gradients: 0,
+        crossed: 0,
     });
     let mut x = start.to_vec();
     let mut solution = Minimum {
@@ -265,10 +287,14 @@ pub fn minimise(
         stationarity: None,
         complementarity: None,
     };
-    for _ in 0..MAX_RESTARTS {
+    for _ in 0..=options.restarts {
         let best_merit = || cache.borrow().best.as_ref().map_or(f64::INFINITY, |b| b.0);
         let before = best_merit();
-        cache.borrow_mut().problem.prepare(&mut x);
+        {
+            let mut cache = cache.borrow_mut();
+            cache.problem.prepare(&mut x);
+            (cache.gradients, cache.crossed) = (0, 0);
+        }
         let left = options.max_iterations.saturating_sub(solution.iterations);
         let adapter = {
             let cached = cache.borrow();
@@ -299,7 +325,12 @@ pub fn minimise(
                 last = Some(basin::State::param(&result.state).clone());
             }
             Err(_) if control.stopped() => solution.termination = Termination::Interrupted,
-            Err(_) => solution.termination = Termination::Stalled,
+            Err(_) => {
+                let cache = cache.borrow();
+                solution.termination = Termination::Stalled;
+                solution.iterations += cache.gradients.saturating_sub(1);
+                last = (cache.crossed > MOST_CROSSED).then(|| cache.at.clone());
+            }
         }
         let after = best_merit();
         if let Some(last) = last {

@@ -19,7 +19,7 @@ const NUDGES: u32 = 5;
 const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
 
 /// Limits closer than this are constraints of a search round \[m\].
-const WATCH_DISTANCE: f64 = 0.5;
+const WATCH_DISTANCE: f64 = 0.15;
 /// Rounds of adding crossed limits.
 const WATCH_ROUNDS: usize = 12;
 /// Stages of the smoothing of coalescing singular values; the last is off by
@@ -120,6 +120,13 @@ impl<'a> Search<'a> {
         for sharpness in stages {
             self.function.set_sharpness(*sharpness);
             let before = solution.clone();
+            // The next stage is a restart, too.
+            let is_last = sharpness == &stages[stages.len() - 1];
+            let restarts = if is_last { options.restarts } else { 0 };
+            let options = Options {
+                restarts,
+                ..options
+            };
             let after = self.stage(&start, solution, options, control)?;
             solution = Some(after.or_as_optimal_as(before, options.optimality));
         }
@@ -200,6 +207,7 @@ impl Problem for Search<'_> {
             margin_gradients: vec![0.0; margins * variables],
             merit,
             violation: 0.0,
+            crossed: false,
         };
         if let [t] = epigraph {
             // Epigraph: minimise smooth + t with t ≥ every component.
