@@ -40,7 +40,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use values::{count_or_none, number};
+use values::{count_or_none, number, within};
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -215,14 +215,14 @@ pub struct StudyArgs {
 #[command(next_help_heading = "With --measured")]
 pub struct SplitArgs {
     /// Random splits into a pool and postures to be predicted [default: 100]
-    #[arg(long, value_name = "N", requires = "measured", value_parser = clap::value_parser!(u64).range(1..=100_000))]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = within(1..=100_000))]
     pub splits: Option<u64>,
     /// Postures of the pool [default: seven of ten]
-    #[arg(long, value_name = "N", requires = "measured", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = within(1..))]
     pub pool: Option<u64>,
     /// Numbers of postures to choose [default: 6,10,15]
     #[arg(long, value_name = "N,…", requires = "measured", value_delimiter = ',',
-          value_parser = clap::value_parser!(u64).range(1..=1000))]
+          value_parser = within(1..=1000))]
     pub choose: Vec<u64>,
     /// Indices that choose [default: novel,expected-error,prediction]
     #[arg(

@@ -1,18 +1,24 @@
 //! Values that several commands read alike. Each number is refused where it cannot be
 //! meant: nothing that is computed from an option is infinite.
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
+use std::ops::RangeBounds;
 use std::time::Duration;
 use stiffarm::units::Sense;
 
 /// A number of things to make: at least one, and not by a slip a million.
-pub fn count() -> clap::builder::RangedU64ValueParser {
-    clap::value_parser!(u64).range(1..=1_000_000)
+pub fn count() -> RangedI64ValueParser<u64> {
+    within(1..=1_000_000)
 }
 
 /// The same for a number that may be zero.
-pub fn count_or_none() -> clap::builder::RangedU64ValueParser<usize> {
-    clap::builder::RangedU64ValueParser::new().range(0..=1_000_000)
+pub fn count_or_none() -> RangedI64ValueParser<usize> {
+    RangedI64ValueParser::new().range(0..=1_000_000)
+}
+
+/// A whole number of a range. It is read with its sign: a negative one is outside, not something that is no number.
+pub fn within(range: impl RangeBounds<i64>) -> RangedI64ValueParser<u64> {
+    RangedI64ValueParser::new().range(range)
 }
 
 /// One of the library's values by its name; `shown` is the name, and what is said of it.

@@ -224,7 +224,7 @@ impl Cell {
                 "This needs a prior joint stiffness, and the cell has none.",
             )
             .key("stiffness.prior_nm_per_rad")
-            .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad")
+            .hint("give catalogue values or a guess by payload class, one per joint, in N·m/rad; `stiffarm init` writes a guess, commented out")
         })
     }
 
