@@ -276,7 +276,7 @@ fn optimality_holds_with_limits_too() {
     }
     // A search cut short fails the same check, or it would prove nothing.
     let mut few = Options::default();
-    few.max_iterations = 20;
+    few.max_iterations = 60;
     for index in [Index::Novel, Index::ExpectedError] {
         let plan = select_from(&cell, index, &group1(), few, Control::default()).unwrap();
         assert!(

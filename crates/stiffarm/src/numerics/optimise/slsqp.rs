@@ -26,8 +26,6 @@ pub struct Evaluation {
     pub merit: f64,
     /// Largest violation of a hard limit, in its own unit; 0 when all are met.
     pub violation: f64,
-    /// Whether a hard limit is violated that is not among the margins.
-    pub crossed: bool,
 }
 
 /// Something to minimise within bounds.
@@ -146,10 +144,6 @@ struct Cache<'a> {
     last: Evaluation,
     best: Option<(f64, Vec<f64>)>,
     evaluations: u64,
-    /// Gradients asked for in this run: one before the first iteration, one after each.
-    gradients: u64,
-    /// The last evaluations of this run, in a row, at which a limit was crossed.
-    crossed: usize,
 }
 
 /// A problem as the library wants to see it.
@@ -173,14 +167,6 @@ impl Adapter<'_, '_> {
             cache.last = cache.problem.evaluate(x);
             cache.at = x.to_vec();
             cache.evaluations += 1;
-            cache.crossed = if cache.last.crossed {
-                cache.crossed + 1
-            } else {
-                0
-            };
-            if cache.crossed > MOST_CROSSED {
-                return Err(Stopped);
-            }
             let (merit, violation) = (cache.last.merit, cache.last.violation);
             let better = cache.best.as_ref().is_none_or(|(best, _)| merit < *best);
             if violation <= self.feasibility && merit.is_finite() && better {
@@ -216,7 +202,6 @@ impl CostFunction for Adapter<'_, '_> {
 impl Gradient for Adapter<'_, '_> {
     type Gradient = Vec<f64>;
     fn gradient(&self, x: &Vec<f64>) -> Result<Vec<f64>, Stopped> {
-        self.cache.borrow_mut().gradients += 1;
         self.with(x, |e| e.gradient.clone())
     }
 }
@@ -253,11 +238,6 @@ impl basin::ConstraintJacobian for Adapter<'_, '_> {
     }
 }
 
-/// Evaluations in a row outside a limit that is not among the margins; one more
-/// ends the search. What it finds out there is of no use, and its caller can add the
-/// limit.
-const MOST_CROSSED: usize = 3;
-
 /// Minimises `problem` from `start`, restarting with a fresh curvature estimate
 /// while that still improves.
 pub fn minimise(
@@ -272,8 +252,6 @@ pub fn minimise(
         last: Evaluation::default(),
         best: None,
         evaluations: 0,
-        gradients: 0,
-        crossed: 0,
     });
     let mut x = start.to_vec();
     let mut solution = Minimum {
@@ -290,11 +268,7 @@ pub fn minimise(
     for _ in 0..=options.restarts {
         let best_merit = || cache.borrow().best.as_ref().map_or(f64::INFINITY, |b| b.0);
         let before = best_merit();
-        {
-            let mut cache = cache.borrow_mut();
-            cache.problem.prepare(&mut x);
-            (cache.gradients, cache.crossed) = (0, 0);
-        }
+        cache.borrow_mut().problem.prepare(&mut x);
         let left = options.max_iterations.saturating_sub(solution.iterations);
         let adapter = {
             let cached = cache.borrow();
@@ -325,12 +299,7 @@ pub fn minimise(
                 last = Some(basin::State::param(&result.state).clone());
             }
             Err(_) if control.stopped() => solution.termination = Termination::Interrupted,
-            Err(_) => {
-                let cache = cache.borrow();
-                solution.termination = Termination::Stalled;
-                solution.iterations += cache.gradients.saturating_sub(1);
-                last = (cache.crossed > MOST_CROSSED).then(|| cache.at.clone());
-            }
+            Err(_) => solution.termination = Termination::Stalled,
         }
         let after = best_merit();
         if let Some(last) = last {

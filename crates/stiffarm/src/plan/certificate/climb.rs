@@ -106,7 +106,6 @@ impl Problem for Climb<'_> {
             margin_gradients: vec![0.0; margins * n],
             merit: f64::INFINITY,
             violation: 0.0,
-            crossed: false,
         };
         self.kernel.forward(q);
         // tr(A G), off-diagonal entries twice.

@@ -19,7 +19,7 @@ const NUDGES: u32 = 5;
 const EPIGRAPH_RANGE: [f64; 2] = [-200.0, 200.0];
 
 /// Limits closer than this are constraints of a search round \[m\].
-const WATCH_DISTANCE: f64 = 0.15;
+const WATCH_DISTANCE: f64 = 0.5;
 /// Rounds of adding crossed limits.
 const WATCH_ROUNDS: usize = 12;
 /// Stages of the smoothing of coalescing singular values; the last is off by
@@ -207,7 +207,6 @@ impl Problem for Search<'_> {
             margin_gradients: vec![0.0; margins * variables],
             merit,
             violation: 0.0,
-            crossed: false,
         };
         if let [t] = epigraph {
             // Epigraph: minimise smooth + t with t ≥ every component.
