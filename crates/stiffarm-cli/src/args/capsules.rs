@@ -1,5 +1,6 @@
 //! Options of `capsules`.
 
+use super::values::within;
 use clap::{Args, ValueEnum, ValueHint};
 
 #[derive(Debug, Args)]
@@ -11,11 +12,11 @@ pub struct CapsulesArgs {
     #[arg(long, value_name = "UNIT", default_value = "m")]
     pub unit: MeshUnit,
     /// Most capsules around each mesh; one more is taken where it saves a quarter of a capsule
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(1..=12))]
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = within::<usize>(1..=12))]
     pub most: usize,
     /// Print tables [[robot.shape]] of link I: 0 stands still, link 3 moves with joint 3. The
     /// meshes are in the frame that its Denavit-Hartenberg row ends in, of link 0 in the base frame
-    #[arg(long, value_name = "I", conflicts_with = "tool", value_parser = clap::builder::RangedU64ValueParser::<usize>::new().range(0..=100))]
+    #[arg(long, value_name = "I", conflicts_with = "tool", value_parser = within::<usize>(0..=100))]
     pub link: Option<usize>,
     /// Print tables [[tool.shape]]; the meshes are in the axes of the flange
     #[arg(long)]

@@ -215,14 +215,14 @@ pub struct StudyArgs {
 #[command(next_help_heading = "With --measured")]
 pub struct SplitArgs {
     /// Random splits into a pool and postures to be predicted [default: 100]
-    #[arg(long, value_name = "N", requires = "measured", value_parser = within(1..=100_000))]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = within::<u64>(1..=100_000))]
     pub splits: Option<u64>,
     /// Postures of the pool [default: seven of ten]
-    #[arg(long, value_name = "N", requires = "measured", value_parser = within(1..))]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = within::<u64>(1..))]
     pub pool: Option<u64>,
     /// Numbers of postures to choose [default: 6,10,15]
     #[arg(long, value_name = "N,…", requires = "measured", value_delimiter = ',',
-          value_parser = within(1..=1000))]
+          value_parser = within::<u64>(1..=1000))]
     pub choose: Vec<u64>,
     /// Indices that choose [default: novel,expected-error,prediction]
     #[arg(

@@ -18,7 +18,7 @@ pub struct SelectArgs {
     #[arg(long, value_name = "NAME", default_value = "expected-error")]
     pub index: String,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
-    #[arg(long, short = 'n', value_name = "N", value_parser = within(1..=MOST_POSTURES),
+    #[arg(long, short = 'n', value_name = "N", value_parser = within::<u64>(1..=MOST_POSTURES),
           conflicts_with_all = ["initial", "given"])]
     pub count: Option<u64>,
     /// The best value for every number of postures up to --count, and what one more gains
@@ -69,7 +69,7 @@ pub struct ExistingArgs {
                                 "loading_point_box_mm", "largest_load_n"])]
     pub initial: Option<String>,
     /// Iterations of the optimiser from the initial group [default: 2000]
-    #[arg(long, value_name = "N", requires = "initial", value_parser = within(1..))]
+    #[arg(long, value_name = "N", requires = "initial", value_parser = within::<u64>(1..))]
     pub max_iterations: Option<u64>,
     /// Postures measured or planned already: they stay as they are, and --add or --drop says what to do
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", conflicts_with_all = ["sensitivity", "anchor_box_mm",
@@ -77,7 +77,7 @@ pub struct ExistingArgs {
     pub given: Option<String>,
     /// Add the M postures that help most; --output and --sheet hold these alone, under new names [default: 1]
     #[arg(long, value_name = "M", requires = "given", conflicts_with = "drop",
-          value_parser = within(1..=MOST_POSTURES))]
+          value_parser = within::<u64>(1..=MOST_POSTURES))]
     pub add: Option<u64>,
     /// Leave out the K postures least worth their time; --output and --sheet hold those that stay [default: 1]
     #[arg(long, value_name = "K", requires = "given", num_args = 0..=1, default_missing_value = "1",

@@ -13,11 +13,14 @@ pub fn count() -> RangedI64ValueParser<u64> {
 
 /// The same for a number that may be zero.
 pub fn count_or_none() -> RangedI64ValueParser<usize> {
-    RangedI64ValueParser::new().range(0..=1_000_000)
+    within(0..=1_000_000)
 }
 
 /// A whole number of a range. It is read with its sign: a negative one is outside, not something that is no number.
-pub fn within(range: impl RangeBounds<i64>) -> RangedI64ValueParser<u64> {
+pub fn within<T>(range: impl RangeBounds<i64>) -> RangedI64ValueParser<T>
+where
+    T: TryFrom<i64> + Clone + Send + Sync,
+{
     RangedI64ValueParser::new().range(range)
 }
 

@@ -121,12 +121,10 @@ impl<'a> Search<'a> {
             self.function.set_sharpness(*sharpness);
             let before = solution.clone();
             // The next stage is a restart, too.
-            let is_last = sharpness == &stages[stages.len() - 1];
-            let restarts = if is_last { options.restarts } else { 0 };
-            let options = Options {
-                restarts,
-                ..options
-            };
+            let mut options = options;
+            if Some(sharpness) != stages.last() {
+                options.restarts = 0;
+            }
             let after = self.stage(&start, solution, options, control)?;
             solution = Some(after.or_as_optimal_as(before, options.optimality));
         }
