@@ -136,8 +136,8 @@ fn a_drawing_comes_back_from_its_json() {
 
 #[test]
 fn labels_of_a_very_narrow_view_are_not_cut_off() {
-    for size in [1e-4, 1e-3, 1.0, 1e5, 1e8] {
-        for part in [2e-9, 1e-8, 1e-7] {
+    for size in [5e-324, 7e-241, 1e-12, 1e-4, 1e-3, 1.0, 1e5, 1e8] {
+        for part in [2e-9, 1e-8, 1e-7, 1.0] {
             let from = -1.234_567_8 * size;
             let narrow = [from, from + part * size];
             let view = View {

@@ -14,7 +14,7 @@ const GRID: &str = "#ececec";
 const FRAME: &str = "#555555";
 /// Length of a tick mark.
 const TICK: f64 = 4.0;
-/// Extents beyond this are none.
+/// Extents beyond this are none, nor are those shorter than its inverse.
 const LARGEST: f64 = 1e9;
 /// Nor are those narrower than this part of their distance from zero: their tick labels have more digits than room.
 const NARROWEST: f64 = 1e-6;
@@ -34,7 +34,7 @@ impl<'a> Placed<'a> {
     pub(super) fn new(view: &'a View, area: Rect) -> Self {
         let extent = |[from, to]: [f64; 2]| {
             let size = from.abs().max(to.abs());
-            let sound = size < LARGEST && to - from > NARROWEST * size;
+            let sound = size < LARGEST && to - from > (NARROWEST * size).max(LARGEST.recip());
             let (lo, hi) = if sound { (from, to) } else { (0.0, 1.0) };
             Extent {
                 kind: Kind::Linear,
