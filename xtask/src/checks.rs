@@ -1,7 +1,7 @@
 //! `cargo xtask lint` and `cargo xtask ci`: what must hold before a change is taken.
 
 use crate::arguments::{OutputsOptions, TestOptions};
-use crate::run::{Failure, Workspace, step};
+use crate::run::{Failure, Workspace, beside, step, timed};
 use crate::{fuzz, generate, outputs, structure, test, tools};
 
 /// Every check that is not a test; stops at the first that fails.
@@ -13,13 +13,13 @@ pub fn lint(workspace: &Workspace) -> Result<(), Failure> {
     check_dependencies(workspace)
 }
 
-/// What [`lint`] does, a little fuzzing, all commands on 1 and 4 threads, then the tests. Their closing line is the last line of all.
+/// What [`lint`] does, a little fuzzing, all commands on 1 and 4 threads, then the tests. Their closing line is the
+/// last line of all. What neither a compiler nor a search keeps busy runs beside other work.
 pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
-    lint(workspace)?;
+    check_code(workspace)?;
+    check_dependencies(workspace)?;
     let build = workspace.build();
     step(&build, || build.run())?;
-    let seconds = fuzz::SMOKE_SECONDS;
-    step(format!("cargo xtask fuzz --seconds {seconds}"), fuzz::smoke)?;
     let threads = OutputsOptions {
         folder: workspace.root().join("target/outputs"),
         threads: vec![1, 4],
@@ -27,8 +27,12 @@ pub fn ci(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> {
         is_brief: true,
         ..OutputsOptions::default()
     };
-    let same = "cargo xtask outputs target/outputs --threads 1,4 --brief";
-    step(same, || outputs::run(workspace, &threads))?;
+    println!("\n== cargo xtask generate --check, outputs and fuzz");
+    let generate = || timed("generate", || generate::run(workspace, true));
+    let fuzz = || timed("fuzz", fuzz::smoke);
+    let outputs = || timed("outputs", || outputs::run(workspace, &threads));
+    let (generated, (fuzzed, same)) = beside(generate, || beside(fuzz, outputs));
+    generated.and(fuzzed).and(same)?;
     println!("\n== cargo xtask test");
     test::run(workspace, options)
 }

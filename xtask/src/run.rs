@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::fmt;
 use std::io::{BufRead, BufReader, Write};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::time::Instant;
@@ -242,6 +243,16 @@ pub fn step(
 ) -> Result<(), Failure> {
     println!("\n== {heading}");
     timed("took", work)
+}
+
+/// Does both, the first in a thread of its own. Lines of both come as they are said.
+pub fn beside<A: Send, B>(first: impl FnOnce() -> A + Send, second: impl FnOnce() -> B) -> (A, B) {
+    std::thread::scope(|scope| {
+        let first = scope.spawn(first);
+        let second = second();
+        let first = first.join().unwrap_or_else(|panic| resume_unwind(panic));
+        (first, second)
+    })
 }
 
 /// Does `work` and prints how long it took, after `name`: parts that run beside each other are told apart by it.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crate::arguments::{PagesOptions, Part, PythonOptions, TestOptions};
 use crate::checked::Checked;
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
-use crate::run::{Failure, Workspace, quoted, timed};
+use crate::run::{Failure, Workspace, beside, quoted, timed};
 use crate::tally::{Ignored, Tally};
 use crate::{pages, python, sheets};
 
@@ -24,22 +24,35 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
     let start = Instant::now();
     let reference = reference_folder(std::env::var_os(REFERENCE_VARIABLE));
 
-    let (mut tally, complaint) = run_rust(workspace, reference.as_deref().ok())?;
-    let compiles = complaint.is_none();
-    let mut failures = Vec::from_iter(complaint);
+    let mut tally = Tally::default();
+    let mut failures = Vec::new();
+    let mut checked = Vec::new();
+    match workspace.built() {
+        Ok(()) => {
+            // Browsers and Ray wait for much of their time.
+            let others = || of_other_programs(workspace, options.install);
+            let (others, rust) = beside(others, || run_rust(workspace, reference.as_deref().ok()));
+            let complaint;
+            (tally, complaint) = rust?;
+            failures.extend(complaint);
+            checked = others?;
+        }
+        Err(failure) => failures.push(format!(
+            "rust: {}; fix: correct the first error above",
+            failure.message
+        )),
+    }
 
     let mut skips = skips(&tally.ignored, &reference, &options.require);
-    if compiles {
-        for (part, checked) in of_other_programs(workspace, options.install)? {
-            tally.passed += checked.passed;
-            failures.extend(checked.failures.into_iter().map(|why| failed(part, &why)));
-            skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
-                part,
-                name,
-                reason,
-                fix,
-            }));
-        }
+    for (part, checked) in checked {
+        tally.passed += checked.passed;
+        failures.extend(checked.failures.into_iter().map(|why| failed(part, &why)));
+        skips.extend(checked.skips.into_iter().map(|[name, reason, fix]| Skip {
+            part,
+            name,
+            reason,
+            fix,
+        }));
     }
     let (unmet, allowed): (Vec<_>, Vec<_>) = skips
         .iter()
@@ -64,8 +77,7 @@ pub fn run(workspace: &Workspace, options: &TestOptions) -> Result<(), Failure> 
     }
 }
 
-/// Sheets and pages in other programs beside the Python package: browsers wait for much of their time. Lines of both
-/// come as they are said.
+/// Sheets and pages in other programs beside the Python package.
 fn of_other_programs(
     workspace: &Workspace,
     install: bool,
@@ -83,12 +95,11 @@ fn of_other_programs(
         install,
         ..PythonOptions::default()
     };
-    std::thread::scope(|scope| {
-        let pages = scope.spawn(pages);
-        let mut parts = timed("Python", || python::run(workspace, &python))?;
-        parts.extend(pages.join().expect("checking pages does not panic")?);
-        Ok(parts)
-    })
+    let python = || timed("Python", || python::run(workspace, &python));
+    let (pages, python) = beside(pages, python);
+    let mut parts = python?;
+    parts.extend(pages?);
+    Ok(parts)
 }
 
 /// What `cargo test` runs, a call for each. Named one by one, because a plain `cargo test` also builds every example,
@@ -119,8 +130,7 @@ fn run_rust(
         let status = timed(name, || call.stream(|line| tally.see(line)))?;
         if !status.success() && tally.failed == failed {
             complaint = Some(format!(
-                "rust: cargo test ended with {status} though no test failed, most often because the code does not \
-                 compile; fix: correct the first error above"
+                "rust: cargo test ended with {status} though no test failed; fix: correct the first error above"
             ));
             break;
         }

@@ -11,7 +11,7 @@ use std::process::Command;
 use crate::arguments::{Checks, Part, PythonOptions};
 use crate::checked::{Checked, Script};
 use crate::reference::{REFERENCE_VARIABLE, reference_folder};
-use crate::run::{Failure, Workspace};
+use crate::run::{Failure, Workspace, beside};
 use crate::tools::{self, Missing};
 
 /// Where the package lies.
@@ -61,20 +61,18 @@ pub fn run(
         return Ok(vec![(Part::Python, checked)]);
     };
     // Checks of other programs beside pytest, which waits for much of its time.
-    let (said, tested) = std::thread::scope(|scope| {
-        let said = scope.spawn(|| {
-            let mut said = Checked::default();
-            if wants(Checks::Package) {
-                checks::package(&place, &wheel, &mut said);
-            }
-            if wants(Checks::Types) {
-                checks::types(&place, &mut said);
-            }
-            said
-        });
-        let tested = wants(Checks::Pytest).then(|| place.tested(&options.words));
-        (said.join().expect("checks do not panic"), tested)
-    });
+    let said = || {
+        let mut said = Checked::default();
+        if wants(Checks::Package) {
+            checks::package(&place, &wheel, &mut said);
+        }
+        if wants(Checks::Types) {
+            checks::types(&place, &mut said);
+        }
+        said
+    };
+    let tested = || wants(Checks::Pytest).then(|| place.tested(&options.words));
+    let (said, tested) = beside(said, tested);
     checked.add(said);
     let Some(tested) = tested else {
         return Ok(vec![(Part::Python, checked)]);
