@@ -8,7 +8,7 @@
 //! time of a selection.
 
 use crate::error::{Code, Error, Result};
-use crate::model::cell::{Cell, PostureMargins};
+use crate::model::cell::{Cell, PostureMargins, Slopes};
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::optimise::{Evaluation, Minimum, Options, Problem, minimise};
@@ -33,6 +33,8 @@ pub(super) struct ActiveLimits<'a> {
     active: Vec<usize>,
     values: Vec<f64>,
     gradients: Vec<f64>,
+    /// Which limits of one posture are active.
+    wanted: Vec<bool>,
 }
 
 impl<'a> ActiveLimits<'a> {
@@ -51,6 +53,7 @@ impl<'a> ActiveLimits<'a> {
             active: Vec::new(),
             values: vec![0.0; per_posture],
             gradients: vec![0.0; per_posture * cell.bounds.len()],
+            wanted: vec![false; per_posture],
         })
     }
 
@@ -74,7 +77,7 @@ impl<'a> ActiveLimits<'a> {
     pub(super) fn violation_at(&mut self, q: &[f64]) -> f64 {
         let margins = &mut self.margins;
         if margins
-            .evaluate(q, SCENE_DISTANCE, &mut self.values, None)
+            .evaluate(q, SCENE_DISTANCE, &mut self.values, Slopes::default())
             .is_err()
         {
             return f64::INFINITY;
@@ -117,12 +120,23 @@ impl<'a> ActiveLimits<'a> {
         }
         let robot = &self.cell.setup.robot;
         let n = self.cell.bounds.len();
-        let mut next = self.active.iter().enumerate().peekable();
+        let (mut at, mut active) = (before, &self.active[..]);
         for (p, q) in angles.chunks_exact(n).enumerate() {
-            let gradients = Some(&mut self.gradients[..]);
+            let first = p * self.per_posture;
+            let next = active.partition_point(|limit| *limit < first + self.per_posture);
+            let (own, others) = active.split_at(next);
+            active = others;
+            self.wanted.fill(false);
+            for limit in own {
+                self.wanted[limit - first] = true;
+            }
+            let slopes = Slopes {
+                rows: &mut self.gradients,
+                wanted: &self.wanted,
+            };
             let margins = &mut self.margins;
             if margins
-                .evaluate(q, SCENE_DISTANCE, &mut self.values, gradients)
+                .evaluate(q, SCENE_DISTANCE, &mut self.values, slopes)
                 .is_err()
             {
                 out.violation = f64::INFINITY;
@@ -131,10 +145,8 @@ impl<'a> ActiveLimits<'a> {
             for margin in &self.values {
                 out.violation = out.violation.max(-margin);
             }
-            let end = (p + 1) * self.per_posture;
-            while let Some((w, limit)) = next.next_if(|(_, limit)| **limit < end) {
-                let l = limit - p * self.per_posture;
-                let at = before + w;
+            for limit in own {
+                let l = limit - first;
                 let guard = match self.margins.is_of_point(l) {
                     true => LIMIT_GUARD,
                     false => SCENE_GUARD,
@@ -145,6 +157,7 @@ impl<'a> ActiveLimits<'a> {
                     &self.gradients[l * n..(l + 1) * n],
                     &mut out.margin_gradients[offset..offset + n],
                 );
+                at += 1;
             }
         }
     }

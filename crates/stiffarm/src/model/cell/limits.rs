@@ -3,11 +3,13 @@
 //! Each limit is a margin in metres, positive inside, with its derivative, so
 //! that every optimiser can respect it during the search.
 
+use super::Slopes;
 use super::point_limit::{LimitedPoints, PointBound, PointLimit};
 use crate::model::limit::{LimitKind, LimitMargin};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use nalgebra::Vector3;
+use std::iter;
 
 /// Bounds in the base frame \[m\]; `None` leaves a limit out.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -108,21 +110,20 @@ impl Limits {
         out
     }
 
-    /// Writes the margins of one posture to `values` and, where asked, their
-    /// derivatives with respect to θ to `gradients` (row per margin, n long).
+    /// Writes the margins of one posture to `values`, and their derivatives.
     pub(crate) fn evaluate(
         &self,
         setup: &Setup,
         terms: &PostureTerms,
         values: &mut [f64],
-        mut gradients: Option<&mut [f64]>,
+        mut slopes: Slopes<'_>,
     ) {
         let n = setup.robot.joint_count();
         let mut at = 0;
         self.visit(setup, terms, &mut |_, _, margin, derivative| {
             values[at] = margin;
-            if let Some(gradients) = gradients.as_deref_mut() {
-                derivative(&mut gradients[at * n..(at + 1) * n]);
+            if let Some(row) = slopes.row(at, n) {
+                derivative(row);
             }
             at += 1;
         });
@@ -131,24 +132,22 @@ impl Limits {
     fn visit(&self, setup: &Setup, terms: &PostureTerms, each: &mut Visitor<'_>) {
         let n = setup.robot.joint_count();
         let frames = terms.frames();
-        let mut subjects = vec![Subject {
-            point: terms.loading_point,
-            moved_by: n,
-        }];
-        subjects.extend(terms.measuring_points.iter().map(|p| Subject {
-            point: *p,
-            moved_by: n,
-        }));
-        subjects.push(Subject {
-            point: frames.flange().translation.vector,
-            moved_by: n,
-        });
+        let flange = frames.flange().translation.vector;
+        let points = iter::once(&terms.loading_point).chain(&terms.measuring_points);
+        let points = points.chain([&flange]);
+        let mut subjects: Vec<Subject> = points
+            .map(|p| Subject {
+                point: *p,
+                moved_by: n,
+            })
+            .collect();
         let tool_points = subjects.len();
         // The wrist centre is moved by the joints before the one whose axis carries it.
         subjects.push(Subject {
             point: frames.wrist_centre(),
             moved_by: n.saturating_sub(2),
         });
+        let limits: Vec<PointLimit> = self.on_points().collect();
 
         let direction = |subject: &Subject, along: Vector3<f64>| {
             let (point, moved_by) = (subject.point, subject.moved_by);
@@ -164,7 +163,7 @@ impl Limits {
         };
 
         for (s, subject) in subjects.iter().enumerate() {
-            for limit in self.on_points() {
+            for limit in &limits {
                 if !limit.holds_for(s < tool_points) {
                     continue;
                 }

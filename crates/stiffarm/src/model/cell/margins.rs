@@ -1,6 +1,6 @@
 //! All limits of a cell at one posture: those on points and those of the scene.
 
-use super::{Cell, LimitKind, LimitMargin, Limits, MarginUnit};
+use super::{Cell, LimitKind, LimitMargin, Limits, MarginUnit, Slopes};
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::scene::{Scene, Work};
 use std::borrow::Cow;
@@ -119,7 +119,8 @@ impl<'a> Margins<'a> {
     /// the largest one; 0 or more exactly where every limit is met.
     pub fn least(&mut self, terms: &PostureTerms) -> f64 {
         let mut values = vec![0.0; self.point_count];
-        self.limits.evaluate(&self.setup, terms, &mut values, None);
+        let none = Slopes::default();
+        self.limits.evaluate(&self.setup, terms, &mut values, none);
         let mut least = values.iter().fold(f64::INFINITY, |l, v| l.min(*v));
         // Far shapes need not be told exactly.
         let enough = |_| 0.0;
@@ -135,24 +136,20 @@ impl<'a> Margins<'a> {
         least
     }
 
-    /// Writes the margins of one posture to `values` and, where asked, their derivatives with respect
-    /// to θ to `gradients` (row per margin, n long). Margins of displacements are shares of the
-    /// largest one here. Distances between shapes of `enough` and more
+    /// Writes the margins of one posture to `values`, and their derivatives. Margins of displacements
+    /// are shares of the largest one here. Distances between shapes of `enough` and more
     /// may be lower bounds, with a derivative of zero.
     pub(crate) fn evaluate(
         &mut self,
         terms: &PostureTerms,
         enough: f64,
         values: &mut [f64],
-        mut gradients: Option<&mut [f64]>,
+        slopes: Slopes<'_>,
     ) {
         let n = self.setup.robot.joint_count();
         let (points, rest) = values.split_at_mut(self.point_count);
-        let head = gradients
-            .as_deref_mut()
-            .map(|g| &mut g[..self.point_count * n]);
+        let (head, mut slopes) = slopes.split_at(self.point_count, n);
         self.limits.evaluate(&self.setup, terms, points, head);
-        let mut rows = gradients.map(|g| &mut g[self.point_count * n..]);
         self.scene.visit(
             &self.setup,
             terms,
@@ -160,8 +157,7 @@ impl<'a> Margins<'a> {
             |_| enough,
             |at, margin, slope| {
                 rest[at] = margin;
-                if let Some(rows) = rows.as_deref_mut() {
-                    let row = &mut rows[at * n..(at + 1) * n];
+                if let Some(row) = slopes.row(at, n) {
                     row.fill(0.0);
                     slope.add_to(terms.frames(), 1.0, row);
                 }

@@ -16,7 +16,7 @@ pub use columns::{Columns, DateOrder, NamePart, NamePattern, Separator};
 pub use limits::Limits;
 pub use margins::Margins;
 pub use point_limit::{LimitedPoints, PointBound, PointLimit};
-pub use posture_margins::PostureMargins;
+pub use posture_margins::{PostureMargins, Slopes};
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};

@@ -165,9 +165,8 @@ impl PostureMargins<'_> {
         Ok(best.map(|(_, margin)| margin))
     }
 
-    /// Writes the margins of the posture `q` to `values` and, where asked, their derivatives with
-    /// respect to θ to `gradients` (row per margin, n long). Distances between shapes of `enough`
-    /// and more may be lower bounds, with a derivative of zero.
+    /// Writes the margins of the posture `q` to `values`, and the derivatives that `slopes` wants.
+    /// Distances between shapes of `enough` and more may be lower bounds, with a derivative of zero.
     ///
     /// # Errors
     /// As [`least`](Self::least); lists of another length.
@@ -176,10 +175,12 @@ impl PostureMargins<'_> {
         q: &[f64],
         enough: f64,
         values: &mut [f64],
-        mut gradients: Option<&mut [f64]>,
+        mut slopes: Slopes<'_>,
     ) -> Result<()> {
         let (n, count) = (q.len(), self.count());
-        if values.len() != count || gradients.as_ref().is_some_and(|g| g.len() != count * n) {
+        let wanted = slopes.wanted.len();
+        if values.len() != count || slopes.rows.len() != wanted * n || ![0, count].contains(&wanted)
+        {
             let message = format!("There are {count} margins, and {n} derivatives of each.");
             return Err(Error::new(Code::Dimension, message));
         }
@@ -187,12 +188,42 @@ impl PostureMargins<'_> {
         let mut first = 0;
         for case in &mut self.cases {
             let end = first + case.margins.count();
-            let rows = gradients.as_deref_mut().map(|g| &mut g[first * n..end * n]);
+            let own;
+            (own, slopes) = slopes.split_at(case.margins.count(), n);
             case.margins
-                .evaluate(&case.terms, enough, &mut values[first..end], rows);
+                .evaluate(&case.terms, enough, &mut values[first..end], own);
             first = end;
         }
         Ok(())
+    }
+}
+
+/// Derivatives of margins with respect to θ, those that are wanted.
+#[derive(Debug, Default)]
+pub struct Slopes<'a> {
+    /// A row for each margin, n long; rows that are not wanted keep what they hold.
+    pub rows: &'a mut [f64],
+    /// Which margins' are wanted; none where it is empty.
+    pub wanted: &'a [bool],
+}
+
+impl<'a> Slopes<'a> {
+    /// Those of the first `count` margins of an arm of `n` joints, and the others.
+    pub(super) fn split_at(self, count: usize, n: usize) -> (Self, Self) {
+        let count = count.min(self.wanted.len());
+        let (rows, other_rows) = self.rows.split_at_mut(count * n);
+        let (wanted, other) = self.wanted.split_at(count);
+        let others = Slopes {
+            rows: other_rows,
+            wanted: other,
+        };
+        (Slopes { rows, wanted }, others)
+    }
+
+    /// The row of a margin whose derivative is wanted.
+    pub(super) fn row(&mut self, margin: usize, n: usize) -> Option<&mut [f64]> {
+        let is_wanted = self.wanted.get(margin) == Some(&true);
+        is_wanted.then(|| &mut self.rows[margin * n..(margin + 1) * n])
     }
 }
 

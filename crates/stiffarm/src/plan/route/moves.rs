@@ -5,7 +5,7 @@
 //! stretch is proved or a posture without room is found. Nothing is left between samples.
 
 use crate::error::Result;
-use crate::model::cell::{Cell, LimitKind, LimitMargin, Limits, PostureMargins};
+use crate::model::cell::{Cell, LimitKind, LimitMargin, Limits, PostureMargins, Slopes};
 use crate::model::load::Load;
 use crate::numerics::control::Control;
 use std::collections::VecDeque;
@@ -123,7 +123,8 @@ impl<'a> Moves<'a> {
     /// The margins at a posture \[m\]; those of `enough` and more may be told too small, but not below it.
     pub fn margins(&mut self, q: &[f64], enough: f64) -> Result<&[f64]> {
         self.control.check()?;
-        self.margins.evaluate(q, enough, &mut self.values, None)?;
+        self.margins
+            .evaluate(q, enough, &mut self.values, Slopes::default())?;
         Ok(&self.values)
     }
 

@@ -1,7 +1,7 @@
 //! Angles that one can type.
 
 use crate::error::{Code, Error, Result};
-use crate::model::cell::{Cell, PostureMargins};
+use crate::model::cell::{Cell, PostureMargins, Slopes};
 use crate::numerics::order::sort_by_number;
 use crate::units::{deg_to_rad, rad_to_deg};
 
@@ -136,9 +136,13 @@ impl<'a> Rounding<'a> {
         let mut q = q.to_vec();
         let mut values = vec![0.0; count];
         let mut slopes = vec![0.0; count * n];
+        let wanted = vec![true; count];
         for _ in 0..STEPS {
-            self.margins
-                .evaluate(&q, 1.0, &mut values, Some(&mut slopes))?;
+            let all = Slopes {
+                rows: &mut slopes,
+                wanted: &wanted,
+            };
+            self.margins.evaluate(&q, 1.0, &mut values, all)?;
             let worst = (0..count).min_by(|a, b| values[*a].total_cmp(&values[*b]));
             let Some(worst) = worst.filter(|at| values[*at] < room) else {
                 break;

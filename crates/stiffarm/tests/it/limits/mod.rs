@@ -4,6 +4,7 @@ mod kernel;
 
 use crate::common::prelude::*;
 use std::collections::BTreeMap;
+use stiffarm::model::cell::Slopes;
 use stiffarm::model::scene::{DisplacementLimits, SceneParts};
 use stiffarm::model::tool::{NamedPoint, Tool};
 
@@ -42,13 +43,12 @@ fn at(cell: &Cell, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
         vec![f64::NAN; margins.count()],
         vec![f64::NAN; margins.count() * theta.len()],
     );
+    let slopes = Slopes {
+        rows: &mut gradients,
+        wanted: &vec![true; values.len()],
+    };
     margins
-        .evaluate(
-            q.as_slice(),
-            f64::INFINITY,
-            &mut values,
-            Some(&mut gradients),
-        )
+        .evaluate(q.as_slice(), f64::INFINITY, &mut values, slopes)
         .unwrap();
     (values, gradients)
 }
