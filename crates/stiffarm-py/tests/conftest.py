@@ -36,6 +36,15 @@ def command() -> Command:
     return run
 
 
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leaves what takes long to the night, whose ``STIFFARM_TEST_RUNS`` is above 1 as in Rust's tests."""
+    if float(os.environ.get("STIFFARM_TEST_RUNS", "1")) > 1:
+        return
+    left = [item for item in items if item.get_closest_marker("every_night")]
+    config.hook.pytest_deselected(items=left)
+    items[:] = [item for item in items if item not in left]
+
+
 # Matrices of a few rows are not worth threads of numpy and scipy, which wait by spinning: an optimiser of scipy takes
 # several times the processor time with them. Read when numpy is loaded, here and in the processes of the tests.
 os.environ.setdefault("OMP_NUM_THREADS", "1")

@@ -26,6 +26,8 @@ needs_ray = pytest.mark.skipif(
     importlib.util.find_spec("ray") is None,
     reason="Ray is not installed",
 )
+#: Starts a Ray of its own or waits for one that was killed: a minute of processor time in all.
+every_night = pytest.mark.every_night
 needs_library = pytest.mark.skipif(
     importlib.util.find_spec("stiffarm._stiffarm") is None,
     reason="the compiled library is not installed",

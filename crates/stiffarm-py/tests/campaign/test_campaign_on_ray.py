@@ -14,6 +14,7 @@ from campaign_helpers import (
     begun_items,
     cluster_driver,
     command,
+    every_night,
     finish,
     journal_numbers,
     kill,
@@ -53,6 +54,7 @@ def test_limits_and_errors_are_the_same_on_ray(wild: Path, tmp_path: Path, ray_h
     assert sha(tmp_path) == sha(wild)
 
 
+@every_night
 def test_the_driver_killed_loses_only_what_was_under_way(tmp_path: Path, ray_here: Any) -> None:
     folder, begun = tmp_path / "a", tmp_path / "begun"
     campaign = slow(tmp_path / "c.toml", 50, 0.04, begun)
@@ -73,6 +75,7 @@ def test_the_driver_killed_loses_only_what_was_under_way(tmp_path: Path, ray_her
     assert sha(folder) == serially(campaign, tmp_path / "b")
 
 
+@every_night
 def test_workers_killed_have_their_items_run_again(tmp_path: Path, ray_here: Any) -> None:
     folder, begun = tmp_path / "a", tmp_path / "begun"
     campaign = slow(tmp_path / "c.toml", 60, 0.05, begun)
@@ -86,6 +89,7 @@ def test_workers_killed_have_their_items_run_again(tmp_path: Path, ray_here: Any
     assert sha(folder) == serially(campaign, tmp_path / "b")
 
 
+@every_night
 def test_a_node_that_goes_is_not_waited_for_and_without_any_the_run_ends_with_what_is_done(tmp_path: Path) -> None:
     campaign, one_left, none_left = slow(tmp_path / "c.toml", 60, 0.1), tmp_path / "one", tmp_path / "none"
     out, err = cluster_driver(campaign, one_left, none_left)
@@ -102,6 +106,7 @@ def test_a_node_that_goes_is_not_waited_for_and_without_any_the_run_ends_with_wh
     assert serially(campaign, none_left) == undisturbed
 
 
+@every_night
 def test_ctrl_c_ends_the_workers_too(tmp_path: Path) -> None:
     folder, begun = tmp_path / "a", tmp_path / "begun"
     campaign = slow(tmp_path / "c.toml", 4000, 0.05, begun)
