@@ -9,6 +9,7 @@ mod margins;
 mod outside;
 mod point_limit;
 mod posture_margins;
+mod slopes;
 mod task;
 
 pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
@@ -16,7 +17,8 @@ pub use columns::{Columns, DateOrder, NamePart, NamePattern, Separator};
 pub use limits::Limits;
 pub use margins::Margins;
 pub use point_limit::{LimitedPoints, PointBound, PointLimit};
-pub use posture_margins::{PostureMargins, Slopes};
+pub use posture_margins::PostureMargins;
+pub use slopes::Slopes;
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
