@@ -36,6 +36,11 @@ fn angles(n: usize, posture: usize) -> Vec<f64> {
 
 /// Margins and their derivatives by the serial angles `theta`.
 fn at(cell: &Cell, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    some(cell, theta, |_| true)
+}
+
+/// The same with not a number for derivatives that are not wanted.
+fn some(cell: &Cell, theta: &[f64], is_wanted: fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
     let mut margins = cell.posture_margins().unwrap();
     let theta = DVector::from_column_slice(theta);
     let q = cell.setup.robot.controller_angles(&theta).unwrap();
@@ -45,7 +50,7 @@ fn at(cell: &Cell, theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
     );
     let slopes = Slopes {
         rows: &mut gradients,
-        wanted: &vec![true; values.len()],
+        wanted: &(0..margins.count()).map(is_wanted).collect::<Vec<_>>(),
     };
     margins
         .evaluate(q.as_slice(), f64::INFINITY, &mut values, slopes)
@@ -154,6 +159,32 @@ fn derivatives_of_limits_on_points_are_those_of_differences() {
                 },
             );
         }
+    }
+}
+
+#[test]
+fn derivatives_come_where_they_are_wanted() {
+    for cell in loaded_cells().into_iter().chain([shapes_cell(), bent(7)]) {
+        let n = cell.setup.robot.joint_count();
+        let theta = angles(n, 1);
+        let (values, all) = at(&cell, &theta);
+        let (same, third) = some(&cell, &theta, |margin| margin % 3 == 1);
+        assert_eq!(same, values);
+        for (margin, (own, all)) in third.chunks(n).zip(all.chunks(n)).enumerate() {
+            match margin % 3 == 1 {
+                true => assert_eq!(own, all),
+                false => assert!(own.iter().all(|slope| slope.is_nan())),
+            }
+        }
+        // Rows for some margins, and not a word on the others.
+        let mut margins = cell.posture_margins().unwrap();
+        let slopes = Slopes {
+            rows: &mut vec![0.0; n],
+            wanted: &[true],
+        };
+        let mut values = vec![0.0; margins.count()];
+        let error = margins.evaluate(&vec![0.1; n], 1.0, &mut values, slopes);
+        assert_eq!(error.unwrap_err().code(), Code::Dimension);
     }
 }
 
