@@ -29,12 +29,10 @@ pub(super) struct ActiveLimits<'a> {
     /// Limits nearer than this become constraints \[m\].
     distance: f64,
     per_posture: usize,
-    /// Posture by posture, ascending.
-    active: Vec<usize>,
+    /// Whether each limit is a constraint, posture by posture.
+    active: Vec<bool>,
     values: Vec<f64>,
     gradients: Vec<f64>,
-    /// Which limits of one posture are active.
-    wanted: Vec<bool>,
 }
 
 impl<'a> ActiveLimits<'a> {
@@ -53,7 +51,6 @@ impl<'a> ActiveLimits<'a> {
             active: Vec::new(),
             values: vec![0.0; per_posture],
             gradients: vec![0.0; per_posture * cell.bounds.len()],
-            wanted: vec![false; per_posture],
         })
     }
 
@@ -64,7 +61,7 @@ impl<'a> ActiveLimits<'a> {
 
     /// Number of active limits.
     pub(super) fn count(&self) -> usize {
-        self.active.len()
+        self.active.iter().filter(|active| **active).count()
     }
 
     /// The posture looked at last, load by load.
@@ -90,19 +87,20 @@ impl<'a> ActiveLimits<'a> {
         if self.per_posture == 0 {
             return;
         }
-        for (p, q) in angles.chunks_exact(self.cell.bounds.len()).enumerate() {
+        let n = self.cell.bounds.len();
+        self.active
+            .resize(angles.len() / n * self.per_posture, false);
+        for (p, q) in angles.chunks_exact(n).enumerate() {
             self.violation_at(q);
-            let near = self.values.iter().enumerate();
-            let within = |l: usize| match self.margins.is_of_point(l) {
-                true => self.distance,
-                false => SCENE_DISTANCE.min(self.distance),
-            };
-            let near = near.filter(|(l, margin)| **margin < within(*l));
-            self.active
-                .extend(near.map(|(l, _)| p * self.per_posture + l));
+            let active = &mut self.active[p * self.per_posture..];
+            for (l, (active, margin)) in active.iter_mut().zip(&self.values).enumerate() {
+                let within = match self.margins.is_of_point(l) {
+                    true => self.distance,
+                    false => SCENE_DISTANCE.min(self.distance),
+                };
+                *active |= *margin < within;
+            }
         }
-        self.active.sort_unstable();
-        self.active.dedup();
     }
 
     /// Writes the margins of the active limits at the postures of `angles`
@@ -120,19 +118,13 @@ impl<'a> ActiveLimits<'a> {
         }
         let robot = &self.cell.setup.robot;
         let n = self.cell.bounds.len();
-        let (mut at, mut active) = (before, &self.active[..]);
+        let mut at = before;
         for (p, q) in angles.chunks_exact(n).enumerate() {
-            let first = p * self.per_posture;
-            let next = active.partition_point(|limit| *limit < first + self.per_posture);
-            let (own, others) = active.split_at(next);
-            active = others;
-            self.wanted.fill(false);
-            for limit in own {
-                self.wanted[limit - first] = true;
-            }
+            let own = p * self.per_posture..(p + 1) * self.per_posture;
+            let wanted = self.active.get(own).unwrap_or_default();
             let slopes = Slopes {
-                rows: &mut self.gradients,
-                wanted: &self.wanted,
+                rows: &mut self.gradients[..wanted.len() * n],
+                wanted,
             };
             let margins = &mut self.margins;
             if margins
@@ -145,8 +137,7 @@ impl<'a> ActiveLimits<'a> {
             for margin in &self.values {
                 out.violation = out.violation.max(-margin);
             }
-            for limit in own {
-                let l = limit - first;
+            for (l, _) in wanted.iter().enumerate().filter(|(_, active)| **active) {
                 let guard = match self.margins.is_of_point(l) {
                     true => LIMIT_GUARD,
                     false => SCENE_GUARD,
