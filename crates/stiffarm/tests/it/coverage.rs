@@ -8,6 +8,7 @@ mod page;
 
 use crate::common::prelude::*;
 use crate::common::random_group;
+use crate::common::runs::*;
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,
@@ -402,4 +403,18 @@ fn one_experiment_is_no_certainty() {
     let found = count(&cell, &postures(8), &case(Estimator::Ordinary, 1));
     let expected = (0.6 * 0.4 / 5.0_f64).sqrt();
     assert!((found.standard_error / expected - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn limits_follow_from_the_count() {
+    assert_eq!(most(0.01, 300, 300), 3);
+    assert_eq!(fewest(0.99, 300, 300), 297);
+    // P(more than 3 of 30) at 1 % is 2e-4, P(more than 2) is 3e-3.
+    assert_eq!(most(0.01, 30, 300), 3);
+    assert_eq!(fewest(0.99, 30, 300), 27);
+    assert!((standard_error(0.5, 100) - 0.05).abs() < 1e-15);
+    assert_eq!(wider(50, 200), 2.0);
+    assert_eq!(wider(400, 200), 1.0);
+    assert_eq!(slack(0.05, 30, 30), 0.0);
+    assert!((slack(0.05, 29, 30) - 0.2).abs() < 1e-15);
 }

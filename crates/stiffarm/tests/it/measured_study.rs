@@ -131,7 +131,7 @@ fn what_cannot_be_split_is_said() {
 /// The order that an independent study found (docs/measured.md holds 100 splits).
 #[test]
 fn chosen_for_prediction_six_postures_beat_the_whole_pool() {
-    let (cell, measured) = crate::diagnose::fanuc::measured_robot();
+    let (cell, measured) = crate::common::readings::measured_robot();
     let mut options = MeasuredStudyOptions::default();
     options.splits = 24;
     options.pool = Some(30);

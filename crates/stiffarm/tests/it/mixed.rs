@@ -366,7 +366,7 @@ fn an_axis_without_positive_compliance_is_a_broad_one() {
 /// The measured robot: what the documentation says of it.
 #[test]
 fn the_measured_robot_needs_the_mixed_model() {
-    let (cell, measured) = crate::diagnose::fanuc::measured_robot();
+    let (cell, measured) = crate::common::readings::measured_robot();
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let (found, mixed) = elastic(&fit, true).unwrap();
     assert_eq!(found.model, ElasticChoice::Mixed);

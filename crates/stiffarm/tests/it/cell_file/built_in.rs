@@ -171,7 +171,7 @@ fn group_1_is_in_bounds_and_inside_the_limits() -> Check {
 
 #[test]
 fn copies_for_the_reader_are_the_built_in_files() -> Check {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cells");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../cells");
     if !folder.exists() {
         // A packaged crate has no workspace around it.
         return Ok(());

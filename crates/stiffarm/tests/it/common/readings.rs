@@ -7,7 +7,9 @@ use stiffarm::findings::Finding;
 use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment,
 };
+
 use stiffarm::measure::reduction::{ReduceOptions, Reduction, reduce};
+use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::instruments::{Mount, Sensor};
 use stiffarm::model::load::Wrench;
@@ -17,9 +19,19 @@ use stiffarm::model::measurement::{
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 use stiffarm::model::tool::NamedPoint;
+use stiffarm_files::builtin;
 
 /// What the controllers give way per torque \[rad/(N·m)\].
 pub const GIVE: [f64; 6] = [2e-8, 1e-8, 3e-8, 5e-8, 4e-8, 6e-8];
+
+/// The cell of the measured FANUC R-2000iC and its 43 displacements.
+pub fn measured_robot() -> (Cell, Measured) {
+    let cell = builtin::cell("fanuc-r2000ic").unwrap();
+    let readings = builtin::measurements("fanuc-r2000ic-readings", &cell).unwrap();
+    let measured = prepare(&cell, readings, &Default::default()).unwrap();
+    assert_eq!(measured.postures.len(), 43);
+    (cell, measured)
+}
 
 pub fn postures() -> Vec<Posture> {
     numbered(group1())

@@ -2,18 +2,9 @@
 
 use super::*;
 
-/// Its cell and its 43 displacements.
-pub fn measured_robot() -> (Cell, Measured) {
-    let cell = stiffarm_files::builtin::cell("fanuc-r2000ic").unwrap();
-    let readings = builtin::measurements("fanuc-r2000ic-readings", &cell).unwrap();
-    let measured = prepare(&cell, readings, &Default::default()).unwrap();
-    assert_eq!(measured.postures.len(), 43);
-    (cell, measured)
-}
-
 #[test]
 fn what_a_careful_engineer_would_say() {
-    let (cell, measured) = measured_robot();
+    let (cell, measured) = common::readings::measured_robot();
     let found =
         diagnose(&Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap()).unwrap();
     for finding in &found.findings {

@@ -2,7 +2,7 @@
 //! otherwise.
 
 mod alarms;
-pub mod fanuc;
+mod fanuc;
 mod outliers;
 
 use crate::common::prelude::*;
