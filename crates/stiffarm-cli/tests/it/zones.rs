@@ -77,6 +77,7 @@ fn wrong_requests_are_answered() {
     );
     for line in [
         "zones --steps 1",
+        "zones --steps x",
         "zones --q-deg 0,0,0",
         "zones --q-deg 0,0,0,45,45,1e5",
         "zones --output-dir taken",

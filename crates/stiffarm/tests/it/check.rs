@@ -369,6 +369,22 @@ fn a_fence_before_the_tracker_is_blamed_not_the_box() {
 }
 
 #[test]
+fn shapes_too_large_are_named_with_the_way_to_leave_them_out() {
+    let text = include_str!("../cells/comau-shapes.toml");
+    let apart = text.replace("ignore = [[\"link 1\", \"beam\"]]", "shapes_mm = 300");
+    let torques = "torque_limits_nm = [900, 1600, 1200, 300, 250, 120]";
+    assert!(apart.contains(torques));
+    let text = apart.replace(torques, "");
+    let checked = check(&parse_cell(&text, "cell.toml").unwrap()).unwrap();
+    let most =
+        "violated most often: the distance between shapes (85 %, most often link 2 and base)";
+    the(&checked, "unreachable-limits", most);
+    let way = "Without the distance between shapes 19 postures would do. Shapes drawn too large may be left out: \
+               `ignore` in [clearance] names their pairs.";
+    the(&checked, "unreachable-limits", way);
+}
+
+#[test]
 fn bounds_in_radians() {
     let mut cell = comau();
     for bounds in &mut cell.bounds {

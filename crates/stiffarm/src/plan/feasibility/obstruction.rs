@@ -4,9 +4,17 @@ use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::model::cell::{Cell, LimitKind};
 use sobol_burley::sample;
+use std::collections::BTreeMap;
 
 /// Postures spread over the bounds.
 const SAMPLES: u32 = 4096;
+
+/// Kinds of limits of which it helps to know whose they are.
+const NAMED: [LimitKind; 3] = [
+    LimitKind::Shapes,
+    LimitKind::RopeClearance,
+    LimitKind::Torque,
+];
 
 /// What stands in the way of postures spread over the bounds.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +25,8 @@ pub struct Obstruction {
     pub feasible: usize,
     /// For each kind of limit that the cell has: how many postures violate it, the most first.
     pub violated: Vec<(LimitKind, usize)>,
+    /// Two shapes, rope and shape, or the joint that most often violates a limit of such a kind.
+    pub subjects: Vec<(LimitKind, String)>,
     /// The fewest kinds whose absence would leave postures, one or two of them, and how many.
     pub relief: Option<(Vec<LimitKind>, usize)>,
 }
@@ -41,12 +51,16 @@ pub(crate) fn spread(cell: &Cell, i: u32) -> Vec<f64> {
 pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction> {
     let mut margins = cell.posture_margins()?;
     let mut masks = Vec::with_capacity(samples as usize);
+    let mut seen = BTreeMap::<(LimitKind, String), usize>::new();
     for i in 0..samples {
         let q = spread(cell, i);
         let mut mask = 0_u32;
         for margin in margins.named(&q)? {
             if margin.is_violated() {
                 mask |= bit(margin.kind);
+                if NAMED.contains(&margin.kind) {
+                    *seen.entry((margin.kind, margin.point)).or_default() += 1;
+                }
             }
         }
         masks.push(mask);
@@ -63,6 +77,11 @@ pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction
         })
         .collect();
     violated.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let subjects = NAMED.iter().filter_map(|kind| {
+        let own = seen.iter().filter(|((of, _), _)| of == kind);
+        let ((kind, subject), _) = own.max_by_key(|(_, count)| **count)?;
+        Some((*kind, subject.clone()))
+    });
     let best = |sets: Vec<Vec<LimitKind>>| {
         let counted = sets.into_iter().map(|set| {
             let allowed = set.iter().fold(0, |mask, kind| mask | bit(*kind));
@@ -89,6 +108,7 @@ pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction
         sampled: masks.len(),
         feasible,
         violated,
+        subjects: subjects.collect(),
         relief,
     })
 }
@@ -107,7 +127,12 @@ impl Obstruction {
             .iter()
             .take(3)
             .filter(|(_, count)| *count > 0)
-            .map(|(kind, count)| format!("{} ({})", kind.describe(), share(*count)))
+            .map(|(kind, count)| {
+                let subject = self.subjects.iter().find(|(of, _)| of == kind);
+                let most =
+                    subject.map_or(String::new(), |(_, name)| format!(", most often {name}"));
+                format!("{} ({}{most})", kind.describe(), share(*count))
+            })
             .collect();
         if most.is_empty() {
             return format!(
@@ -132,6 +157,9 @@ impl Obstruction {
                     _ => "postures would do",
                 };
                 out += &format!(" Without {} {left} {verb}.", list(&names));
+                if kinds.contains(&LimitKind::Shapes) {
+                    out += " Shapes drawn too large may be left out: `ignore` in [clearance] names their pairs."
+                }
             }
             None if self.feasible == 0 => {
                 out += " Leaving out any two kinds of limits would not help."
