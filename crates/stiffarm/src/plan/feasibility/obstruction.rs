@@ -23,12 +23,21 @@ pub struct Obstruction {
     pub sampled: usize,
     /// How many meet every limit.
     pub feasible: usize,
-    /// For each kind of limit that the cell has: how many postures violate it, the most first.
-    pub violated: Vec<(LimitKind, usize)>,
-    /// Two shapes, rope and shape, or the joint that most often violates a limit of such a kind.
-    pub subjects: Vec<(LimitKind, String)>,
+    /// The kinds of limits that the cell has, the one that most postures violate first.
+    pub violated: Vec<ViolatedKind>,
     /// The fewest kinds whose absence would leave postures, one or two of them, and how many.
     pub relief: Option<(Vec<LimitKind>, usize)>,
+}
+
+/// How often limits of one kind are violated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViolatedKind {
+    /// The kind.
+    pub kind: LimitKind,
+    /// How many postures violate it.
+    pub postures: usize,
+    /// What violates it most often, where that helps: two shapes, rope and shape, a joint.
+    pub subject: Option<String>,
 }
 
 /// Looks at postures spread evenly over the bounds; the same cell always gives the same result.
@@ -67,21 +76,19 @@ pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction
     }
     let kinds = cell.limit_kinds();
     let count = |allowed: u32| masks.iter().filter(|mask| **mask & !allowed == 0).count();
-    let mut violated: Vec<(LimitKind, usize)> = kinds
+    let mut violated: Vec<ViolatedKind> = kinds
         .iter()
         .map(|kind| {
-            (
-                *kind,
-                masks.iter().filter(|mask| **mask & bit(*kind) != 0).count(),
-            )
+            let own = seen.iter().filter(|((of, _), _)| of == kind);
+            let most = own.max_by_key(|(_, count)| **count);
+            ViolatedKind {
+                kind: *kind,
+                postures: masks.iter().filter(|mask| **mask & bit(*kind) != 0).count(),
+                subject: most.map(|((_, subject), _)| subject.clone()),
+            }
         })
         .collect();
-    violated.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-    let subjects = NAMED.iter().filter_map(|kind| {
-        let own = seen.iter().filter(|((of, _), _)| of == kind);
-        let ((kind, subject), _) = own.max_by_key(|(_, count)| **count)?;
-        Some((*kind, subject.clone()))
-    });
+    violated.sort_by_key(|one| std::cmp::Reverse(one.postures));
     let best = |sets: Vec<Vec<LimitKind>>| {
         let counted = sets.into_iter().map(|set| {
             let allowed = set.iter().fold(0, |mask, kind| mask | bit(*kind));
@@ -108,7 +115,6 @@ pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction
         sampled: masks.len(),
         feasible,
         violated,
-        subjects: subjects.collect(),
         relief,
     })
 }
@@ -126,12 +132,14 @@ impl Obstruction {
             .violated
             .iter()
             .take(3)
-            .filter(|(_, count)| *count > 0)
-            .map(|(kind, count)| {
-                let subject = self.subjects.iter().find(|(of, _)| of == kind);
-                let most =
-                    subject.map_or(String::new(), |(_, name)| format!(", most often {name}"));
-                format!("{} ({}{most})", kind.describe(), share(*count))
+            .filter(|one| one.postures > 0)
+            .map(|one| {
+                let most = one
+                    .subject
+                    .iter()
+                    .map(|name| format!(", most often {name}"));
+                let most: String = most.collect();
+                format!("{} ({}{most})", one.kind.describe(), share(one.postures))
             })
             .collect();
         if most.is_empty() {
