@@ -8,7 +8,7 @@ mod page;
 
 use crate::common::prelude::*;
 use crate::common::random_group;
-use crate::common::runs::*;
+use crate::common::runs::{fewest, wider};
 use stiffarm::error::Result;
 use stiffarm::estimate::coverage::{
     Coverage, CoverageCase, ErrorModel, Intervals, Outliers, Record, Truth, coverage, measured,

@@ -7,7 +7,6 @@ use stiffarm::findings::Finding;
 use stiffarm::measure::experiment::{
     BaseCompliance, Experiment, ExperimentState, ForceRecord, TrackerNoise, experiment,
 };
-
 use stiffarm::measure::reduction::{ReduceOptions, Reduction, reduce};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
