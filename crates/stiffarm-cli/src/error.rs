@@ -113,18 +113,18 @@ pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Ca
         let mut captured = captured.borrow_mut();
         match (stop.use_stderr(), json_wanted) {
             (false, _) => captured.out += &stop.render().to_string(),
-            (true, false) => captured.err += &rendered(&said(stop)),
+            (true, false) => captured.err += &rendered(&stop.render().to_string()),
             (true, true) => captured.out += &json(&usage_error(stop)),
         }
         return code;
     }
     if !json_wanted || !stop.use_stderr() {
-        let text = rendered(&said(stop));
+        let text = stop.render().to_string();
         // A reader that has gone needs no help.
-        let _ = match text == stop.render().to_string() {
+        let _ = match text == rendered(&text) {
             true => stop.print(),
-            // A word of the line that is more than letters, or words of ours, without clap's styles.
-            false => std::io::stderr().write_all(text.as_bytes()),
+            // A word of the line that is more than letters, without clap's styles.
+            false => std::io::stderr().write_all(rendered(&text).as_bytes()),
         };
         return code;
     }
@@ -132,17 +132,9 @@ pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Ca
     code
 }
 
-/// What clap says about a line; of numbers it says what its parser met, not what is needed.
-fn said(stop: &clap::Error) -> String {
-    let needed = "a whole number from 0 on is needed";
-    stop.render()
-        .to_string()
-        .replace("invalid digit found in string", needed)
-}
-
 /// What clap says about a line, as an error of ours.
 fn usage_error(stop: &clap::Error) -> Error {
-    let text = said(stop);
+    let text = stop.render().to_string();
     let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
     let mut paragraphs = text.trim().split("\n\n").map(joined);
     let message = paragraphs.next().unwrap_or_default();

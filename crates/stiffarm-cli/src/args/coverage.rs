@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use super::fit::FitArgs;
-use super::values::count;
+use super::values::{count, seed};
 use clap::{Args, ValueHint};
 
 #[derive(Debug, Args)]
@@ -20,7 +20,7 @@ pub struct CoverageArgs {
     #[arg(long, value_name = "N", value_parser = count())]
     pub bootstrap: Option<u64>,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed())]
     pub seed: u64,
     /// How the stiffness is estimated.
     #[command(flatten)]

@@ -1,6 +1,6 @@
 //! Options of `export`.
 
-use super::values::one_of;
+use super::values::{one_of, within};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ pub struct ExportArgs {
     pub start: Option<String>,
     /// Speed of the moves in per cent; the first move has half of it, at most 5 [default: the cell's
     /// route.speed_percent, 10 unless it is given]
-    #[arg(long, value_name = "PERCENT", value_parser = clap::value_parser!(u8).range(1..=100))]
+    #[arg(long, value_name = "PERCENT", value_parser = within::<u8>(1..=100))]
     pub speed_percent: Option<u8>,
     /// Load states to measure at each posture, as texts of the program name them [default: unloaded
     /// and those of the cell's loads]

@@ -1,6 +1,6 @@
 //! The command line of `stiffarm measure`.
 
-use super::values::pause;
+use super::values::{pause, seed};
 use clap::{Args, ValueHint};
 use std::time::Duration;
 use stiffarm::units::mm_to_m;
@@ -36,7 +36,7 @@ pub struct MeasureArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
     /// Seed of the search for a better posture
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed())]
     pub seed: u64,
 }
 

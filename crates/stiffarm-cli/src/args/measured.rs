@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use super::fit::FitArgs;
-use super::values::{above_zero, count, number};
+use super::values::{above_zero, count, number, seed};
 use clap::{Args, ValueEnum, ValueHint};
 use stiffarm::estimate::validate::Model;
 use stiffarm::estimate::validated::Folds;
@@ -60,7 +60,7 @@ pub struct IdentifyArgs {
     #[arg(long, value_name = "N", value_parser = count())]
     pub bootstrap: Option<u64>,
     /// Seed of the resampling and of the search for the next posture
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed())]
     pub seed: u64,
     /// Estimates and residuals only: no leave-one-out, systematic errors,
     /// extra terms tried or next posture

@@ -40,7 +40,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use values::{count_or_none, number, within};
+use values::{count_or_none, number, seed, within};
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -78,7 +78,7 @@ pub struct Global {
     #[arg(long, global = true)]
     pub json: bool,
     /// Threads to use; the results do not depend on it [default: all cores]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = within::<u16>(1..=1024))]
     pub threads: Option<u16>,
     /// No progress and no remarks on standard error
     #[arg(long, short, global = true)]
@@ -187,7 +187,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "DIR", default_value = "study")]
     pub output_dir: PathBuf,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed())]
     pub seed: u64,
     /// Runs per group and noise level
     #[arg(long, default_value_t = 200, value_parser = count_or_none())]
@@ -294,7 +294,7 @@ pub struct ZonesArgs {
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
     /// Angles per axis of the map, from bound to bound
-    #[arg(long, value_name = "N", default_value_t = 41)]
+    #[arg(long, value_name = "N", default_value_t = 41, value_parser = within::<usize>(2..=500))]
     pub steps: usize,
     /// Angles at which the joints are held, one per joint; those of joints 2 and 3 are replaced by
     /// the map's [default: 0,0,0,45,45,45 for six joints]

@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use super::measured::ModelChoice;
-use super::values::{number, triple};
+use super::values::{number, triple, within};
 use super::work::{AxesChoice, Triple};
 use clap::{Args, ValueEnum, ValueHint};
 use stiffarm_files::program::Language;
@@ -55,7 +55,7 @@ pub struct PathArgs {
     /// The turn about the tool axis is free: try N of them at each point and take the postures that
     /// bend least [default: 72]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "72", require_equals = true,
-          value_parser = clap::value_parser!(u16).range(1..=3600))]
+          value_parser = within::<u16>(1..=3600))]
     pub free_turn: Option<u16>,
 }
 

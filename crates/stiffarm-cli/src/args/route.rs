@@ -1,7 +1,7 @@
 //! The command line of `stiffarm route`.
 
 use super::PageArgs;
-use super::values::angle_step;
+use super::values::{angle_step, seed};
 use clap::{Args, ValueHint};
 
 #[derive(Debug, Args)]
@@ -27,7 +27,7 @@ pub struct RouteArgs {
     #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step())]
     pub angle_step_deg: f64,
     /// Seed of the random numbers, for ways around obstacles and for many postures
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed())]
     pub seed: u64,
     /// Also show each move
     #[arg(long)]

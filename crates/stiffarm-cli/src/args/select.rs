@@ -1,13 +1,13 @@
 //! The command line of `stiffarm select`.
 
 use super::PageArgs;
-use super::values::{above_zero, angle_step, count, numbers, within};
+use super::values::{above_zero, angle_step, count, numbers, seed, within};
 use clap::{ArgGroup, Args, ValueEnum, ValueHint};
 use std::time::Duration;
 use stiffarm::plan::planned;
 
 /// Most postures of one plan.
-const MOST_POSTURES: i64 = planned::MOST_POSTURES as i64;
+const MOST_POSTURES: u64 = planned::MOST_POSTURES as u64;
 
 #[derive(Debug, Args)]
 pub struct SelectArgs {
@@ -96,7 +96,7 @@ pub struct BudgetArgs {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub time_limit: Option<Duration>,
     /// Seed of the random numbers [default: 1]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed())]
     pub seed: Option<u64>,
 }
 

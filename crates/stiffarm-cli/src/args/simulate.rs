@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use super::fit::ElasticArg;
-use super::values::{count, number, pause};
+use super::values::{count, number, pause, seed};
 use crate::numbers::to_usize;
 use clap::{Args, ValueHint};
 use std::time::Duration;
@@ -36,7 +36,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "MODEL")]
     pub elastic: Option<ElasticArg>,
     /// Seed of the random numbers
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed())]
     pub seed: u64,
     /// Also write one simulated measurement of the first group (exact model), to try `identify` on
     #[arg(value_hint = ValueHint::AnyPath, long, value_name = "measurements.csv")]

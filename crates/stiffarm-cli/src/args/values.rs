@@ -1,27 +1,42 @@
 //! Values that several commands read alike. Each number is refused where it cannot be
 //! meant: nothing that is computed from an option is infinite.
 
-use clap::builder::{PossibleValue, PossibleValuesParser, RangedI64ValueParser, TypedValueParser};
-use std::ops::RangeBounds;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use std::ops::{Bound, RangeBounds};
 use std::time::Duration;
 use stiffarm::units::Sense;
 
 /// A number of things to make: at least one, and not by a slip a million.
-pub fn count() -> RangedI64ValueParser<u64> {
+pub fn count() -> impl Fn(&str) -> Result<u64, String> + Clone {
     within(1..=1_000_000)
 }
 
 /// The same for a number that may be zero.
-pub fn count_or_none() -> RangedI64ValueParser<usize> {
+pub fn count_or_none() -> impl Fn(&str) -> Result<usize, String> + Clone {
     within(0..=1_000_000)
 }
 
-/// A whole number of a range. It is read with its sign: a negative one is outside, not something that is no number.
-pub fn within<T>(range: impl RangeBounds<i64>) -> RangedI64ValueParser<T>
-where
-    T: TryFrom<i64> + Clone + Send + Sync,
-{
-    RangedI64ValueParser::new().range(range)
+/// Any seed of random numbers.
+pub fn seed() -> impl Fn(&str) -> Result<u64, String> + Clone {
+    within(0..)
+}
+
+/// A whole number of a range, whose lower bound is given.
+pub fn within<T: TryFrom<u64>>(
+    range: impl RangeBounds<u64> + Clone,
+) -> impl Fn(&str) -> Result<T, String> + Clone {
+    move |text| {
+        let whole = text.parse().ok().filter(|whole| range.contains(whole));
+        whole
+            .and_then(|whole: u64| T::try_from(whole).ok())
+            .ok_or_else(|| match (range.start_bound(), range.end_bound()) {
+                (Bound::Included(low), Bound::Included(high)) => {
+                    format!("a whole number from {low} to {high} is needed")
+                }
+                (Bound::Included(low), _) => format!("a whole number from {low} on is needed"),
+                _ => "a whole number is needed".to_string(),
+            })
+    }
 }
 
 /// One of the library's values by its name; `shown` is the name, and what is said of it.
@@ -117,6 +132,29 @@ pub fn pause() -> impl Fn(&str) -> Result<Duration, String> + Clone {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_whole_number_is_refused_with_its_range() {
+        let percent = within::<u8>(1..=100);
+        assert_eq!(percent("100"), Ok(100));
+        for text in [
+            "0",
+            "101",
+            "-1",
+            "1e1",
+            "2.5",
+            "two",
+            "",
+            "99999999999999999999999",
+        ] {
+            let needed = "a whole number from 1 to 100 is needed";
+            assert_eq!(percent(text), Err(needed.to_string()), "{text}");
+        }
+        assert_eq!(seed()("18446744073709551615"), Ok(u64::MAX));
+        let needed = "a whole number from 0 on is needed";
+        assert_eq!(seed()("-1"), Err(needed.to_string()));
+        assert!(within::<u8>(0..)("256").is_err());
+    }
 
     #[test]
     fn what_cannot_be_meant_is_refused_with_its_unit() {

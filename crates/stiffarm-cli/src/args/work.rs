@@ -1,7 +1,7 @@
 //! Commands about the robot at work.
 
 use super::PageArgs;
-use super::values::{number, triple};
+use super::values::{number, triple, within};
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
@@ -79,7 +79,8 @@ pub struct ToolArgs {
           conflicts_with = "place")]
     pub rpy_deg: Option<Triple>,
     /// The turn about the tool axis is free: try N of them and take the best [default: 24]
-    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "24", require_equals = true)]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "24", require_equals = true,
+          value_parser = within::<usize>(1..=720))]
     pub free_turn: Option<usize>,
     /// Force on the robot at the tip, base axes [N] [default: the cell's [work] force, else 1 N
     /// along the direction]
@@ -120,7 +121,7 @@ pub struct PlaceArgs {
     pub yaw_deg: Vec<f64>,
     /// Finer grids, each about the best place so far
     #[arg(long, value_name = "N", default_value_t = 2, requires = "place",
-          value_parser = clap::value_parser!(u8).range(0..=8))]
+          value_parser = within::<u8>(0..=8))]
     pub refine: u8,
 }
 

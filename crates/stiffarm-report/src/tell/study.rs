@@ -60,9 +60,11 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             text.words(".")
         }
     };
-    let next = Text::new("Measure its postures: ")
-        .code("stiffarm select --count 6 --sheet sheet.xlsx")
-        .words(" chooses such a group for your cell and writes the sheet for the readings.");
+    let next = Text::new("For your own robot: ")
+        .code("stiffarm init")
+        .words(" writes its cell, and ")
+        .code("stiffarm select cell.toml --sheet sheet.xlsx")
+        .words(" chooses such a group of postures and writes the sheet for the readings.");
     let mut sections = Vec::new();
     sections.push(cell_section(context, &study)?);
     let pictures = figures(&study);
