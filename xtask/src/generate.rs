@@ -25,12 +25,11 @@ type Files = BTreeMap<String, Vec<u8>>;
 
 /// Writes what is generated, or with `check` only compares it.
 pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
-    let example = ["--example", EXAMPLE, "--features", "stiffarm-cli/schema"];
     // The schemas' code runs for a moment, and is a fifth of the library: not optimised, a build of a minute.
-    let build = workspace
-        .cargo(&[&["build", "--quiet", "--locked"][..], &example].concat())
-        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
-    build.run()?;
+    let profile = ["--config", "profile.dev.package.stiffarm.opt-level=0"];
+    let example = ["--example", EXAMPLE, "--features", "stiffarm-cli/schema"];
+    let build = [&["build", "--quiet", "--locked"][..], &profile, &example].concat();
+    workspace.cargo(&build).run()?;
     let example = tools::built(&format!("examples/{EXAMPLE}{EXE_SUFFIX}"))?;
     let printed: BTreeMap<String, String> = tools::call(&example, &[])
         .and_then(|text| serde_json::from_str(&text).map_err(|why| why.to_string()))
