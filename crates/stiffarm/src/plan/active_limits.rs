@@ -69,6 +69,11 @@ impl<'a> ActiveLimits<'a> {
         self.margins.terms()
     }
 
+    /// Whether the posture `q` meets every limit, those that are not active too.
+    pub(super) fn are_met(&mut self, q: &[f64]) -> bool {
+        self.margins.least(q).is_ok_and(|least| least >= 0.0)
+    }
+
     /// Largest violation of a limit by the posture `q` \[m\], 0 when all are met;
     /// infinite where there is no wrench.
     pub(super) fn violation_at(&mut self, q: &[f64]) -> f64 {

@@ -5,6 +5,9 @@ use crate::model::observation::{PostureTerms, Setup};
 use crate::model::scene::{Scene, Work};
 use std::borrow::Cow;
 
+/// A limit of points that is violated by more says all that [`Margins::least`] is asked \[m\].
+const CLEARLY: f64 = 1e-3;
+
 /// The limits of a cell, ready to be looked at posture by posture.
 #[derive(Debug, Clone)]
 pub struct Margins<'a> {
@@ -116,12 +119,16 @@ impl<'a> Margins<'a> {
     }
 
     /// The smallest margin of one posture, infinite without limits, those of displacements as shares of
-    /// the largest one; 0 or more exactly where every limit is met.
+    /// the largest one; 0 or more exactly where every limit is met. Where a limit of points is violated
+    /// by a millimetre or more, it is the smallest of those: shapes are not looked at.
     pub fn least(&mut self, terms: &PostureTerms) -> f64 {
         let mut values = vec![0.0; self.point_count];
         let none = Slopes::default();
         self.limits.evaluate(&self.setup, terms, &mut values, none);
         let mut least = values.iter().fold(f64::INFINITY, |l, v| l.min(*v));
+        if least < -CLEARLY {
+            return least;
+        }
         // Far shapes need not be told exactly.
         let enough = |_| 0.0;
         self.scene.visit(

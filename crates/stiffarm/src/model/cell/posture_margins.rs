@@ -115,7 +115,7 @@ impl PostureMargins<'_> {
     }
 
     /// The smallest margin of the posture `q`, infinite without limits; 0 or more exactly where
-    /// every limit is met.
+    /// every limit is met, and as [`Margins::least`] where one is not.
     ///
     /// # Errors
     /// A rope without a direction: its anchor lies on the loading point.

@@ -65,25 +65,32 @@ impl Pool {
                 );
             }
         };
-        let mut q = Vec::new();
+        // Most postures are outside of limits that cost less than shapes: those never meet a shape.
+        let mut margins = cell.posture_margins()?;
+        let mut meets = |q: &[f64]| margins.least(q).is_ok_and(|least| least >= 0.0);
+        let (mut q, mut ready) = (Vec::new(), Vec::new());
         while pool.len() < SIZE && drawn < MAX_DRAWS {
             draw(&mut q);
             drawn += CHUNK;
-            inside += pool.take(&mut kernel, &q, wanted, accept);
+            let postures = q.chunks_exact(n);
+            ready.extend(
+                postures
+                    .filter(|q| cell.scene.is_empty() || meets(q))
+                    .flatten(),
+            );
+            while ready.len() >= CHUNK * n {
+                let chunk: Vec<f64> = ready.drain(..CHUNK * n).collect();
+                inside += pool.take(&mut kernel, &chunk, wanted, accept);
+            }
             if outside.len() < REPAIRS * n {
                 outside.extend_from_slice(&q);
             }
         }
+        inside += pool.take(&mut kernel, &ready, wanted, accept);
         if pool.len() < TOO_FEW {
             outside.truncate(REPAIRS * n);
-            let repaired = repair(cell, &outside)?;
-            for chunk in repaired.chunks(CHUNK * n) {
-                let mut padded = chunk.to_vec();
-                let last = chunk[chunk.len() - n..].to_vec();
-                while padded.len() < CHUNK * n {
-                    padded.extend_from_slice(&last);
-                }
-                inside += pool.take(&mut kernel, &padded, wanted, accept);
+            for chunk in repair(cell, &outside)?.chunks(CHUNK * n) {
+                inside += pool.take(&mut kernel, chunk, wanted, accept);
             }
         }
         if pool.len() == 0 && inside > 0 {
@@ -121,7 +128,7 @@ impl Pool {
         self.log_dexterity.get(at).copied().unwrap_or(0.0)
     }
 
-    /// Keeps those of a chunk of postures that are inside the limits and accepted; how many are inside.
+    /// Keeps those of a chunk of postures, or of fewer, that are inside the limits and accepted; how many are inside.
     fn take(
         &mut self,
         kernel: &mut Kernel,
@@ -129,8 +136,21 @@ impl Pool {
         wanted: Wanted<'_>,
         accept: Option<&Accept>,
     ) -> usize {
-        kernel.forward(q);
-        let inside: Vec<bool> = kernel.violations().map(|v| v <= 0.0).collect();
+        if q.is_empty() {
+            return 0;
+        }
+        // Lanes without a posture of their own repeat the last one.
+        let last = q[q.len() - self.joints..].iter().cycle();
+        let filled: Vec<f64> = q
+            .iter()
+            .chain(last)
+            .copied()
+            .take(CHUNK * self.joints)
+            .collect();
+        kernel.forward(&filled);
+        let postures = q.len() / self.joints;
+        let inside = kernel.violations().map(|v| v <= 0.0);
+        let inside: Vec<bool> = inside.take(postures).collect();
         for (p, q) in q.chunks_exact(self.joints).enumerate() {
             if !inside[p] || self.len() == SIZE || accept.is_some_and(|own| !own.accepts(q)) {
                 continue;
