@@ -166,7 +166,8 @@ impl PostureMargins<'_> {
     }
 
     /// Writes the margins of the posture `q` to `values`, and the derivatives that `slopes` wants.
-    /// Distances between shapes of `enough` and more may be lower bounds, with a derivative of zero.
+    /// Distances between shapes of `enough` and more may be lower bounds, with a derivative of zero; where only
+    /// others' derivatives are wanted, any above 0.
     ///
     /// # Errors
     /// As [`least`](Self::least); lists of another length.
