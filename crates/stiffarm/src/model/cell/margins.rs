@@ -145,7 +145,7 @@ impl<'a> Margins<'a> {
 
     /// Writes the margins of one posture to `values`, and their derivatives. Margins of displacements
     /// are shares of the largest one here. Distances between shapes of `enough` and more
-    /// may be lower bounds, with a derivative of zero; where only others' derivatives are wanted, any above 0.
+    /// may be lower bounds, with a derivative of zero.
     pub(crate) fn evaluate(
         &mut self,
         terms: &PostureTerms,
@@ -157,15 +157,11 @@ impl<'a> Margins<'a> {
         let (points, rest) = values.split_at_mut(self.point_count);
         let (head, mut slopes) = slopes.split_at(self.point_count, n);
         self.limits.evaluate(&self.setup, terms, points, head);
-        let wanted = slopes.wanted;
         self.scene.visit(
             &self.setup,
             terms,
             &mut self.work,
-            |at| match wanted.get(at) {
-                Some(false) => 0.0,
-                _ => enough,
-            },
+            |_| enough,
             |at, margin, slope| {
                 rest[at] = margin;
                 if let Some(row) = slopes.row(at, n) {

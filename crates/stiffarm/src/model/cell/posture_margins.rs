@@ -166,8 +166,7 @@ impl PostureMargins<'_> {
     }
 
     /// Writes the margins of the posture `q` to `values`, and the derivatives that `slopes` wants.
-    /// Distances between shapes of `enough` and more may be lower bounds, with a derivative of zero; where only
-    /// others' derivatives are wanted, any above 0.
+    /// Distances between shapes of `enough` and more may be lower bounds, with a derivative of zero.
     ///
     /// # Errors
     /// As [`least`](Self::least); lists of another length.
