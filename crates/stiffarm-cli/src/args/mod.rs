@@ -40,6 +40,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
+use stiffarm::plan::zones::STEPS;
 use values::{count_or_none, number, seed, within};
 
 /// Which postures to measure, what joint stiffness the measurements give and
@@ -218,7 +219,7 @@ pub struct SplitArgs {
     #[arg(long, value_name = "N", requires = "measured", value_parser = within::<u64>(1..=100_000))]
     pub splits: Option<u64>,
     /// Postures of the pool [default: seven of ten]
-    #[arg(long, value_name = "N", requires = "measured", value_parser = within::<u64>(1..))]
+    #[arg(long, value_name = "N", requires = "measured", value_parser = within::<u64>(1..=u64::MAX))]
     pub pool: Option<u64>,
     /// Numbers of postures to choose [default: 6,10,15]
     #[arg(long, value_name = "N,…", requires = "measured", value_delimiter = ',',
@@ -294,7 +295,8 @@ pub struct ZonesArgs {
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
     /// Angles per axis of the map, from bound to bound
-    #[arg(long, value_name = "N", default_value_t = 41, value_parser = within::<usize>(2..=500))]
+    #[arg(long, value_name = "N", default_value_t = 41,
+          value_parser = within::<usize>(STEPS[0] as u64..=STEPS[1] as u64))]
     pub steps: usize,
     /// Angles at which the joints are held, one per joint; those of joints 2 and 3 are replaced by
     /// the map's [default: 0,0,0,45,45,45 for six joints]

@@ -69,7 +69,7 @@ pub struct ExistingArgs {
                                 "loading_point_box_mm", "largest_load_n"])]
     pub initial: Option<String>,
     /// Iterations of the optimiser from the initial group [default: 2000]
-    #[arg(long, value_name = "N", requires = "initial", value_parser = within::<u64>(1..))]
+    #[arg(long, value_name = "N", requires = "initial", value_parser = within::<u64>(1..=u64::MAX))]
     pub max_iterations: Option<u64>,
     /// Postures measured or planned already: they stay as they are, and --add or --drop says what to do
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "POSTURES.csv", conflicts_with_all = ["sensitivity", "anchor_box_mm",

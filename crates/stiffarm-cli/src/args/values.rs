@@ -2,7 +2,7 @@
 //! meant: nothing that is computed from an option is infinite.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use std::ops::{Bound, RangeBounds};
+use std::ops::RangeInclusive;
 use std::time::Duration;
 use stiffarm::units::Sense;
 
@@ -18,24 +18,20 @@ pub fn count_or_none() -> impl Fn(&str) -> Result<usize, String> + Clone {
 
 /// Any seed of random numbers.
 pub fn seed() -> impl Fn(&str) -> Result<u64, String> + Clone {
-    within(0..)
+    within(0..=u64::MAX)
 }
 
-/// A whole number of a range, whose lower bound is given.
+/// A whole number of a range; one up to the last u64 is said to have no end.
 pub fn within<T: TryFrom<u64>>(
-    range: impl RangeBounds<u64> + Clone,
+    range: RangeInclusive<u64>,
 ) -> impl Fn(&str) -> Result<T, String> + Clone {
     move |text| {
         let whole = text.parse().ok().filter(|whole| range.contains(whole));
-        whole
-            .and_then(|whole: u64| T::try_from(whole).ok())
-            .ok_or_else(|| match (range.start_bound(), range.end_bound()) {
-                (Bound::Included(low), Bound::Included(high)) => {
-                    format!("a whole number from {low} to {high} is needed")
-                }
-                (Bound::Included(low), _) => format!("a whole number from {low} on is needed"),
-                _ => "a whole number is needed".to_string(),
-            })
+        let found = whole.and_then(|whole| T::try_from(whole).ok());
+        found.ok_or_else(|| match range.clone().into_inner() {
+            (low, u64::MAX) => format!("a whole number from {low} on is needed"),
+            (low, high) => format!("a whole number from {low} to {high} is needed"),
+        })
     }
 }
 
@@ -153,7 +149,7 @@ mod tests {
         assert_eq!(seed()("18446744073709551615"), Ok(u64::MAX));
         let needed = "a whole number from 0 on is needed";
         assert_eq!(seed()("-1"), Err(needed.to_string()));
-        assert!(within::<u8>(0..)("256").is_err());
+        assert!(within::<u8>(0..=u64::MAX)("256").is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::values::{number, triple, within};
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
+use stiffarm::work::map::MOST_TURNS;
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
 
 #[derive(Debug, Args)]
@@ -80,7 +81,7 @@ pub struct ToolArgs {
     pub rpy_deg: Option<Triple>,
     /// The turn about the tool axis is free: try N of them and take the best [default: 24]
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "24", require_equals = true,
-          value_parser = within::<usize>(1..=720))]
+          value_parser = within::<usize>(1..=MOST_TURNS as u64))]
     pub free_turn: Option<usize>,
     /// Force on the robot at the tip, base axes [N] [default: the cell's [work] force, else 1 N
     /// along the direction]

@@ -70,7 +70,7 @@ impl<'a> ActiveLimits<'a> {
     }
 
     /// Whether the posture `q` meets every limit, those that are not active too.
-    pub(super) fn are_met(&mut self, q: &[f64]) -> bool {
+    pub(super) fn meets_all(&mut self, q: &[f64]) -> bool {
         self.margins.least(q).is_ok_and(|least| least >= 0.0)
     }
 

@@ -187,7 +187,7 @@ impl<'a> PostureSpace<'a> {
                 b[0] + (b[1] - b[0]) * share
             })
             .collect();
-        if !limits.are_met(&q) {
+        if !limits.meets_all(&q) {
             return (q, None);
         }
         let information = self.sum(limits.terms());

@@ -16,7 +16,7 @@ mod search;
 mod status;
 
 pub use node::{MapNode, NodeValues};
-pub use options::MapOptions;
+pub use options::{MOST_TURNS, MapOptions};
 pub use placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
 pub use placement::{Placement, place};
 pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};

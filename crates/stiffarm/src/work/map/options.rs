@@ -7,8 +7,8 @@ use std::f64::consts::{PI, TAU};
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
-/// Most turns about the tool axis.
-const MOST_TURNS: usize = 720;
+/// Most turns about the tool axis that can be tried.
+pub const MOST_TURNS: usize = 720;
 
 /// Where the tip is held, how, and under which load.
 #[derive(Debug, Clone, PartialEq)]

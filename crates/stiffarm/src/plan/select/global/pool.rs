@@ -78,9 +78,10 @@ impl Pool {
                     .filter(|q| cell.scene.is_empty() || meets(q))
                     .flatten(),
             );
-            while ready.len() >= CHUNK * n {
-                let chunk: Vec<f64> = ready.drain(..CHUNK * n).collect();
-                inside += pool.take(&mut kernel, &chunk, wanted, accept);
+            if ready.len() >= CHUNK * n {
+                let rest = ready.split_off(CHUNK * n);
+                inside += pool.take(&mut kernel, &ready, wanted, accept);
+                ready = rest;
             }
             if outside.len() < REPAIRS * n {
                 outside.extend_from_slice(&q);
