@@ -48,9 +48,10 @@ fn main() -> ExitCode {
     if options.input.is_some() || options.replay.is_some() {
         return one(&options);
     }
-    let targets = match options.targets.is_empty() {
-        true => ALL.iter().filter_map(|target| named(target.name)).collect(),
-        false => options.targets,
+    let targets = if options.targets.is_empty() {
+        ALL.iter().filter_map(|target| named(target.name)).collect()
+    } else {
+        options.targets
     };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let plan = Plan {

@@ -59,9 +59,10 @@ fn shrunk(mut now: Vec<u8>, still: impl Fn(Vec<u8>) -> bool) -> Vec<u8> {
         while at < lines.len() {
             let mut fewer = lines.clone();
             fewer.drain(at..(at + size).min(fewer.len()));
-            match still(joined(&fewer)) {
-                true => lines = fewer,
-                false => at += size,
+            if still(joined(&fewer)) {
+                lines = fewer
+            } else {
+                at += size
             }
         }
         if size == 1 {
@@ -78,9 +79,10 @@ fn shrunk(mut now: Vec<u8>, still: impl Fn(Vec<u8>) -> bool) -> Vec<u8> {
         while at < now.len() {
             let mut fewer = now.clone();
             fewer.drain(at..(at + size).min(fewer.len()));
-            match still(fewer.clone()) {
-                true => now = fewer,
-                false => at += size,
+            if still(fewer.clone()) {
+                now = fewer
+            } else {
+                at += size
             }
         }
     }

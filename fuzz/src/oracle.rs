@@ -36,15 +36,14 @@ pub fn error_is_sound(error: &Error) -> Result<(), String> {
 pub fn is_finite(value: &impl Debug) -> Result<(), String> {
     let mut watch = Watch::default();
     // A watch that has seen one stops the writing.
-    match write!(watch, "{value:?}").is_err() {
-        true => {
-            let mut from = watch.before.len().saturating_sub(60);
-            while !watch.before.is_char_boundary(from) {
-                from += 1;
-            }
-            Err(format!("not finite: …{}", &watch.before[from..]))
+    if write!(watch, "{value:?}").is_err() {
+        let mut from = watch.before.len().saturating_sub(60);
+        while !watch.before.is_char_boundary(from) {
+            from += 1;
         }
-        false => Ok(()),
+        Err(format!("not finite: …{}", &watch.before[from..]))
+    } else {
+        Ok(())
     }
 }
 

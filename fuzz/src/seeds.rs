@@ -300,9 +300,10 @@ impl Scratch {
         use std::sync::atomic::{AtomicUsize, Ordering};
         static NUMBER: AtomicUsize = AtomicUsize::new(0);
         let memory = Path::new("/dev/shm");
-        let base = match memory.is_dir() {
-            true => memory.to_path_buf(),
-            false => std::env::temp_dir(),
+        let base = if memory.is_dir() {
+            memory.to_path_buf()
+        } else {
+            std::env::temp_dir()
         };
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
         let path = base.join(format!(
@@ -331,9 +332,10 @@ impl Scratch {
         let ends = [".csv", ".html", ".json", ".toml", ".svg", ".xlsx"];
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '.' || c == '-';
         let is_file = ends.iter().any(|end| word.ends_with(end)) && word.chars().all(plain);
-        match is_file || word == "." || word == "folder" {
-            true => self.path(word).into_os_string(),
-            false => OsString::from(word),
+        if is_file || word == "." || word == "folder" {
+            self.path(word).into_os_string()
+        } else {
+            OsString::from(word)
         }
     }
 

@@ -82,9 +82,10 @@ impl Checked {
         for failure in &self.failures {
             println!("FAILED {failure}");
         }
-        match self.failures.is_empty() {
-            true => Ok(()),
-            false => Err(Failure::already_told()),
+        if self.failures.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure::already_told())
         }
     }
 

@@ -120,9 +120,10 @@ pub fn python(
 
 /// Where a virtual environment has a program.
 pub fn program_in(venv: &Path, name: &str) -> PathBuf {
-    match cfg!(windows) {
-        true => venv.join(format!("Scripts/{name}.exe")),
-        false => venv.join(format!("bin/{name}")),
+    if cfg!(windows) {
+        venv.join(format!("Scripts/{name}.exe"))
+    } else {
+        venv.join(format!("bin/{name}"))
     }
 }
 

@@ -18,9 +18,10 @@ pub fn run(workspace: &Workspace, check: bool) -> Result<(), Failure> {
     let folder = workspace.root().join("xtask/viewer");
     if !npm(&folder, &["--version"]).is_ok_and(|done| done) {
         println!("SKIPPED bundle of three.js: npm is not installed; fix: install Node.js with npm");
-        return match check {
-            true => Ok(()),
-            false => Err(Failure::already_told()),
+        return if check {
+            Ok(())
+        } else {
+            Err(Failure::already_told())
         };
     }
     let steps: [&[&str]; 2] = [

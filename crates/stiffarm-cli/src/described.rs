@@ -137,8 +137,9 @@ fn kind(argument: &Arg) -> Kind {
     if is(&[TypeId::of::<f64>(), TypeId::of::<Duration>()]) {
         return Kind::Number;
     }
-    match is(&[TypeId::of::<[f64; 3]>(), TypeId::of::<[f64; 6]>()]) {
-        true => Kind::Numbers,
-        false => Kind::Text,
+    if is(&[TypeId::of::<[f64; 3]>(), TypeId::of::<[f64; 6]>()]) {
+        Kind::Numbers
+    } else {
+        Kind::Text
     }
 }

@@ -121,10 +121,11 @@ pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Ca
     if !json_wanted || !stop.use_stderr() {
         let text = stop.render().to_string();
         // A reader that has gone needs no help.
-        let _ = match text == rendered(&text) {
-            true => stop.print(),
+        let _ = if text == rendered(&text) {
+            stop.print()
+        } else {
             // A word of the line that is more than letters, without clap's styles.
-            false => std::io::stderr().write_all(rendered(&text).as_bytes()),
+            std::io::stderr().write_all(rendered(&text).as_bytes())
         };
         return code;
     }

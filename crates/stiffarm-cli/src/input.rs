@@ -38,11 +38,10 @@ impl Line for Saved {
             (Some(_), true) => "covariance",
             (None, _) => "no covariance",
         };
-        match self.name == PRIOR {
-            true => {
-                "stiffness: the cell's prior, which says nothing about how sure it is\n".to_string()
-            }
-            false => format!("stiffness: {} (with {with})\n", self.name),
+        if self.name == PRIOR {
+            "stiffness: the cell's prior, which says nothing about how sure it is\n".to_string()
+        } else {
+            format!("stiffness: {} (with {with})\n", self.name)
         }
     }
 }

@@ -75,9 +75,10 @@ impl Session {
     /// Standard output cannot be written.
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
         self.write_page(envelope)?;
-        match self.json {
-            true => self.print_exact(&write_result(envelope)?),
-            false => self.print(&fitted(&(table() + &self.written()))),
+        if self.json {
+            self.print_exact(&write_result(envelope)?)
+        } else {
+            self.print(&fitted(&(table() + &self.written())))
         }
     }
 
@@ -152,9 +153,10 @@ impl Session {
         } else {
             let mut given = Given::new(&saved, Some(&named.cell)).in_words();
             given.made = Some(&envelope.result);
-            let words = match self.json {
-                true => String::new(),
-                false => text::told(&tell(&given)?, details),
+            let words = if self.json {
+                String::new()
+            } else {
+                text::told(&tell(&given)?, details)
             };
             self.show(&envelope, || words + &named.line() + &stiffness.line())?;
         }

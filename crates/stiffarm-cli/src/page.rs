@@ -17,13 +17,14 @@ use stiffarm_report::report::{Given, report};
 /// # Errors
 /// A name with another ending than .html or .htm.
 pub fn check_page_name(path: &str, option: &str) -> Result<()> {
-    match path == "-" || ends_in(path, "html") || ends_in(path, "htm") {
-        true => Ok(()),
-        false => Err(
+    if path == "-" || ends_in(path, "html") || ends_in(path, "htm") {
+        Ok(())
+    } else {
+        Err(
             Error::new(Code::Usage, "A page is a file whose name ends in .html.")
                 .key(option)
                 .hint("for example report.html; `--json > result.json` keeps the result itself"),
-        ),
+        )
     }
 }
 

@@ -165,9 +165,10 @@ fn shown(text: &str) -> Cow<'_, str> {
     }
     let mut out = String::new();
     for c in text.chars() {
-        match kept(c) {
-            true => out.push(c),
-            false => out += &visible(c.encode_utf8(&mut [0; 4])),
+        if kept(c) {
+            out.push(c)
+        } else {
+            out += &visible(c.encode_utf8(&mut [0; 4]))
         }
     }
     Cow::Owned(out)

@@ -164,9 +164,10 @@ impl Session {
         let id = FileId::of(path);
         let inputs = self.inputs.borrow();
         let ids = inputs.iter().filter_map(|input| input.id.as_ref());
-        match ids.into_iter().any(|input| input.is(&id)) {
-            true => Err(is_input(visible(&path.to_string_lossy()).into_owned())),
-            false => Ok(()),
+        if ids.into_iter().any(|input| input.is(&id)) {
+            Err(is_input(visible(&path.to_string_lossy()).into_owned()))
+        } else {
+            Ok(())
         }
     }
 
@@ -176,9 +177,10 @@ impl Session {
     /// The file is an output.
     pub fn refuse_output(&self, id: Option<&FileId>, name: &str) -> Result<()> {
         let outputs = self.outputs.borrow();
-        match id.is_some_and(|id| outputs.iter().any(|output| output.is(id))) {
-            true => Err(is_input(name.to_string())),
-            false => Ok(()),
+        if id.is_some_and(|id| outputs.iter().any(|output| output.is(id))) {
+            Err(is_input(name.to_string()))
+        } else {
+            Ok(())
         }
     }
 

@@ -80,11 +80,12 @@ impl Table {
             .map(|((heading, _), field)| longest_word(heading).max(*field))
             .collect();
         narrow(&mut widths, &least, room);
-        let of_words = |(column, (heading, align)): (usize, &(String, Align))| match column > 0
-            && *align == Align::Left
-        {
-            true => NARROWEST.max(longest_word(heading)).min(least[column]),
-            false => least[column],
+        let of_words = |(column, (heading, align)): (usize, &(String, Align))| {
+            if column > 0 && *align == Align::Left {
+                NARROWEST.max(longest_word(heading)).min(least[column])
+            } else {
+                least[column]
+            }
         };
         let least: Vec<usize> = self.headings.iter().enumerate().map(of_words).collect();
         let whole = widths.clone();
@@ -129,16 +130,18 @@ impl Table {
             .iter()
             .map(|(column, width)| {
                 let field = fields.get(*column).map_or("", String::as_str);
-                match screen::width(field) > *width {
-                    true => screen::lines(field, *width),
-                    false => vec![field.to_string()],
+                if screen::width(field) > *width {
+                    screen::lines(field, *width)
+                } else {
+                    vec![field.to_string()]
                 }
             })
             .collect();
         let height = broken.iter().map(Vec::len).max().unwrap_or(1);
-        let style = match is_heading {
-            true => Style::new().bold(),
-            false => Style::new(),
+        let style = if is_heading {
+            Style::new().bold()
+        } else {
+            Style::new()
         };
         let mut out = String::new();
         for at in 0..height {

@@ -15,12 +15,11 @@ fn opening(told: &Told) -> String {
     // What is serious may be what came out.
     let (first, serious): (Vec<&Finding>, Vec<&Finding>) =
         of(told, Severity::Serious).partition(|f| came.says(f));
-    let mut out = match first.is_empty() {
-        true => sentence(came),
-        false => {
-            let word = format!("{}: ", weight(Severity::Serious));
-            sentence(&Text::new(word).then(came.clone()))
-        }
+    let mut out = if first.is_empty() {
+        sentence(came)
+    } else {
+        let word = format!("{}: ", weight(Severity::Serious));
+        sentence(&Text::new(word).then(came.clone()))
     };
     out.extend(serious.into_iter().map(finding));
     out

@@ -101,12 +101,11 @@ fn without_hidden(json: String) -> String {
     }
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
-        match is_plain(c) {
-            true => out.push(c),
-            false => {
-                for unit in c.encode_utf16(&mut [0; 2]) {
-                    out += &format!("\\u{unit:04x}");
-                }
+        if is_plain(c) {
+            out.push(c)
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                out += &format!("\\u{unit:04x}");
             }
         }
     }

@@ -17,9 +17,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Value> {
     let strict: Strict = serde_json::from_str(text).map_err(|e| {
         let said = e.to_string();
         let said = said.split(" at line ").next().unwrap_or_default();
-        let message = match e.is_data() || said.contains("out of range") {
-            true => format!("This is not a saved result: {said}."),
-            false => what_it_is(text, e.is_eof()).to_string(),
+        let message = if e.is_data() || said.contains("out of range") {
+            format!("This is not a saved result: {said}.")
+        } else {
+            what_it_is(text, e.is_eof()).to_string()
         };
         let error = Error::new(Code::ResultFile, message);
         match e.line() {

@@ -45,12 +45,13 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<String> {
             Err(_) => return Err(fault("A character here is not UTF-16.", &text)),
         }
     }
-    match whole {
-        true => Ok(text),
-        false => Err(fault(
+    if whole {
+        Ok(text)
+    } else {
+        Err(fault(
             "The file is UTF-16 text that ends within a character.",
             &text,
-        )),
+        ))
     }
 }
 

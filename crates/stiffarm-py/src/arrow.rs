@@ -100,18 +100,22 @@ fn fields(array: &ArrayRef) -> Result<Vec<String>> {
     let options = FormatOptions::default();
     let shown = ArrayFormatter::try_new(array, &options).map_err(|e| fault(&e))?;
     Ok((0..array.len())
-        .map(|row| match array.is_null(row) {
-            true => String::new(),
-            false => quoted(&shown.value(row).to_string()),
+        .map(|row| {
+            if array.is_null(row) {
+                String::new()
+            } else {
+                quoted(&shown.value(row).to_string())
+            }
         })
         .collect())
 }
 
 /// A field as CSV has it.
 fn quoted(text: &str) -> String {
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_string(),
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_string()
     }
 }
 

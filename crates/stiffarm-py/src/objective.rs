@@ -25,9 +25,10 @@ impl Objective {
         } else {
             return check_radians(q.as_slice()?).raised(py);
         };
-        let code = match q.len() == self.size {
-            true => Code::NotFinite,
-            false => Code::Dimension,
+        let code = if q.len() == self.size {
+            Code::NotFinite
+        } else {
+            Code::Dimension
         };
         Err(to_python(py, &Error::new(code, message)))
     }

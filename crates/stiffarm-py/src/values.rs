@@ -80,9 +80,10 @@ pub fn toml_of_json(py: Python<'_>, json: &str) -> PyResult<String> {
         let value: toml::Table = serde_json::from_str(json).map_err(|error| {
             let said = error.to_string();
             let said = said.split(" at line ").next().unwrap_or_default();
-            let message = match said.contains("expected value") {
-                true => "A value is not a finite number, or none that a cell file can hold.".to_string(),
-                false => format!("A cell file cannot hold this: {said}."),
+            let message = if said.contains("expected value") {
+                "A value is not a finite number, or none that a cell file can hold.".to_string()
+            } else {
+                format!("A cell file cannot hold this: {said}.")
             };
             Error::new(Code::WrongType, message).hint(
                 "keys are text; values are text, numbers, true, false, lists and dictionaries; leave out what is None",

@@ -150,9 +150,10 @@ fn title(map: &StiffnessMap) -> String {
         .filter(|axis| axes[*axis].len() == 1)
         .map(|axis| format!("{} = {} mm", AXES[axis], millimetres(axes[axis][0])))
         .collect();
-    match fixed.is_empty() {
-        true => "Deflection of the tool tip under load".to_string(),
-        false => format!("Stiffness of the tool tip at {}", fixed.join(", ")),
+    if fixed.is_empty() {
+        "Deflection of the tool tip under load".to_string()
+    } else {
+        format!("Stiffness of the tool tip at {}", fixed.join(", "))
     }
 }
 
@@ -164,9 +165,10 @@ fn caption(map: &StiffnessMap) -> String {
         None => String::new(),
     };
     let is_line = map.axes().iter().filter(|axis| axis.len() > 1).count() < 2;
-    let colours = match is_line {
-        true => "",
-        false => " The brighter, the stiffer.",
+    let colours = if is_line {
+        ""
+    } else {
+        " The brighter, the stiffer."
     };
     let left = match map.counts.not_computed {
         0 => String::new(),

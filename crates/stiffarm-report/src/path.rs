@@ -118,13 +118,17 @@ pub(crate) fn norm(v: [f64; 3]) -> f64 {
 /// that no extreme is lost. Where the path has no length, points are numbered.
 pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure {
     let moves = points.iter().any(|p| p.along_m > 0.0);
-    let along: Vec<f64> = match moves {
-        true => points.iter().map(|p| 1e3 * p.along_m).collect(),
-        false => (1..=points.len()).map(|i| i as f64).collect(),
+    let along: Vec<f64> = if moves {
+        points.iter().map(|p| 1e3 * p.along_m).collect()
+    } else {
+        (1..=points.len()).map(|i| i as f64).collect()
     };
-    let x = || match moves {
-        true => Axis::linear("distance along the path", "mm"),
-        false => Axis::linear("point of the path", ""),
+    let x = || {
+        if moves {
+            Axis::linear("distance along the path", "mm")
+        } else {
+            Axis::linear("point of the path", "")
+        }
     };
     let curve = |value: &dyn Fn(&PathCurvePoint) -> Option<f64>| {
         let values: Vec<Option<f64>> = points.iter().map(|p| value(p).map(|v| 1e3 * v)).collect();

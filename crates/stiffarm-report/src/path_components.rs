@@ -25,9 +25,12 @@ pub fn path_components_figure(
     caption: String,
 ) -> Figure {
     let moves = points.iter().any(|p| p.along_m > 0.0);
-    let x = || match moves {
-        true => Axis::linear("distance along the path", "mm"),
-        false => Axis::linear("point of the path", ""),
+    let x = || {
+        if moves {
+            Axis::linear("distance along the path", "mm")
+        } else {
+            Axis::linear("point of the path", "")
+        }
     };
     let band = confidence.map_or_else(
         || "band".to_string(),
@@ -36,9 +39,12 @@ pub fn path_components_figure(
     let panels = ["x", "y", "z"].iter().enumerate().map(|(axis, name)| {
         let values: Vec<Option<f64>> = points.iter().map(|p| Some(1e3 * p.shift_m[axis])).collect();
         let kept = thinned(&values);
-        let at = kept.iter().map(|i| match moves {
-            true => 1e3 * points[*i].along_m,
-            false => (i + 1) as f64,
+        let at = kept.iter().map(|i| {
+            if moves {
+                1e3 * points[*i].along_m
+            } else {
+                (i + 1) as f64
+            }
         });
         let at: Vec<f64> = at.collect();
         let shift: Vec<f64> = kept

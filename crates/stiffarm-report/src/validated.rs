@@ -52,26 +52,23 @@ fn only(points: &[PointDeviation]) -> String {
 /// Deviations of Eq. (22) with noise and tolerance, and calculated against measured displacement.
 pub fn validation_figure(found: &Validation) -> Figure {
     let points = &found.points;
-    let (labels, x, series) = match points.len() <= MOST_BARS {
-        true => {
-            let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
-            let bars = Series::new("deviation δb", Style::Bars, places(points.len()), y);
-            let (labels, axis) = row_names(points);
-            (labels, axis, bars)
-        }
-        false => {
-            // The first that tells many rows apart.
-            let several = KINDS
-                .iter()
-                .find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
-            let (axis, of) = *several.unwrap_or(&KINDS[0]);
-            let names = in_order(points.iter().map(of));
-            let x = points.iter().map(|p| place(&names, of(p)) as f64).collect();
-            let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
-            let dots = Series::new("deviation δb", Style::Points, x, y);
-            let labels = names.into_iter().map(String::from).collect();
-            (labels, axis.to_string(), dots)
-        }
+    let (labels, x, series) = if points.len() <= MOST_BARS {
+        let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
+        let bars = Series::new("deviation δb", Style::Bars, places(points.len()), y);
+        let (labels, axis) = row_names(points);
+        (labels, axis, bars)
+    } else {
+        // The first that tells many rows apart.
+        let several = KINDS
+            .iter()
+            .find(|(_, of)| in_order(points.iter().map(of)).len() > 1);
+        let (axis, of) = *several.unwrap_or(&KINDS[0]);
+        let names = in_order(points.iter().map(of));
+        let x = points.iter().map(|p| place(&names, of(p)) as f64).collect();
+        let y = points.iter().map(|p| 1e3 * p.deviation_m).collect();
+        let dots = Series::new("deviation δb", Style::Points, x, y);
+        let labels = names.into_iter().map(String::from).collect();
+        (labels, axis.to_string(), dots)
     };
     let ends = vec![-0.5, labels.len() as f64 - 0.5];
     let line = |label: &str, style, value: f64| {

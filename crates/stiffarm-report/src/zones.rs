@@ -88,9 +88,10 @@ fn panel(
         .flatten()
         .map(|v| v.map_or(f64::NAN, |v| factor * v))
         .collect();
-    let missing = match values.iter().any(|v| v.is_nan()) {
-        true => "outside the limits of the cell, or singular",
-        false => "",
+    let missing = if values.iter().any(|v| v.is_nan()) {
+        "outside the limits of the cell, or singular"
+    } else {
+        ""
     };
     let x = rows.iter().flat_map(|_| columns.iter().copied()).collect();
     let y = rows

@@ -87,9 +87,10 @@ pub fn length(metres: f64) -> String {
 
 /// A length with its standard error, in one unit.
 pub(crate) fn length_with_error(metres: f64, error: f64) -> String {
-    match metres.abs().max(error) >= 9.995e-6 {
-        true => format!("{:.3} ± {:.3} mm", m_to_mm(metres), m_to_mm(error)),
-        false => format!("{:.1} ± {:.1} µm", 1e6 * metres, 1e6 * error),
+    if metres.abs().max(error) >= 9.995e-6 {
+        format!("{:.3} ± {:.3} mm", m_to_mm(metres), m_to_mm(error))
+    } else {
+        format!("{:.1} ± {:.1} µm", 1e6 * metres, 1e6 * error)
     }
 }
 

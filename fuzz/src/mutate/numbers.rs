@@ -139,9 +139,10 @@ pub const WORDS: [&str; 40] = [
 /// A number at an edge, or near `given`.
 pub fn edge_number(given: Option<f64>, random: &mut Random) -> String {
     let Some(given) = given.filter(|_| random.one_in(2)) else {
-        return match random.one_in(2) {
-            true => random.pick(&PLAUSIBLE).to_string(),
-            false => random.pick(&NUMBERS).to_string(),
+        return if random.one_in(2) {
+            random.pick(&PLAUSIBLE).to_string()
+        } else {
+            random.pick(&NUMBERS).to_string()
         };
     };
     let near = match random.below(14) {

@@ -150,9 +150,10 @@ fn changed_value(value: &str, random: &mut Random) -> String {
         _ => {
             let trimmed = items[at].trim_matches([' ', '[', ']', '{', '}']);
             let new = edge_number(trimmed.parse().ok(), random);
-            items[at] = match trimmed.is_empty() {
-                true => new,
-                false => items[at].replacen(trimmed, &new, 1),
+            items[at] = if trimmed.is_empty() {
+                new
+            } else {
+                items[at].replacen(trimmed, &new, 1)
             };
         }
     }

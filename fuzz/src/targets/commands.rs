@@ -177,9 +177,10 @@ pub fn make(random: &mut Random) -> Input {
     let all = random.one_in(10);
     let mut files = Vec::new();
     for (i, (name, kind, grammar)) in named.into_iter().enumerate() {
-        let text = match i == chosen || all {
-            true => changed(*kind, *grammar, random),
-            false => seed(*kind, random).to_string(),
+        let text = if i == chosen || all {
+            changed(*kind, *grammar, random)
+        } else {
+            seed(*kind, random).to_string()
         };
         files.push((name.to_string(), text));
     }

@@ -61,9 +61,10 @@ pub fn make(random: &mut Random) -> Input {
         2 => obj.to_string(),
         _ => COLLADA.to_string(),
     };
-    Input::File(match random.one_in(2) {
-        true => mutate_bytes(text.as_bytes(), random),
-        false => mutate(text.as_bytes(), Grammar::Table, random),
+    Input::File(if random.one_in(2) {
+        mutate_bytes(text.as_bytes(), random)
+    } else {
+        mutate(text.as_bytes(), Grammar::Table, random)
     })
 }
 

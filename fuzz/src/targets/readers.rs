@@ -117,13 +117,12 @@ pub fn written_again<T>(
     let back = read(text.as_bytes())
         .map_err(|e| format!("written and not read: {} {:?}", e.message(), e.place().key))?;
     let again = write(&back).map_err(|e| format!("not written again: {}", e.message()))?;
-    match same_but_digits(&again, &text) {
-        true => Ok(()),
-        false => {
-            let pairs = text.lines().zip(again.lines());
-            let other = pairs.into_iter().find(|(a, b)| a != b);
-            Err(format!("written otherwise the second time: {other:?}"))
-        }
+    if same_but_digits(&again, &text) {
+        Ok(())
+    } else {
+        let pairs = text.lines().zip(again.lines());
+        let other = pairs.into_iter().find(|(a, b)| a != b);
+        Err(format!("written otherwise the second time: {other:?}"))
     }
 }
 
@@ -296,9 +295,10 @@ pub fn program(input: &Input) -> Verdict {
                 let back = read_program(&files, language, &options, 6)
                     .map_err(|e| format!("written and not read: {e}"))?;
                 let count = |program: &Program| program.steps.len();
-                return match count(&back) == count(&read) {
-                    true => Ok(true),
-                    false => Err("written with another number of steps".to_string()),
+                return if count(&back) == count(&read) {
+                    Ok(true)
+                } else {
+                    Err("written with another number of steps".to_string())
                 };
             }
         }
@@ -410,12 +410,11 @@ fn shifted(kind: tool_path::Kind, read: &ReadPath) -> Result<(), String> {
     let stated = (0..again.points.len()).filter(|i| again.program.holds(*i));
     let found: Vec<Vector3<f64>> = stated.map(|i| position(&again.points[i])).collect();
     let is_near = |(a, b): (&Vector3<f64>, &PathPoint)| (a - position(b)).norm() < 2e-6;
-    match found.len() == count && found.iter().zip(&wanted).all(is_near) {
-        true => Ok(()),
-        false => {
-            let text = String::from_utf8_lossy(bytes).into_owned();
-            Err(format!("moved otherwise, as {kind:?}: {text}"))
-        }
+    if found.len() == count && found.iter().zip(&wanted).all(is_near) {
+        Ok(())
+    } else {
+        let text = String::from_utf8_lossy(bytes).into_owned();
+        Err(format!("moved otherwise, as {kind:?}: {text}"))
     }
 }
 

@@ -92,13 +92,17 @@ pub fn make_bytes(random: &mut Random) -> Input {
     let mut parts = parts(&sound);
     let at = random.below(parts.len());
     let (_, content) = &mut parts[at];
-    *content = match random.one_in(2) {
-        true => mutate_bytes(content, random),
-        false => mutate(content, Grammar::Table, random),
+    *content = if random.one_in(2) {
+        mutate_bytes(content, random)
+    } else {
+        mutate(content, Grammar::Table, random)
     };
-    let size = |content: &[u8], random: &mut Random| match random.one_in(8) {
-        true => random.next() as u32,
-        false => content.len() as u32,
+    let size = |content: &[u8], random: &mut Random| {
+        if random.one_in(8) {
+            random.next() as u32
+        } else {
+            content.len() as u32
+        }
     };
     let entries: Vec<Entry> = parts
         .into_iter()

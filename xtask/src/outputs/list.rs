@@ -105,9 +105,10 @@ fn calls_of(line: &str) -> Result<Vec<Call>, &'static str> {
     if has_json {
         // What it writes is there already.
         let writes = !is_wrong && words.iter().any(|word| WRITING.contains(word));
-        let added: &[&str] = match writes {
-            true => &["--force", "--json"],
-            false => &["--json"],
+        let added: &[&str] = if writes {
+            &["--force", "--json"]
+        } else {
+            &["--json"]
         };
         calls.push(call(format!("{name}.json.txt"), added));
     }

@@ -98,12 +98,13 @@ fn binary(workspace: &Workspace, given: Option<&Path>) -> Result<PathBuf, Failur
         let name = format!("release/stiffarm{}", std::env::consts::EXE_SUFFIX);
         return Ok(tools::target(workspace).join(name));
     };
-    match given.is_file() {
-        true => absolute(given),
-        false => Err(Failure::usage(
+    if given.is_file() {
+        absolute(given)
+    } else {
+        Err(Failure::usage(
             format!("`--binary {}`: there is no such file", given.display()),
             "name the executable, for example target/release/stiffarm",
-        )),
+        ))
     }
 }
 
@@ -123,9 +124,10 @@ fn report(folder: &Path, against: Option<&Path>, unexpected: &[String]) -> Resul
         println!("UNEXPECTED {line}");
     }
     println!("{}", comparison.closing);
-    match unexpected.is_empty() && comparison.changes.is_empty() {
-        true => Ok(()),
-        false => Err(Failure::already_told()),
+    if unexpected.is_empty() && comparison.changes.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::already_told())
     }
 }
 

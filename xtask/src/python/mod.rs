@@ -205,9 +205,10 @@ impl<'a> Place<'a> {
 fn requirements(package: &Path, version: &str) -> PathBuf {
     let folder = package.join("requirements");
     let noted = folder.join(format!("python{version}.txt"));
-    match noted.is_file() {
-        true => noted,
-        false => folder.join("wanted.txt"),
+    if noted.is_file() {
+        noted
+    } else {
+        folder.join("wanted.txt")
     }
 }
 

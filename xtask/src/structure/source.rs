@@ -15,9 +15,10 @@ pub fn words(code: &str) -> Vec<String> {
         let mut rest = line.trim_start();
         while let Some(sign) = rest.chars().next() {
             let end_of_name = rest.find(|sign| !is_name(sign)).unwrap_or(rest.len());
-            let length = match rest.starts_with("::") {
-                true => 2,
-                false => end_of_name.max(sign.len_utf8()),
+            let length = if rest.starts_with("::") {
+                2
+            } else {
+                end_of_name.max(sign.len_utf8())
             };
             words.push(rest[..length].to_string());
             rest = rest[length..].trim_start();

@@ -97,9 +97,10 @@ impl FitArgs {
 /// # Errors
 /// It does not lie between 0 and 1.
 fn check_confidence(confidence: f64) -> Result<()> {
-    match (CONFIDENCE[0]..=CONFIDENCE[1]).contains(&confidence) {
-        true => Ok(()),
-        false => Err(Error::new(
+    if (CONFIDENCE[0]..=CONFIDENCE[1]).contains(&confidence) {
+        Ok(())
+    } else {
+        Err(Error::new(
             Code::Usage,
             format!(
                 "The confidence must lie between {} and {}, got {confidence:?}.",
@@ -107,7 +108,7 @@ fn check_confidence(confidence: f64) -> Result<()> {
             ),
         )
         .key("--confidence")
-        .hint("give 0.95 for 95 %")),
+        .hint("give 0.95 for 95 %"))
     }
 }
 

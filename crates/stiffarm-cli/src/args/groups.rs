@@ -78,9 +78,10 @@ pub fn grouped(command: Command) -> Command {
     // "-3" is a value that is out of range, and said to be.
     let numbers = |arg: Arg| {
         let is_path = arg.get_value_hint() != ValueHint::Unknown;
-        match is_path || arg.is_positional() || !arg.get_action().takes_values() {
-            true => arg,
-            false => arg.allow_negative_numbers(true),
+        if is_path || arg.is_positional() || !arg.get_action().takes_values() {
+            arg
+        } else {
+            arg.allow_negative_numbers(true)
         }
     };
     let command = command.mut_args(numbers);

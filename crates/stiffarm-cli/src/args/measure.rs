@@ -87,8 +87,9 @@ fn goal(text: &str) -> Result<Goal, String> {
         return Ok(Goal::Deflection(mm_to_m(mm)));
     }
     let percent = text.strip_suffix('%').and_then(number).ok_or_else(wrong)?;
-    match percent <= 100.0 * WIDEST {
-        true => Ok(Goal::Stiffness(percent / 100.0)),
-        false => Err(wrong()),
+    if percent <= 100.0 * WIDEST {
+        Ok(Goal::Stiffness(percent / 100.0))
+    } else {
+        Err(wrong())
     }
 }

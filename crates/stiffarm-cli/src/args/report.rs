@@ -89,8 +89,11 @@ impl PaperArgs {
 fn format(text: &str) -> Result<Format, String> {
     let mut all = Format::ALL.into_iter();
     let found = all.find(|format| text == format.extension());
-    found.ok_or_else(|| match is_foreign(text) {
-        true => format!("svg and csv are written; {INSTEAD}"),
-        false => "svg and csv are written".to_string(),
+    found.ok_or_else(|| {
+        if is_foreign(text) {
+            format!("svg and csv are written; {INSTEAD}")
+        } else {
+            "svg and csv are written".to_string()
+        }
     })
 }

@@ -107,12 +107,13 @@ fn meant(value: f64, unit: &str) -> Result<f64, String> {
 pub fn angle_step() -> impl Fn(&str) -> Result<f64, String> + Clone {
     |text| {
         let step = number("deg")(text)?;
-        match step == 0.0 || (1e-6..=1.0).contains(&step) {
-            true => Ok(step),
-            false => Err(
+        if step == 0.0 || (1e-6..=1.0).contains(&step) {
+            Ok(step)
+        } else {
+            Err(
                 "give a step from 0.000001 to 1 degree, or 0 to leave the angles as they are"
                     .to_string(),
-            ),
+            )
         }
     }
 }

@@ -88,9 +88,10 @@ pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Exit> {
 fn fitted(session: &Session, role: &str, from: &str, args: &CapsulesArgs) -> Result<Mesh> {
     let (name, bytes) = session.read(role, from)?;
     let mesh = parse_mesh(&bytes, &name, args.unit.length()).map_err(|e| {
-        match args.unit == MeshUnit::M && e.message().contains("unit is mm") {
-            true => e.hint("give --unit mm"),
-            false => e,
+        if args.unit == MeshUnit::M && e.message().contains("unit is mm") {
+            e.hint("give --unit mm")
+        } else {
+            e
         }
     })?;
     let capsules = capsules_of_mesh(&mesh, args.most);

@@ -37,13 +37,14 @@ use stiffarm::findings::Finding;
 pub fn finding_line(finding: &Finding) -> String {
     let severity = weight(finding.severity);
     // Many sentences begin with what they are about.
-    match finding
+    if finding
         .sentence
         .to_lowercase()
         .starts_with(&finding.subject.to_lowercase())
     {
-        true => format!("{severity}: {}\n", finding.sentence),
-        false => format!("{severity}: {}: {}\n", finding.subject, finding.sentence),
+        format!("{severity}: {}\n", finding.sentence)
+    } else {
+        format!("{severity}: {}: {}\n", finding.subject, finding.sentence)
     }
 }
 

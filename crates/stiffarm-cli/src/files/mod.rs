@@ -222,9 +222,10 @@ pub fn write_folder<C: Contents>(
 /// Prints a table that could not be written. Pictures and objects are no use on
 /// a screen, and what they show is printed anyway.
 fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
-    match is_table(path) && !session.json {
-        true => session.print(&format!("not written, {}:\n{text}\n", shown(path))),
-        false => Ok(()),
+    if is_table(path) && !session.json {
+        session.print(&format!("not written, {}:\n{text}\n", shown(path)))
+    } else {
+        Ok(())
     }
 }
 
@@ -258,9 +259,10 @@ fn place_all<C: Contents>(files: &[(Target, C)]) -> Result<()> {
     // The only moment at which a kill leaves new files beside old ones.
     let mut made: Vec<&PathBuf> = Vec::new();
     for (temporary, path, force) in finished {
-        let placed = match force {
-            true => temporary.replace(path),
-            false => temporary.place(path),
+        let placed = if force {
+            temporary.replace(path)
+        } else {
+            temporary.place(path)
         };
         if let Err(error) = placed {
             // Without the others of its command none is of use.

@@ -19,13 +19,14 @@ pub fn is_foreign(format: &str) -> bool {
 /// A name that ends in .pdf or .png.
 pub fn check_picture_name(path: &str) -> Result<()> {
     let ending = Path::new(path).extension();
-    match ending.is_some_and(|ending| is_foreign(&ending.to_string_lossy())) {
-        true => Err(Error::new(
+    if ending.is_some_and(|ending| is_foreign(&ending.to_string_lossy())) {
+        Err(Error::new(
             Code::Usage,
             "A picture is written as SVG, not as PDF or PNG.",
         )
         .key("--figure")
-        .hint(format!("name it .svg; then {INSTEAD}"))),
-        false => Ok(()),
+        .hint(format!("name it .svg; then {INSTEAD}")))
+    } else {
+        Ok(())
     }
 }

@@ -35,13 +35,12 @@ fn files(folder: &Path) -> BTreeMap<String, String> {
     while let Some(below) = folders.pop() {
         for entry in fs::read_dir(below).unwrap() {
             let path = entry.unwrap().path();
-            match path.is_dir() {
-                true => folders.push(path),
-                false => {
-                    let name = path.strip_prefix(folder).unwrap().display().to_string();
-                    let bytes = fs::read(&path).unwrap();
-                    found.insert(name, String::from_utf8_lossy(&bytes).into_owned());
-                }
+            if path.is_dir() {
+                folders.push(path)
+            } else {
+                let name = path.strip_prefix(folder).unwrap().display().to_string();
+                let bytes = fs::read(&path).unwrap();
+                found.insert(name, String::from_utf8_lossy(&bytes).into_owned());
             }
         }
     }

@@ -14,9 +14,10 @@ pub fn in_inches(folder: &Folder, from: &str, to: &str) {
     let mut out = vec![heading.to_string()];
     for line in lines {
         let fields = line.split(',').zip(&columns).map(|(field, column)| {
-            match ["dx_mm", "dy_mm", "dz_mm"].contains(column) {
-                true => (field.parse::<f64>().unwrap() / 25.4).to_string(),
-                false => field.to_string(),
+            if ["dx_mm", "dy_mm", "dz_mm"].contains(column) {
+                (field.parse::<f64>().unwrap() / 25.4).to_string()
+            } else {
+                field.to_string()
             }
         });
         out.push(fields.collect::<Vec<_>>().join(","));

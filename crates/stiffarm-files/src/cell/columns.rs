@@ -117,9 +117,10 @@ impl Reader<'_> {
         let mut order: Vec<String> = Vec::new();
         for (i, name) in list.iter().enumerate() {
             let key = format!("{key}[{}]", i + 1);
-            let ours = match NOT_HEADINGS.contains(&name.get().as_str()) {
-                true => name.get().clone(),
-                false => self.ours(name, &key)?,
+            let ours = if NOT_HEADINGS.contains(&name.get().as_str()) {
+                name.get().clone()
+            } else {
+                self.ours(name, &key)?
             };
             if ours != "-" && order.contains(&ours) {
                 let message = "This column appears twice.";

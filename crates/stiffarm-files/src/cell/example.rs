@@ -39,9 +39,10 @@ impl Example {
         };
         let own = robot.flange().rotation.inverse();
         // The flange lies where the last axis leads out of the wrist.
-        let own = match robot.flange().translation.z < -1e-3 {
-            true => own * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI),
-            false => own,
+        let own = if robot.flange().translation.z < -1e-3 {
+            own * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), PI)
+        } else {
+            own
         };
         // A turn about z changes nothing that an example needs.
         let is_outward = (own * Vector3::z()).z > 0.999;
@@ -104,12 +105,11 @@ impl Example {
 
     /// Says that the numbers were scaled, where they were.
     pub(super) fn sentence(&self) -> &'static str {
-        match self.lengths < 1.0 || self.forces < 1.0 {
-            true => {
-                "# Tool, load and limits are an example for a large robot, scaled to this one's\n\
+        if self.lengths < 1.0 || self.forces < 1.0 {
+            "# Tool, load and limits are an example for a large robot, scaled to this one's\n\
                  # reach and payload.\n"
-            }
-            false => "",
+        } else {
+            ""
         }
     }
 }

@@ -199,9 +199,10 @@ fn pose(pose: &Isometry3<f64>, name: &str, what: &str) -> String {
             out += &format!("{name}_{key} = {}\n", degrees(&numbers));
         }
     }
-    match out.is_empty() {
-        true => out,
-        false => format!("# {what}; turns about fixed x, then y, then z.\n{out}"),
+    if out.is_empty() {
+        out
+    } else {
+        format!("# {what}; turns about fixed x, then y, then z.\n{out}")
     }
 }
 

@@ -261,14 +261,13 @@ impl<'a, 'i: 'a> Scene<'a, 'i> {
 
     /// Points of `<vertices>`, or of a `<source>` itself.
     fn positions(&self, vertices: Node<'a, 'i>) -> Result<Vec<Vector3<f64>>, String> {
-        let source = match vertices.has_tag_name_of("vertices") {
-            true => {
-                let input = children(vertices, "input")
-                    .find(|n| n.attribute("semantic") == Some("POSITION"))
-                    .ok_or("its corners have no positions")?;
-                self.named(input, "source")?
-            }
-            false => vertices,
+        let source = if vertices.has_tag_name_of("vertices") {
+            let input = children(vertices, "input")
+                .find(|n| n.attribute("semantic") == Some("POSITION"))
+                .ok_or("its corners have no positions")?;
+            self.named(input, "source")?
+        } else {
+            vertices
         };
         let array = children(source, "float_array").next();
         let values = numbers(array.ok_or("its corners have no numbers")?)?;

@@ -106,12 +106,15 @@ fn loaded(kind: Kind, bytes: &[u8]) -> Result<Vec<[[f32; 3]; 3]>> {
         check_stl(bytes)?;
     }
     // The reader of the formats may stop the program where it meets what it did not foresee.
-    let scene = catch_unwind(AssertUnwindSafe(|| match is_stl {
-        true => mesh_loader::stl::from_slice(bytes),
-        false => mesh_loader::obj::from_slice(bytes, None, |_| {
-            // Colours are in other files, and nobody needs them.
-            Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
-        }),
+    let scene = catch_unwind(AssertUnwindSafe(|| {
+        if is_stl {
+            mesh_loader::stl::from_slice(bytes)
+        } else {
+            mesh_loader::obj::from_slice(bytes, None, |_| {
+                // Colours are in other files, and nobody needs them.
+                Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
+            })
+        }
     }));
     let scene = scene
         .map_err(|_| kind.broken("it makes no sense"))?
@@ -194,9 +197,10 @@ fn check_stl(bytes: &[u8]) -> Result<()> {
             own / 50
         )));
     }
-    match has_word(bytes, b"endsolid") {
-        true => Ok(()),
-        false => Err(Kind::Stl.broken("its end is missing (no endsolid)")),
+    if has_word(bytes, b"endsolid") {
+        Ok(())
+    } else {
+        Err(Kind::Stl.broken("its end is missing (no endsolid)"))
     }
 }
 

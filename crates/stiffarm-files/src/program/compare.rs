@@ -130,11 +130,12 @@ pub fn compare_moves(
             continue;
         };
         partner[at] = Some(number);
-        match at < last {
-            true => differences.push(Difference::Order {
+        if at < last {
+            differences.push(Difference::Order {
                 posture: target.name.clone(),
-            }),
-            false => last = at,
+            })
+        } else {
+            last = at
         }
         let pairs = target.q.iter().zip(&found[at].q).enumerate();
         differences.extend(pairs.filter(|(_, (a, b))| (*a - *b).abs() > tolerance).map(

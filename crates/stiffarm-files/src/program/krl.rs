@@ -226,9 +226,10 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else {
         line.word("DECL");
         line.word("GLOBAL");
-        let types: &[&str] = match reader.is_path {
-            true => &["E6AXIS", "AXIS", "E6POS", "POS", "FRAME"],
-            false => &["E6AXIS", "AXIS"],
+        let types: &[&str] = if reader.is_path {
+            &["E6AXIS", "AXIS", "E6POS", "POS", "FRAME"]
+        } else {
+            &["E6AXIS", "AXIS"]
         };
         if !types.iter().any(|name| line.word(name)) {
             return Ok(false);

@@ -331,12 +331,13 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     } else if line.passes("}") {
         if let Some(open) = reader.open.take() {
             let label = open.label;
-            let aim = match open.pose.iter().any(Option::is_some) {
-                true => match open.pose.iter().take(6).position(Option::is_none) {
+            let aim = if open.pose.iter().any(Option::is_some) {
+                match open.pose.iter().take(6).position(Option::is_none) {
                     None => Ok(Aim::Pose(reader.pose(open.pose, &open.place))),
                     Some(at) => Err(POSE[at].to_string()),
-                },
-                false => reader.complete(&open.values),
+                }
+            } else {
+                reader.complete(&open.values)
             };
             let missing = |name| open.place.wrong(format!("{label} has no {name}."));
             reader.point(&label, aim.map_err(missing)?);
@@ -369,11 +370,10 @@ fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Res
         let values = line.rest().split('=').skip(1);
         let mut values =
             values.filter_map(|part| part.split_whitespace().next()?.parse::<f64>().ok());
-        return match values.any(|value| value != 0.0) {
-            true => {
-                Err(line.wrong_here("A second group of axes is not at 0: the path moves with it."))
-            }
-            false => Ok(()),
+        return if values.any(|value| value != 0.0) {
+            Err(line.wrong_here("A second group of axes is not at 0: the path moves with it."))
+        } else {
+            Ok(())
         };
     }
     let values = &mut open.values;

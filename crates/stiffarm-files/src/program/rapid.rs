@@ -197,9 +197,10 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         reader.wait();
     } else if line.word("MoveAbsJ") {
         let place = line.clone();
-        let aim = match line.clone().passes("[") {
-            true => target(line, reader)?,
-            false => Aim::Label(place.clone(), line.identifier()?.to_string()),
+        let aim = if line.clone().passes("[") {
+            target(line, reader)?
+        } else {
+            Aim::Label(place.clone(), line.identifier()?.to_string())
         };
         reader.go(place, aim);
         if !reader.is_path {
@@ -251,9 +252,10 @@ fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> 
         line.list(count, |line, _| {
             let place = line.clone();
             let value = line.number()?;
-            match what && value != 0.0 && value != 9e9 {
-                true => Err(place.wrong("An external axis is not at 0: the path moves with it.")),
-                false => Ok(value),
+            if what && value != 0.0 && value != 9e9 {
+                Err(place.wrong("An external axis is not at 0: the path moves with it."))
+            } else {
+                Ok(value)
             }
         })?;
         line.expect("]")?;
@@ -275,9 +277,10 @@ fn frame<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose>> {
         return Err(line.wrong_here("A work object that the robot holds (TRUE) is not read here."));
     }
     if line.clone().passes("[") {
-        return match is_tool {
-            true => placed(line, reader),
-            false => Err(line.wrong_here("A tool that stands still (FALSE) is not read here.")),
+        return if is_tool {
+            placed(line, reader)
+        } else {
+            Err(line.wrong_here("A tool that stands still (FALSE) is not read here."))
         };
     }
     if !line.word("TRUE") {

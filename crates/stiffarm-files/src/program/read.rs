@@ -36,9 +36,10 @@ pub fn read_lines<'a>(
                 reader.passed_over.push((line.line_number(), word));
             } else if let Some(word) = syntax.other_moves.iter().find(is_next) {
                 let joint_move = syntax.joint_move;
-                let message = match reader.is_path {
-                    true => format!("{word} is a move that is not read here."),
-                    false => format!("{word} is no move to joint angles ({joint_move})."),
+                let message = if reader.is_path {
+                    format!("{word} is a move that is not read here.")
+                } else {
+                    format!("{word} is no move to joint angles ({joint_move}).")
                 };
                 return Err(line.wrong_here(message));
             }

@@ -38,11 +38,12 @@ impl<'a> Cursor<'a> {
     pub fn label(&mut self) -> Result<Aim<'a>> {
         let mut place = self.clone();
         let label = self.identifier()?.to_string();
-        match self.clone().passes("(") || self.clone().passes("{") {
-            true => Err(place.wrong_here(format!(
+        if self.clone().passes("(") || self.clone().passes("{") {
+            Err(place.wrong_here(format!(
                 "`{label}` is calculated by the program: only stated positions are read."
-            ))),
-            false => Ok(Aim::Label(place, label)),
+            )))
+        } else {
+            Ok(Aim::Label(place, label))
         }
     }
 }
@@ -275,13 +276,12 @@ impl<'a> Reader<'a> {
         aim: fn(&mut Cursor<'a>, &Self) -> Result<Aim<'a>>,
     ) -> Result<()> {
         let place = line.clone();
-        let via = match motion == Motion::Circular {
-            true => {
-                let via = aim(line, self)?;
-                line.expect(",")?;
-                Some(via)
-            }
-            false => None,
+        let via = if motion == Motion::Circular {
+            let via = aim(line, self)?;
+            line.expect(",")?;
+            Some(via)
+        } else {
+            None
         };
         let aim = aim(line, self)?;
         self.moves(place, motion, via, aim);

@@ -244,9 +244,10 @@ fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, 
         let planned_passed = far(rounds, edits - 1, diagonal - 1) + 1;
         let found_passed = far(rounds, edits - 1, diagonal + 1);
         let is_there = planned_passed <= n && planned_passed > found_passed;
-        match is_there || found_passed - diagonal > m {
-            true => (planned_passed, true),
-            false => (found_passed, false),
+        if is_there || found_passed - diagonal > m {
+            (planned_passed, true)
+        } else {
+            (found_passed, false)
         }
     };
     let mut edits = 0;
@@ -278,9 +279,10 @@ fn unpaired(planned: &[Statement<'_>], found: &[Statement<'_>]) -> (Vec<usize>, 
     let mut diagonal = n - m;
     while edits > 0 {
         let (i, is_planned) = step(&rounds, edits, diagonal);
-        match is_planned {
-            true => of_planned.push(i as usize - 1),
-            false => of_found.push((i - diagonal) as usize - 1),
+        if is_planned {
+            of_planned.push(i as usize - 1)
+        } else {
+            of_found.push((i - diagonal) as usize - 1)
         }
         diagonal += if is_planned { -1 } else { 1 };
         edits -= 1;

@@ -79,12 +79,12 @@ fn read(
         columns: &columns,
         cell,
     };
-    match columns.differences.is_some() {
-        true => rows
-            .iter()
+    if columns.differences.is_some() {
+        rows.iter()
             .map(|row| reader.difference(row, postures))
-            .collect(),
-        false => reader.states(&rows),
+            .collect()
+    } else {
+        reader.states(&rows)
     }
 }
 
@@ -245,9 +245,10 @@ impl Reader<'_> {
                 read.iter().filter(same).collect()
             };
             let preload = of(Role::Preload);
-            let reference = match preload.is_empty() {
-                true => of(Role::Unloaded),
-                false => preload,
+            let reference = if preload.is_empty() {
+                of(Role::Unloaded)
+            } else {
+                preload
             };
             out.push(self.against(loaded, &reference)?);
         }

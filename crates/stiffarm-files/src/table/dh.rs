@@ -112,11 +112,10 @@ fn read_sign(table: &Table<'_>, found: &Found<'_, '_>, known: &Known, row: &Row)
         return Ok(1.0);
     };
     let sign = table.number(row, column)?;
-    match sign.abs() == 1.0 {
-        true => Ok(sign),
-        false => {
-            let message = format!("A sign must be 1 or -1, got {sign}.");
-            Err(table.error(row, column.at, Code::InvalidValue, message))
-        }
+    if sign.abs() == 1.0 {
+        Ok(sign)
+    } else {
+        let message = format!("A sign must be 1 or -1, got {sign}.");
+        Err(table.error(row, column.at, Code::InvalidValue, message))
     }
 }

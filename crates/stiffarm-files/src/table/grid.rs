@@ -362,13 +362,12 @@ impl<'a> Table<'a> {
         let Some(sense) = Sense::of(name) else {
             return (value.abs() > LARGEST_NUMBER).then(|| format!("{value:e} is too large."));
         };
-        match ["mm", "m", "um", "in"]
-            .iter()
-            .any(|unit| name.ends_with(&format!("_{unit}")))
-        {
-            true if value.abs() < LENGTHS * sense.limit => None,
-            _ => sense.refuse(value),
+        let units = ["mm", "m", "um", "in"];
+        let is_length = units.iter().any(|unit| name.ends_with(&format!("_{unit}")));
+        if is_length && value.abs() < LENGTHS * sense.limit {
+            return None;
         }
+        sense.refuse(value)
     }
 
     fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {

@@ -111,8 +111,9 @@ fn number(name: &str, size: f64) -> Number {
 }
 
 fn bare(value: f64, size: f64) -> Number {
-    match value >= SMALLEST_BARE && value >= SMALLEST_PART * size {
-        true => Number::Force(value),
-        false => Number::None,
+    if value >= SMALLEST_BARE && value >= SMALLEST_PART * size {
+        Number::Force(value)
+    } else {
+        Number::None
     }
 }

@@ -64,9 +64,10 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
             return Err(error.hint("say them: --axes base, tool, workpiece or path"));
         }
     };
-    let force = match has_forces {
-        true => found.all(&force(), "give all three components of the force")?,
-        false => Vec::new(),
+    let force = if has_forces {
+        found.all(&force(), "give all three components of the force")?
+    } else {
+        Vec::new()
     };
     let moment = found.all_or_none(
         &moment(),
@@ -84,19 +85,20 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
             );
         }
         stations.push(station);
-        let [force, moment]: [Vector3<f64>; 2] = match has_forces {
-            true => [
+        let [force, moment]: [Vector3<f64>; 2] = if has_forces {
+            [
                 vector(table, &row, &force)?,
                 moment
                     .as_deref()
                     .map(|moment| vector(table, &row, moment))
                     .transpose()?
                     .unwrap_or_default(),
-            ],
-            false => [
+            ]
+        } else {
+            [
                 Vector3::new(table.number(&row, value)?, 0.0, 0.0),
                 Vector3::zeros(),
-            ],
+            ]
         };
         values.push(Vector6::from_iterator(force.iter().chain(&moment).copied()));
     }
@@ -105,9 +107,10 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
             table.heading_error(None, Code::TooFewData, "A log needs two rows or more.");
         return Err(error);
     }
-    let by = match is_length {
-        true => CountedBy::Length,
-        false => CountedBy::Time,
+    let by = if is_length {
+        CountedBy::Length
+    } else {
+        CountedBy::Time
     };
     Ok(LoadLog::new(by, what, stations, values))
 }

@@ -81,9 +81,10 @@ impl PartialEq for Unit {
 pub(super) fn rounded(value: f64, decimals: i32) -> f64 {
     // Powers of ten up to 22 are exact, so that each way rounds once.
     let step = 10f64.powi(decimals.abs());
-    let number = match decimals >= 0 {
-        true => (value * step).round() / step,
-        false => (value / step).round() * step,
+    let number = if decimals >= 0 {
+        (value * step).round() / step
+    } else {
+        (value / step).round() * step
     };
     number + 0.0
 }

@@ -104,10 +104,7 @@ pub(super) fn readings(
         ),
     };
     let mut named: BTreeMap<String, f64> = BTreeMap::new();
-    let at_work = match growing {
-        true => at_work(&groups),
-        false => None,
-    };
+    let at_work = if growing { at_work(&groups) } else { None };
     for (number, mut group) in groups.into_iter().enumerate() {
         let pending = std::mem::take(&mut group.pending);
         let is_at_work = at_work == Some(number);

@@ -48,9 +48,10 @@ impl<'a> Table<'a> {
             })?,
         };
         let text = text.trim_start_matches('\u{feff}');
-        let text = match text.contains('\r') {
-            true => Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n")),
-            false => Cow::Borrowed(text),
+        let text = if text.contains('\r') {
+            Cow::Owned(text.replace("\r\n", "\n").replace('\r', "\n"))
+        } else {
+            Cow::Borrowed(text)
         };
         let remark = |line: &str| {
             let line = line.trim_start();
@@ -87,9 +88,12 @@ impl<'a> Table<'a> {
                     .hint("the first line names the columns"),
             );
         };
-        let delimiter = given.unwrap_or_else(|| match by_order {
-            true if !first.contains([',', ';', '\t']) => ' ',
-            _ => by_heading(first),
+        let delimiter = given.unwrap_or_else(|| {
+            if by_order && !first.contains([',', ';', '\t']) {
+                ' '
+            } else {
+                by_heading(first)
+            }
         });
         let style = match delimiter {
             ',' => Style::Commas,

@@ -94,9 +94,10 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
             }
         };
         let goes_on = items(&mut line, &mut statement)?;
-        match goes_on {
-            true => open = Some(statement),
-            false => state.take(statement)?,
+        if goes_on {
+            open = Some(statement)
+        } else {
+            state.take(statement)?
         }
     }
     let (has_units, circle) = (state.has_units, state.circle);
@@ -146,9 +147,12 @@ fn feed(rest: &str, line: usize, builder: &mut Builder<'_>) {
         }
         is_per_turn |= matches!(word.as_str(), "MMPR" | "IPR" | "PERREV");
     }
-    builder.feed = number.map(|own| match is_per_turn {
-        true => Feed::Turn(own * unit),
-        false => Feed::Second(own * unit / 60.0),
+    builder.feed = number.map(|own| {
+        if is_per_turn {
+            Feed::Turn(own * unit)
+        } else {
+            Feed::Second(own * unit / 60.0)
+        }
     });
 }
 

@@ -88,9 +88,10 @@ impl Circle {
         let off = self.end - turned(1.0);
         (1..=count).map(move |k| {
             let share = k as f64 / count as f64;
-            let point = match k == count {
-                true => self.end,
-                false => turned(share) + off * share,
+            let point = if k == count {
+                self.end
+            } else {
+                turned(share) + off * share
             };
             (share, point)
         })

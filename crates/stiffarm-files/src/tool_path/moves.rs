@@ -82,9 +82,10 @@ pub fn write_moves(
     let [tool, base] = moves.frames;
     let tool = options.tool.as_deref().unwrap_or(tool);
     let base = options.base.as_deref().unwrap_or(base);
-    let workpiece = match poses.in_base {
-        true => *robot.controller_base(),
-        false => cell.work.workpiece,
+    let workpiece = if poses.in_base {
+        *robot.controller_base()
+    } else {
+        cell.work.workpiece
     };
     let leads = points.iter().zip(1..).map(|((pose, q), number)| Leads {
         number,

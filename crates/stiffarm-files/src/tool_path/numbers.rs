@@ -83,9 +83,10 @@ pub(super) fn near(
                 ]
             };
             let is_steep = pitch.cos().abs() < 1e-5;
-            let all = match is_steep {
-                true => vec![kept],
-                false => vec![[roll, pitch, yaw], [roll + PI, PI - pitch, yaw + PI]],
+            let all = if is_steep {
+                vec![kept]
+            } else {
+                vec![[roll, pitch, yaw], [roll + PI, PI - pitch, yaw + PI]]
             };
             let whole = |turns: [f64; 3]| {
                 let turns = order(turns).into_iter().zip(&old);
@@ -104,11 +105,12 @@ pub(super) fn near(
 
 /// Decimals of a number's text; `None` where it has an exponent.
 pub(super) fn decimals_of(text: &str) -> Option<usize> {
-    match text.contains(['e', 'E']) {
-        true => None,
-        false => Some(
+    if text.contains(['e', 'E']) {
+        None
+    } else {
+        Some(
             text.split_once('.')
                 .map_or(0, |(_, fraction)| fraction.len()),
-        ),
+        )
     }
 }

@@ -34,9 +34,10 @@ pub(super) fn read(
         unit: poses.unit,
         before: poses.before,
         decimals: poses.decimals,
-        frame: match poses.in_base {
-            true => base,
-            false => builder.cell.work.workpiece,
+        frame: if poses.in_base {
+            base
+        } else {
+            builder.cell.work.workpiece
         },
     };
     let options = ProgramOptions::default();

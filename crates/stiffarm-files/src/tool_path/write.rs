@@ -142,9 +142,10 @@ impl ToolPath {
             if own.points.end > i + 1 {
                 continue;
             }
-            let kept = match own.is_arc {
-                true => way.split_off(1),
-                false => writer.bends(&way, &at, !own.text.is_empty()),
+            let kept = if own.is_arc {
+                way.split_off(1)
+            } else {
+                writer.bends(&way, &at, !own.text.is_empty())
             };
             if kept.is_empty() {
                 writer.edit(slots, false);
@@ -198,9 +199,10 @@ impl ToolPath {
                 0 => (own.first.as_str(), own.end.as_str()),
                 _ => ("", ""),
             };
-            let words = match own.begin.ends_with('/') {
-                true => words.trim_start_matches(','),
-                false => &words,
+            let words = if own.begin.ends_with('/') {
+                words.trim_start_matches(',')
+            } else {
+                &words
             };
             format!("{first}{}{words}{end}", own.begin)
         });
@@ -232,12 +234,12 @@ impl ToolPath {
                 last = Some(edit);
             }
             text += &file.text[from..];
-            let bytes = match self.latin {
-                true => text
-                    .chars()
+            let bytes = if self.latin {
+                text.chars()
                     .map(|c| u8::try_from(c).unwrap_or(b'?'))
-                    .collect(),
-                false => text.into_bytes(),
+                    .collect()
+            } else {
+                text.into_bytes()
             };
             Ok((file.name.clone(), bytes))
         });
@@ -268,9 +270,10 @@ impl Writer<'_> {
     ) -> Result<()> {
         let form = &self.path.form;
         let (position, is) = placed(form, commanded)?;
-        let moved = match (position - from).norm() < SAME_PLACE {
-            true => Vector3::zeros(),
-            false => (position - from) / form.unit,
+        let moved = if (position - from).norm() < SAME_PLACE {
+            Vector3::zeros()
+        } else {
+            (position - from) / form.unit
         };
         let from = from / form.unit;
         self.numbers[..3].copy_from_slice((from + moved).as_slice());
@@ -335,14 +338,16 @@ impl Writer<'_> {
         let decimals = decimals_of(own).map_or(fewest, |decimals| decimals.max(fewest));
         let text = fixed(self.numbers[component], decimals);
         // What a line leaves out is what was written last.
-        let before = match modal && !self.last[component].is_nan() {
-            true => self.last[component],
-            false => self.path.values[slot],
+        let before = if modal && !self.last[component].is_nan() {
+            self.last[component]
+        } else {
+            self.path.values[slot]
         };
         let is_same = text == fixed(before, decimals);
-        match is_same && length > 0 {
-            true => (own.to_string(), true),
-            false => (text, is_same),
+        if is_same && length > 0 {
+            (own.to_string(), true)
+        } else {
+            (text, is_same)
         }
     }
 

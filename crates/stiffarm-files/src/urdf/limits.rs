@@ -16,12 +16,13 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
     let [low, high] = found.map(rad_to_deg);
     let error = |code, message| source.error_at("joint", &joint.name, code, message);
     if found[0] >= found[1] {
-        let message = match joint.limit.is_given {
-            true => format!(
+        let message = if joint.limit.is_given {
+            format!(
                 "The lower limit of the joint \"{}\" is not below the upper one: {low:.3}° and {high:.3}°.",
                 joint.name
-            ),
-            false => format!("The joint \"{}\" has no limits.", joint.name),
+            )
+        } else {
+            format!("The joint \"{}\" has no limits.", joint.name)
         };
         let error = error(Code::InvalidValue, message);
         return Err(
@@ -32,9 +33,12 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
         return Err(error(Code::InvalidValue, message).key("limit"));
     }
     // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
-    let turn = |limit: f64| match limit.is_finite() {
-        true => meant(limit),
-        false => TAU.copysign(limit),
+    let turn = |limit: f64| {
+        if limit.is_finite() {
+            meant(limit)
+        } else {
+            TAU.copysign(limit)
+        }
     };
     Ok(found.map(turn))
 }

@@ -264,9 +264,10 @@ fn limit(source: &Source<'_>, joint: Element<'_>) -> Result<Limit> {
         let error = source.error(limit, Code::Urdf, "<limit> has no velocity.");
         return Err(error.hint("a <limit> has lower, upper, effort and velocity"));
     }
-    let [lowest, highest] = match is_newer {
-        true => [f64::NEG_INFINITY, f64::INFINITY],
-        false => [0.0; 2],
+    let [lowest, highest] = if is_newer {
+        [f64::NEG_INFINITY, f64::INFINITY]
+    } else {
+        [0.0; 2]
     };
     Ok(Limit {
         is_given: lower.is_some() || upper.is_some(),

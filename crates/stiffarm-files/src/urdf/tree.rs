@@ -225,11 +225,12 @@ impl<'a> Tree<'a> {
             let error = Error::new(Code::Urdf, message).file(self.source.file());
             let above = self.upward(tip).map(|joint| joint.parent.as_str());
             let above: Vec<&str> = above.collect();
-            match above.is_empty() {
-                true => error.hint(format!(
+            if above.is_empty() {
+                error.hint(format!(
                     "\"{tip}\" is a root of the tree; give another --tip"
-                )),
-                false => error.hint(format!("--base one of {}", some_of(above.into_iter()))),
+                ))
+            } else {
+                error.hint(format!("--base one of {}", some_of(above.into_iter())))
             }
         })
     }

@@ -80,13 +80,19 @@ fn maps() -> Figure {
             vec![series],
         )
     };
-    let hill = |x: f64, y: f64| match x + y < 12.0 {
-        true => f64::NAN,
-        false => (-((x - 25.0).powi(2) + (y - 12.0).powi(2)) / 150.0).exp(),
+    let hill = |x: f64, y: f64| {
+        if x + y < 12.0 {
+            f64::NAN
+        } else {
+            (-((x - 25.0).powi(2) + (y - 12.0).powi(2)) / 150.0).exp()
+        }
     };
-    let rates = |x: f64, y: f64| match x - y > 32.0 {
-        true => f64::NAN,
-        false => 10f64.powf((x / 9.0).sin() + y / 10.0),
+    let rates = |x: f64, y: f64| {
+        if x - y > 32.0 {
+            f64::NAN
+        } else {
+            10f64.powf((x / 9.0).sin() + y / 10.0)
+        }
     };
     figure(
         "maps",

@@ -235,9 +235,10 @@ fn notes(
             format!("In full: posture {name} of {count}{why}. The others as lines.")
         }
         (name, _) => {
-            let others = match others.is_empty() {
-                true => "",
-                false => " The others as lines.",
+            let others = if others.is_empty() {
+                ""
+            } else {
+                " The others as lines."
             };
             format!(
                 "In full: posture {name} of {count}{why}; the same as {}.{others}",

@@ -180,9 +180,10 @@ impl Things {
             return;
         };
         let length = CONE * stage.size();
-        let across = axis.cross(&match axis.x.abs() < 0.9 {
-            true => Vector3::x(),
-            false => Vector3::y(),
+        let across = axis.cross(&if axis.x.abs() < 0.9 {
+            Vector3::x()
+        } else {
+            Vector3::y()
         });
         let Some(u) = Unit::try_new(across, 1e-9) else {
             return;

@@ -103,18 +103,21 @@ impl Draws<'_> {
             }
             What::Solid(solid) => outline(solid, self.camera).map(area).into_iter().collect(),
             What::Hull(points) => hull_of(points, self.camera).map(area).into_iter().collect(),
-            What::Line(points) => match self.camera.is_flat() {
-                true => vec![Shape::Line(
+            What::Line(points) => {
+                if self.camera.is_flat() {
+                    vec![Shape::Line(
+                        points
+                            .iter()
+                            .map(|p| self.camera.flat(p).map(|v| v * MM))
+                            .collect(),
+                    )]
+                } else {
                     points
-                        .iter()
-                        .map(|p| self.camera.flat(p).map(|v| v * MM))
-                        .collect(),
-                )],
-                false => points
-                    .windows(2)
-                    .filter_map(|p| line(&p[0], &p[1]))
-                    .collect(),
-            },
+                        .windows(2)
+                        .filter_map(|p| line(&p[0], &p[1]))
+                        .collect()
+                }
+            }
             What::Arrow([from, to]) => {
                 let ends = self.camera.segment(from, to);
                 let long = |[a, b]: &[[f64; 2]; 2]| {

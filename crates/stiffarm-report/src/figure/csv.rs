@@ -88,13 +88,15 @@ pub fn number(value: Option<f64>) -> String {
 pub fn text(cell: &str) -> String {
     let is_number = cell.trim().parse::<f64>().is_ok_and(f64::is_finite);
     let formula = cell.starts_with(['=', '+', '-', '@', '\t', '\r']) && !is_number;
-    let cell = match formula {
-        true => format!("'{cell}"),
-        false => cell.to_owned(),
+    let cell = if formula {
+        format!("'{cell}")
+    } else {
+        cell.to_owned()
     };
-    match cell.contains([',', ';', '"', '\n', '\r', '\t']) {
-        true => format!("\"{}\"", cell.replace('"', "\"\"")),
-        false => cell,
+    if cell.contains([',', ';', '"', '\n', '\r', '\t']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell
     }
 }
 

@@ -89,9 +89,10 @@ impl Layout {
             Size::Screen { width_px, font_px } => (width_px, font_px),
         };
         let drawn = width * SMALLEST / font;
-        match drawn.is_finite() {
-            true => drawn.clamp(WIDTHS[0], WIDTHS[1]),
-            false => WIDTHS[0],
+        if drawn.is_finite() {
+            drawn.clamp(WIDTHS[0], WIDTHS[1])
+        } else {
+            WIDTHS[0]
         }
     }
 
@@ -133,9 +134,10 @@ impl Layout {
 
 /// A usable length, whatever was stated.
 fn sound(length: f64) -> f64 {
-    match length.is_finite() {
-        true => length.clamp(1.0, 1e4),
-        false => 1.0,
+    if length.is_finite() {
+        length.clamp(1.0, 1e4)
+    } else {
+        1.0
     }
 }
 

@@ -29,9 +29,10 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
                 0.95 => ", about 1.96 times as wide",
                 _ => "",
             },
-            match assumed {
-                true => " * Size assumed; [uncertainty] of the cell declares it.",
-                false => "",
+            if assumed {
+                " * Size assumed; [uncertainty] of the cell declares it."
+            } else {
+                ""
             }
         ),
         columns: 1,

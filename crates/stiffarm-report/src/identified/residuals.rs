@@ -31,9 +31,12 @@ pub fn residual_figure(found: &Identification) -> Figure {
             }
         }
     }
-    let named = |number: usize| match several && !points.is_empty() {
-        true => format!("point {}", points[number]),
-        false => "residual".to_string(),
+    let named = |number: usize| {
+        if several && !points.is_empty() {
+            format!("point {}", points[number])
+        } else {
+            "residual".to_string()
+        }
     };
     let mut all: Vec<Series> = shown
         .into_iter()

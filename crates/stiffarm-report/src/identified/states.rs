@@ -35,12 +35,13 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
              load, and everywhere for an arm that is a spring. A loop is hysteresis, a bow a joint that stiffens or softens, \
              an offset near zero load lost motion. One component scatters by {:.3} mm.{}",
             1e3 * states.scatter_m,
-            match states.postures.len() > MOST {
-                true => format!(
+            if states.postures.len() > MOST {
+                format!(
                     " The {MOST} widest loops of {} postures.",
                     states.postures.len()
-                ),
-                false => String::new(),
+                )
+            } else {
+                String::new()
             }
         ),
         columns: 1,

@@ -90,9 +90,10 @@ pub fn stiffness_figure(
         }
     };
     if !parts.is_empty() {
-        let title = match has_both {
-            true => "total ± and its parts",
-            false => "± by the readings",
+        let title = if has_both {
+            "total ± and its parts"
+        } else {
+            "± by the readings"
         };
         let half = Axis::linear("half width", "% of k").from_zero();
         panels.push(panel(title, half, parts));

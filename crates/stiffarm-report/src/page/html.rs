@@ -74,9 +74,10 @@ pub fn render_page(page: &Page) -> String {
         let mut blocks = part.sections.iter().flat_map(|section| &section.blocks);
         blocks.any(|block| matches!(block, Block::Scene(..)))
     });
-    let (viewer_style, viewer) = match has_scene {
-        true => (VIEWER_STYLE, VIEWER_SCRIPT),
-        false => ("", ""),
+    let (viewer_style, viewer) = if has_scene {
+        (VIEWER_STYLE, VIEWER_SCRIPT)
+    } else {
+        ("", "")
     };
     let template = PageTemplate {
         page,
@@ -107,13 +108,14 @@ impl<'a> PartTemplate<'a> {
             number,
             level,
             alone,
-            verdict: match alone {
-                true => verdict("verdict", part.outcome.status(), &part.verdict),
-                false => verdict(
+            verdict: if alone {
+                verdict("verdict", part.outcome.status(), &part.verdict)
+            } else {
+                verdict(
                     &format!("r{number}-verdict"),
                     part.outcome.status(),
                     &part.verdict,
-                ),
+                )
             },
             serious: findings(&of(Severity::Serious)),
             cautions: folded(&of(Severity::Caution)),
@@ -275,9 +277,10 @@ fn data(figure: &Figure) -> String {
     );
     let mut left = MOST_ROWS;
     for panel in &figure.panels {
-        let heading = match panel.title.is_empty() {
-            true => panel.y.heading(),
-            false => format!("{}: {}", panel.title, panel.y.heading()),
+        let heading = if panel.title.is_empty() {
+            panel.y.heading()
+        } else {
+            format!("{}: {}", panel.title, panel.y.heading())
         };
         for series in &panel.series {
             for i in 0..series.x.len().min(series.y.len()).min(left) {
@@ -346,8 +349,9 @@ fn findings(findings: &[Finding]) -> String {
             prose(&finding.sentence)
         )
     });
-    match findings.is_empty() {
-        true => String::new(),
-        false => format!("<ul class=\"findings\">{}</ul>", items.collect::<String>()),
+    if findings.is_empty() {
+        String::new()
+    } else {
+        format!("<ul class=\"findings\">{}</ul>", items.collect::<String>())
     }
 }

@@ -34,9 +34,10 @@ pub(super) fn table(data: &DataTable) -> String {
         });
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     });
-    let few = match data.rows.len() <= FEW_ROWS {
-        true => " few",
-        false => "",
+    let few = if data.rows.len() <= FEW_ROWS {
+        " few"
+    } else {
+        ""
     };
     let wide = if is_wide(data) { " wide" } else { "" };
     format!(
@@ -67,8 +68,9 @@ pub(super) fn is_wide(data: &DataTable) -> bool {
 
 /// Class of a row's name that is short enough to stay on one line.
 fn short(name: &Text) -> &'static str {
-    match name.plain().chars().count() <= 24 {
-        true => " class=\"short\"",
-        false => "",
+    if name.plain().chars().count() <= 24 {
+        " class=\"short\""
+    } else {
+        ""
     }
 }

@@ -29,9 +29,10 @@ fn together(words: &str) -> String {
 
 /// What one types; short words of it are not broken at their hyphens.
 fn code(words: &str) -> String {
-    let class = match words.chars().count() <= UNBROKEN {
-        true => " class=\"short\"",
-        false => "",
+    let class = if words.chars().count() <= UNBROKEN {
+        " class=\"short\""
+    } else {
+        ""
     };
     format!("<code{class}>{}</code>", escape(words))
 }
@@ -44,9 +45,10 @@ fn number_html(number: &Number) -> String {
     }
     // JSON's own writing of the value, `null` where there is none.
     let value = serde_json::to_string(&number.value).unwrap_or_default();
-    let factor = match number.factor == 1.0 {
-        true => String::new(),
-        false => format!(" data-factor=\"{}\"", number.factor),
+    let factor = if number.factor == 1.0 {
+        String::new()
+    } else {
+        format!(" data-factor=\"{}\"", number.factor)
     };
     let result = number
         .result

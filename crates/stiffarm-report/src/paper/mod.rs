@@ -84,12 +84,13 @@ impl PaperOptions {
             return Err(Error::new(Code::InvalidValue, message)
                 .hint("give the name of one family, for example Times New Roman"));
         }
-        match self.formats.is_empty() {
-            true => Err(
+        if self.formats.is_empty() {
+            Err(
                 Error::new(Code::InvalidValue, "There is no format to write.")
                     .hint("choose svg, csv or both"),
-            ),
-            false => Ok(()),
+            )
+        } else {
+            Ok(())
         }
     }
 
@@ -171,11 +172,12 @@ pub fn paper_files(
 }
 
 fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result<()> {
-    match (least..=most).contains(&value) {
-        true => Ok(()),
-        false => Err(Error::new(
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::new(
             Code::InvalidValue,
             format!("The {what} of pictures must be {least} to {most} {unit}, got {value}."),
-        )),
+        ))
     }
 }

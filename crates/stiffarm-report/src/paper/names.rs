@@ -25,10 +25,10 @@ pub(super) fn stems<'a>(ids: impl Iterator<Item = &'a str>) -> Vec<String> {
 fn safe(id: &str) -> String {
     let mut name = String::new();
     for c in id.chars() {
-        match c.is_ascii_alphanumeric() {
-            true => name.push(c.to_ascii_lowercase()),
-            false if !name.is_empty() && !name.ends_with('-') => name.push('-'),
-            false => {}
+        if c.is_ascii_alphanumeric() {
+            name.push(c.to_ascii_lowercase())
+        } else if !name.is_empty() && !name.ends_with('-') {
+            name.push('-')
         }
         if name.len() >= LENGTH {
             break;

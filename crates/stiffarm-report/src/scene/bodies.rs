@@ -17,12 +17,13 @@ pub(super) fn bodies(cell: &Cell) -> (ArmShapes, usize, Vec<Body>) {
     let robot = &cell.setup.robot;
     let own = cell.scene.parts();
     let has_arm = own.iter().any(|p| matches!(p.carrier, Carrier::Link(_)));
-    let (shapes, arm) = match has_arm {
-        true => (ArmShapes::Own, Vec::new()),
-        false => match Part::of_links(robot) {
+    let (shapes, arm) = if has_arm {
+        (ArmShapes::Own, Vec::new())
+    } else {
+        match Part::of_links(robot) {
             links if links.is_empty() => (ArmShapes::Tubes, tubes(robot)),
             links => (ArmShapes::Own, links),
-        },
+        }
     };
     let parts = arm.iter().chain(own);
     let bodies = parts.map(|part| body(part, robot.joint_count()));
@@ -98,9 +99,10 @@ fn tubes(robot: &Robot) -> Vec<Part> {
         if link > 0 {
             // The first drum stands on the base, not half below it.
             let at_base = link == 1 && end(0).translation.vector.norm() <= radius(0);
-            let middle = match at_base {
-                true => along * to.z.signum(),
-                false => Vector3::zeros(),
+            let middle = if at_base {
+                along * to.z.signum()
+            } else {
+                Vector3::zeros()
             };
             solids.extend(Solid::cylinder(middle - along, middle + along, radius(link)).ok());
             Part::new(format!("link {link}"), Carrier::Link(link), solids)

@@ -14,12 +14,11 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
     let IndexUnit { factor, unit } = IndexUnit::of(index);
     let all = selection.rounds.filter(|rounds| *rounds > 1)?;
     // Category i lies at i, round 1 is the first.
-    let (axis, before) = match all <= FEW {
-        true => {
-            let names = (1..=all).map(|round| round.to_string());
-            (Axis::categorical("round", names), 1.0)
-        }
-        false => (Axis::linear("round", ""), 0.0),
+    let (axis, before) = if all <= FEW {
+        let names = (1..=all).map(|round| round.to_string());
+        (Axis::categorical("round", names), 1.0)
+    } else {
+        (Axis::linear("round", ""), 0.0)
     };
     let rounds = all as f64 - before;
     let found: Vec<(f64, f64)> = selection

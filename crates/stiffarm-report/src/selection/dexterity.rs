@@ -16,9 +16,10 @@ pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figu
     // Names say nothing where groups name their postures differently.
     let own = |names: &[String]| names.iter().zip(longest.1).all(|(a, b)| a == b);
     let same = longest.1.len() == count && groups.iter().all(|(_, names)| own(names));
-    let names: Vec<String> = match same {
-        true => longest.1.to_vec(),
-        false => (1..=count).map(|i| i.to_string()).collect(),
+    let names: Vec<String> = if same {
+        longest.1.to_vec()
+    } else {
+        (1..=count).map(|i| i.to_string()).collect()
     };
     let each = groups.iter().map(|(group, _)| {
         let y: Vec<f64> = group.k_jn.iter().map(|k| k.unwrap_or(f64::NAN)).collect();

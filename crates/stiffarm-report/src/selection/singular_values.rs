@@ -9,13 +9,14 @@ use stiffarm::plan::index::GroupEvaluation;
 pub fn singular_values_figure(groups: &[&GroupEvaluation], noise_std_m: Option<f64>) -> Figure {
     let scaled = groups.iter().all(|g| !g.scaled_singular_values.is_empty());
     let values = |group: &GroupEvaluation| -> Vec<f64> {
-        match scaled {
-            true => group
+        if scaled {
+            group
                 .scaled_singular_values
                 .iter()
                 .map(|v| 1e3 * v)
-                .collect(),
-            false => group.singular_values.clone(),
+                .collect()
+        } else {
+            group.singular_values.clone()
         }
     };
     let mut series: Vec<Series> = groups
@@ -36,18 +37,19 @@ pub fn singular_values_figure(groups: &[&GroupEvaluation], noise_std_m: Option<f
         ));
     }
     let numbers = (1..=count).map(|i| i.to_string());
-    let (y, caption) = match scaled {
-        true => (
+    let (y, caption) = if scaled {
+        (
             Axis::log("singular value of Ψ·diag(1/k)", "mm"),
             "How far all readings together move where a combination of joints gives way by its whole compliance. The last \
              value belongs to the combination that is measured worst: the farther it lies above the noise, the surer the \
              stiffness.",
-        ),
-        false => (
+        )
+    } else {
+        (
             Axis::log("singular value of Ψ", "N·m²/rad"),
             "The last value belongs to the combination of joint compliances that is measured worst. The flatter the line, the \
              smaller cond(Ψ).",
-        ),
+        )
     };
     Figure {
         id: "singular-values".into(),

@@ -55,9 +55,10 @@ fn elastic(found: &ElasticSimulation) -> Table {
             "RMS error of a predicted deflection {} with the joint axes alone and with the mixed model, {} runs of each \
              group with springs beyond the axes drawn anew; expected: the index prediction, which knows their sizes. Share of \
              the components of deflections inside their bands, and of intervals of k that hold the true one.",
-            match found.predicted_tasks {
-                true => "at the tasks of the cell",
-                false => "at random postures inside the cell's limits",
+            if found.predicted_tasks {
+                "at the tasks of the cell"
+            } else {
+                "at random postures inside the cell's limits"
             },
             found.runs
         ),

@@ -108,13 +108,17 @@ pub(in crate::tell) fn residual_section(
         arrows
     });
     let scene = context.scene(&groups, &options)?;
-    let scene = scene.map(|scene| match arrows.is_empty() {
-        true => scene,
-        false => scene.with_arrows(label, arrows),
+    let scene = scene.map(|scene| {
+        if arrows.is_empty() {
+            scene
+        } else {
+            scene.with_arrows(label, arrows)
+        }
     });
-    let states = match all.len() > names.len() {
-        true => " Of several load states the one that moves most is shown.",
-        false => "",
+    let states = if all.len() > names.len() {
+        " Of several load states the one that moves most is shown."
+    } else {
+        ""
     };
     let text = format!(
         "The measured postures in their order. Arrows at the measuring points are {explained}, drawn much larger than they are: \

@@ -32,9 +32,10 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         Text::default().strong("The cell cannot be used as it is.")
     } else if cautions > 0 {
         let things = counted(cautions, "thing");
-        let but = match left_out.is_empty() {
-            true => String::new(),
-            false => format!(", but not for {}", list(&left_out)),
+        let but = if left_out.is_empty() {
+            String::new()
+        } else {
+            format!(", but not for {}", list(&left_out))
         };
         Text::new(format!("The cell can be used{but}; {things} to look at."))
     } else if check.findings.is_empty() {
@@ -42,20 +43,22 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     } else {
         Text::new("The cell can be used; see the notes.")
     };
-    let next = match check.is_serious() {
-        true => Text::new("Correct the cell file, and check it again."),
-        false => Text::new("Choose the postures to measure with ")
+    let next = if check.is_serious() {
+        Text::new("Correct the cell file, and check it again.")
+    } else {
+        Text::new("Choose the postures to measure with ")
             .code("stiffarm select")
-            .words("."),
+            .words(".")
     };
     let mut sections = Vec::new();
     if let Some(cell) = given.cell {
         sections
             .push(Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary());
         if given.pictures {
-            let group = match cell.validation.is_empty() {
-                true => vec![usual_posture(cell)?],
-                false => cell.validation.clone(),
+            let group = if cell.validation.is_empty() {
+                vec![usual_posture(cell)?]
+            } else {
+                cell.validation.clone()
             };
             let group = PostureGroup {
                 name: "the cell".to_string(),
@@ -93,9 +96,12 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
         "joint",
         names,
     )
-    .words("", |j| match check.joints[j].determined {
-        true => Text::default(),
-        false => Text::default().strong("not determined"),
+    .words("", |j| {
+        if check.joints[j].determined {
+            Text::default()
+        } else {
+            Text::default().strong("not determined")
+        }
     })
     .words("bounds [°]", |j| {
         let bounds = given.cell.and_then(|cell| cell.bounds.get(j));
@@ -225,9 +231,10 @@ fn wrench(wrench: &Wrench, axes: Axes) -> String {
         let digits = values.iter().map(|v| Number::computed(*v).digits());
         digits.collect::<Vec<String>>().join(", ")
     };
-    let moment = match wrench.moment.norm() > 0.0 {
-        true => format!(", moment ({}) N·m", list(wrench.moment.as_slice())),
-        false => String::new(),
+    let moment = if wrench.moment.norm() > 0.0 {
+        format!(", moment ({}) N·m", list(wrench.moment.as_slice()))
+    } else {
+        String::new()
     };
     let axes = match axes {
         Axes::Base => "base",
@@ -273,8 +280,9 @@ fn limits(cell: &Cell) -> String {
             least.unwrap_or_else(|| "up to ".to_string())
         ));
     }
-    match parts.is_empty() {
-        true => "none".to_string(),
-        false => parts.join("; "),
+    if parts.is_empty() {
+        "none".to_string()
+    } else {
+        parts.join("; ")
     }
 }

@@ -74,18 +74,19 @@ fn came(context: &Given<'_>, result: &Compensation) -> Text {
         None => text.words(" (RMS) are to be expected"),
     };
     let count = result.loaded();
-    let points = match count == result.points.len() {
-        true => "points",
-        false => "points under load",
+    let points = if count == result.points.len() {
+        "points"
+    } else {
+        "points under load"
     };
-    match beyond == count {
-        true => text.words(format!(
+    if beyond == count {
+        text.words(format!(
             ". The correction is larger than its own uncertainty at all {count} {points}."
-        )),
-        false => text
-            .words(". The correction is larger than its own uncertainty at ")
+        ))
+    } else {
+        text.words(". The correction is larger than its own uncertainty at ")
             .number(context.number("/beyond_uncertainty").decimals(0))
-            .words(format!(" of {count} {points}.")),
+            .words(format!(" of {count} {points}."))
     }
 }
 
@@ -204,11 +205,12 @@ fn band_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
     let name = visible(&result.points[i].point);
     let caption = format!("What the ± is made of at point {name}, where the tip bends most");
     let table = band_table(context, caption, &format!("/points/{i}/band"), &band);
-    let model = match result.residual_max_m < 1e-9 {
-        true => Text::new("By the model itself nothing is left (below 10⁻⁶ mm): "),
-        false => Text::new("By the model itself ")
+    let model = if result.residual_max_m < 1e-9 {
+        Text::new("By the model itself nothing is left (below 10⁻⁶ mm): ")
+    } else {
+        Text::new("By the model itself ")
             .number(context.number("/residual_max_m").mm().significant(2))
-            .words(" are left at most: "),
+            .words(" are left at most: ")
     };
     let text = model.words(format!(
         "what the real arm leaves is the uncertainty of the deflection, most of it from {}, and whatever the model leaves out.",

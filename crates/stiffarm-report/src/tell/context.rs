@@ -61,19 +61,21 @@ impl<'a> Given<'a> {
         let doubtful = |f: &Finding| f.code == "stiffness-doubtful";
         let [done, came, next] = verdict;
         // Whatever else could be done next would rest on it.
-        let next = match findings.iter().filter(serious).any(doubtful) {
-            true => Text::default().strong("Do not use these numbers").words(
+        let next = if findings.iter().filter(serious).any(doubtful) {
+            Text::default().strong("Do not use these numbers").words(
                 ": correct the readings behind the stiffness, identify again, and then this again.",
-            ),
-            false => next,
+            )
+        } else {
+            next
         };
         let serious = findings.iter().find(serious);
         let came = match serious.filter(|_| AT_WORK.contains(&self.saved.command.as_str())) {
             Some(serious) => {
                 let text = Text::default().strong(serious.sentence.clone());
-                match NOWHERE.contains(&serious.code.as_str()) {
-                    true => text,
-                    false => text.words(" As it is: ").then(came),
+                if NOWHERE.contains(&serious.code.as_str()) {
+                    text
+                } else {
+                    text.words(" As it is: ").then(came)
                 }
             }
             None => came,
@@ -176,9 +178,10 @@ fn stopped(saved: &SavedResult) -> Option<Finding> {
     if left_out.is_empty() && !shorter && !is_interrupted(result) {
         return None;
     }
-    let left_out = match left_out.is_empty() {
-        true => String::new(),
-        false => format!(" Not computed: {}.", list(&left_out).replace('_', " ")),
+    let left_out = if left_out.is_empty() {
+        String::new()
+    } else {
+        format!(" Not computed: {}.", list(&left_out).replace('_', " "))
     };
     let sentence = format!(
         "The command was stopped before it was done; this is what it had by then.{left_out}"
@@ -213,8 +216,9 @@ pub(crate) fn plain(value: &Value) -> String {
 /// A word as a shell takes it; an input in braces stays as it is, so that it is seen to stand for a file.
 pub(crate) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./:=,@%+-{}".contains(c);
-    match !word.is_empty() && word.chars().all(is_plain) {
-        true => word.to_string(),
-        false => format!("'{}'", visible(word).replace('\'', r"'\''")),
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_string()
+    } else {
+        format!("'{}'", visible(word).replace('\'', r"'\''"))
     }
 }

@@ -161,9 +161,10 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let findings = context.saved.findings();
     let left_out = findings.iter().filter(|f| f.code == LEFT_OUT);
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
-    let which = match left_out.is_empty() {
-        true => "every joint".to_string(),
-        false => format!("all but {}", list(&left_out)),
+    let which = if left_out.is_empty() {
+        "every joint".to_string()
+    } else {
+        format!("all but {}", list(&left_out))
     };
     DataTable::of(caption, "group", names)
         .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
@@ -184,9 +185,10 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
                 let names = list(&shown(&evaluation.undetermined_joints));
                 return Text::default().strong(format!("not {names}"));
             }
-            let unsure = match is_beyond_first_order(evaluation) {
-                true => ", but too unsure",
-                false => "",
+            let unsure = if is_beyond_first_order(evaluation) {
+                ", but too unsure"
+            } else {
+                ""
             };
             format!("{which}{unsure}").into()
         })

@@ -81,9 +81,10 @@ fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
         None => String::new(),
     };
     let axis = [0, 1, 2].map(|i| map.rotation[i][2]);
-    let moment = match map.moment_nm.iter().any(|m| *m != 0.0) {
-        true => format!(" and a moment of {} N·m", vector(map.moment_nm)),
-        false => String::new(),
+    let moment = if map.moment_nm.iter().any(|m| *m != 0.0) {
+        format!(" and a moment of {} N·m", vector(map.moment_nm))
+    } else {
+        String::new()
     };
     Text::new(format!(
         "The tool tip was held at {} positions, {}, with its axis along {}{turn}, under a force of {} N{moment}{}; ",
@@ -129,9 +130,10 @@ fn came(context: &Given<'_>, map: &StiffnessMap) -> Text {
     // In millimetres, or in micrometres where it is small.
     let deflection = |node: usize, value: f64| {
         let number = context.valued(&format!("/nodes/{node}/values/deflection_m"), value);
-        match value < IS_SMALL {
-            true => number.of(SMALL),
-            false => number.mm().decimals(3),
+        if value < IS_SMALL {
+            number.of(SMALL)
+        } else {
+            number.mm().decimals(3)
         }
     };
     let text = Text::new("It gives way least at ")
@@ -155,9 +157,10 @@ fn half_width(context: &Given<'_>, map: &StiffnessMap, node: usize, text: Text) 
         Some((half, size)) if half > size => text,
         Some((half, size)) => {
             let number = context.valued(&format!("/nodes/{node}/values/half_width_m"), half);
-            let number = match size < IS_SMALL {
-                true => number.of(SMALL.digits(2)),
-                false => number.mm().decimals(3),
+            let number = if size < IS_SMALL {
+                number.of(SMALL.digits(2))
+            } else {
+                number.mm().decimals(3)
             };
             text.words(" ").number(number.plus_minus())
         }
@@ -192,10 +195,10 @@ fn key(context: &Given<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTa
     let caption = format!(
         "Where the tip gives way least and most under {:.0} N{}",
         norm(map.force_n),
-        match is_small {
-            true =>
-                "; under so small a load the ± is of errors that do not shrink with it, such as lost motion",
-            false => "",
+        if is_small {
+            "; under so small a load the ± is of errors that do not shrink with it, such as lost motion"
+        } else {
+            ""
         }
     );
     let nodes = [extremes.best, extremes.worst];

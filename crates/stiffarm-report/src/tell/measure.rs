@@ -90,9 +90,10 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
             shown(&unknown)
         )),
         Some(_) => text
-            .words(match left_out.is_empty() {
-                true => "Every joint is known to ± ".to_string(),
-                false => format!("Every joint but {} is known to ± ", shown(&left_out)),
+            .words(if left_out.is_empty() {
+                "Every joint is known to ± ".to_string()
+            } else {
+                format!("Every joint but {} is known to ± ", shown(&left_out))
             })
             .number(given.number("/standing/largest").of(Quantity::PERCENT))
             .words(" at ")

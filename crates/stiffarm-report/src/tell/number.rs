@@ -192,10 +192,12 @@ impl Number {
     pub fn text(&self) -> String {
         let sign = if self.plus_minus { "±\u{a0}" } else { "" };
         let digits = self.digits();
-        match self.unit.is_empty() || digits == "–" {
-            true => format!("{sign}{digits}"),
-            false if self.unit == "°" => format!("{sign}{digits}°"),
-            false => format!("{sign}{digits}\u{a0}{}", self.unit),
+        if self.unit.is_empty() || digits == "–" {
+            format!("{sign}{digits}")
+        } else if self.unit == "°" {
+            format!("{sign}{digits}°")
+        } else {
+            format!("{sign}{digits}\u{a0}{}", self.unit)
         }
     }
 }

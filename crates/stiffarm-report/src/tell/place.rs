@@ -52,12 +52,12 @@ fn done(context: &Given<'_>, placement: &Placement) -> Text {
     ))
     .number(context.number("/point_count").decimals(0))
     .words(" points under its loads");
-    let text = match placement.searched_points < placement.point_count {
-        true => text
-            .words(", of which ")
+    let text = if placement.searched_points < placement.point_count {
+        text.words(", of which ")
             .number(context.number("/searched_points").decimals(0))
-            .words(" were looked at"),
-        false => text,
+            .words(" were looked at")
+    } else {
+        text
     };
     text.words(format!("; at {works} of them the arm can go along."))
 }

@@ -30,9 +30,10 @@ pub(super) fn along_axes(
 
 /// Heading of the points' names, of which `shown` of `count` are in the table of the largest.
 pub(super) fn heading(shown: usize, count: usize) -> &'static str {
-    match shown == KEY_ROWS && count > shown {
-        true => "worst points",
-        false => "point",
+    if shown == KEY_ROWS && count > shown {
+        "worst points"
+    } else {
+        "point"
     }
 }
 
@@ -46,17 +47,18 @@ pub(super) fn all_points(
 ) -> Section {
     let [on_page, in_words] = ROWS;
     let most = if context.pictures { on_page } else { in_words };
-    let (caption, rows): (String, Vec<usize>) = match count <= most {
-        true => (
+    let (caption, rows): (String, Vec<usize>) = if count <= most {
+        (
             "All points in their order".to_string(),
             (0..count).collect(),
-        ),
-        false => (
+        )
+    } else {
+        (
             format!(
                 "{most} of the {count} points, evenly along the path; the result's file has all"
             ),
             (0..most).map(|i| i * (count - 1) / (most - 1)).collect(),
-        ),
+        )
     };
     let table = Block::Table(table(&caption, &rows));
     let details = Block::Details(summary.to_string(), vec![table]);
@@ -157,9 +159,12 @@ pub(super) fn region(ends_m: [[f64; 2]; 3]) -> String {
             .replace('-', "−")
     };
     let words = ["x", "y", "z"].into_iter().zip(ends_m);
-    let words = words.map(|(name, [low, high])| match high > low {
-        true => format!("{name} {} to {} mm", mm(low), mm(high)),
-        false => format!("{name} = {} mm", mm(low)),
+    let words = words.map(|(name, [low, high])| {
+        if high > low {
+            format!("{name} {} to {} mm", mm(low), mm(high))
+        } else {
+            format!("{name} = {} mm", mm(low))
+        }
     });
     words.collect::<Vec<_>>().join(", ")
 }
@@ -167,16 +172,18 @@ pub(super) fn region(ends_m: [[f64; 2]; 3]) -> String {
 /// Three components with four digits: `(0, −0.5, 1)`.
 pub(super) fn vector(components: [f64; 3]) -> String {
     let parts = components.map(|c| {
-        let digits = match c.abs() < 1e-9 {
-            true => "0".to_string(),
-            false => Number::computed(c).digits(),
+        let digits = if c.abs() < 1e-9 {
+            "0".to_string()
+        } else {
+            Number::computed(c).digits()
         };
-        match digits.contains('.') && !digits.contains('e') {
-            true => digits
+        if digits.contains('.') && !digits.contains('e') {
+            digits
                 .trim_end_matches('0')
                 .trim_end_matches('.')
-                .to_string(),
-            false => digits,
+                .to_string()
+        } else {
+            digits
         }
     });
     format!("({})", parts.join(", "))

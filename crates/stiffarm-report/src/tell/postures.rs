@@ -236,9 +236,12 @@ fn move_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> D
             0 => Text::default(),
             count => count.to_string().into(),
         })
-        .words("way", |m| match route.moves[m].free {
-            true => "free".into(),
-            false => Text::default().strong("not free"),
+        .words("way", |m| {
+            if route.moves[m].free {
+                "free".into()
+            } else {
+                Text::default().strong("not free")
+            }
         })
         .numbers("nearest", ROOM, |m| {
             nearest(m)?;
@@ -306,8 +309,9 @@ pub(super) fn room(number: Number) -> Number {
 /// A length \[m\] to a tenth of a millimetre, without digits nobody set.
 pub(super) fn coarse(m: f64) -> Number {
     let number = room(Number::computed(m));
-    match (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 {
-        true => number.decimals(0),
-        false => number,
+    if (m_to_mm(m) - m_to_mm(m).round()).abs() < 0.05 {
+        number.decimals(0)
+    } else {
+        number
     }
 }

@@ -243,23 +243,21 @@ fn cell_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Re
         path: what.is_path.then_some("path"),
         kept: extremes.iter().map(|e| e.at).collect(),
     };
-    let explained = match what.is_path {
-        true => {
-            "Step through the postures along the path; its colour is the deflection, and the slider exaggerates it. \
+    let explained = if what.is_path {
+        "Step through the postures along the path; its colour is the deflection, and the slider exaggerates it. \
              Where the tip bends least and most, an ellipsoid shows how it gives way."
-        }
-        false => {
-            "Step through the postures and let the arm bend; where the tip bends least and most, an ellipsoid shows how \
+    } else {
+        "Step through the postures and let the arm bend; where the tip bends least and most, an ellipsoid shows how \
              it gives way."
-        }
     };
     work.section(context, explained)
 }
 
 fn path_section(context: &Given<'_>, prediction: &Prediction, what: &What) -> Section {
-    match what.is_path {
-        true => along_path(context, prediction),
-        false => point_by_point(prediction),
+    if what.is_path {
+        along_path(context, prediction)
+    } else {
+        point_by_point(prediction)
     }
 }
 
@@ -386,9 +384,10 @@ fn matrix_table(
     axes.enumerate().fold(table, |table, (column, heading)| {
         table.numbers(heading, STIFFNESS, |row| {
             let value = matrix[row][column];
-            Some(match value.abs() < ROUNDING * largest {
-                true => Number::computed(0.0),
-                false => context.valued(&format!("{pointer}/{row}/{column}"), value),
+            Some(if value.abs() < ROUNDING * largest {
+                Number::computed(0.0)
+            } else {
+                context.valued(&format!("{pointer}/{row}/{column}"), value)
             })
         })
     })

@@ -23,9 +23,10 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     } = given.saved.result()?;
     let count = counted(route.postures.len(), "posture");
     let kept = given.saved.json["options"]["keep_order"] == true;
-    let done = Text::new(match kept {
-        true => format!("The moves between {count} were looked at in the order given."),
-        false => format!("The order of {count} was chosen for the least turning or time."),
+    let done = Text::new(if kept {
+        format!("The moves between {count} were looked at in the order given.")
+    } else {
+        format!("The order of {count} was chosen for the least turning or time.")
     });
     let blocked = route.moves.iter().filter(|one| !one.free).count();
     let moves = counted(route.moves.len(), "move");

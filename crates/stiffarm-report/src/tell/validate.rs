@@ -94,9 +94,10 @@ fn fits(context: &Given<'_>) -> String {
     let robot = context.cell.map(|cell| &cell.setup.robot);
     let names = robot.map(|robot| terms.iter().map(|term| term.name(robot)).collect());
     let names: Vec<String> = names.unwrap_or_default();
-    let terms = match names.is_empty() {
-        true => String::new(),
-        false => format!(", with {}", list(&names)),
+    let terms = if names.is_empty() {
+        String::new()
+    } else {
+        format!(", with {}", list(&names))
     };
     let elastic = match context.saved.text("/options/fit/elastic") {
         Some("mixed") => "; elastic model: mixed, its sizes found anew in each fold",
@@ -108,12 +109,11 @@ fn fits(context: &Given<'_>) -> String {
 
 fn came(context: &Given<'_>, found: &Validation) -> Text {
     let mm = |below: &str| context.number(below).mm().decimals(4);
-    let unpredicted = match found.unpredicted.is_empty() {
-        true => Text::default(),
-        false => {
-            let sentence = format!("{} cannot be predicted.", names(&found.unpredicted));
-            Text::default().strong(sentence).words(" At the others: ")
-        }
+    let unpredicted = if found.unpredicted.is_empty() {
+        Text::default()
+    } else {
+        let sentence = format!("{} cannot be predicted.", names(&found.unpredicted));
+        Text::default().strong(sentence).words(" At the others: ")
     };
     let mut text = unpredicted
         .words("Calculated and measured differ by ")
@@ -143,13 +143,14 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
     }
     if let Some(factor) = found.compensation_factor {
         let text_of = text.words(" Compensated as calculated, the errors would have been ");
-        text = match factor < 1.0 {
-            false => text_of
-                .number(context.number("/compensation_factor").significant(3))
-                .words(" times smaller."),
-            true => text_of
+        text = if factor < 1.0 {
+            text_of
                 .number(Number::new("", Some(1.0 / factor)).significant(3))
-                .words(" times larger."),
+                .words(" times larger.")
+        } else {
+            text_of
+                .number(context.number("/compensation_factor").significant(3))
+                .words(" times smaller.")
         };
     }
     if found.folds.is_some() {
@@ -197,16 +198,17 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
     if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
         let noise = context.number("/noise_expectation_m").mm().decimals(4);
-        return match tolerance < found.noise_expectation_m {
-            true => Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
+        return if tolerance < found.noise_expectation_m {
+            Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
                 .number(noise)
-                .words(" on average. Ask for a larger one, or read each point more often."),
-            false => Text::new("By noise alone these readings deviate by ")
+                .words(" on average. Ask for a larger one, or read each point more often.")
+        } else {
+            Text::new("By noise alone these readings deviate by ")
                 .number(noise)
                 .words(
                     " on average. Read each point more often and validate again: that tells whether the stiffness or the \
                      readings are not good enough.",
-                ),
+                )
         };
     }
     if outside || found.passed == Some(false) {
@@ -244,9 +246,10 @@ fn key(context: &Given<'_>, found: &Validation) -> DataTable {
     });
     let mut worst: Vec<usize> = worst.collect();
     worst.sort_by(|a, b| size(b).total_cmp(&size(a)));
-    let which = match worst.len() > MOST_ROWS {
-        true => format!("the {MOST_ROWS} worst of {} postures", worst.len()),
-        false => "the worst posture first".to_string(),
+    let which = if worst.len() > MOST_ROWS {
+        format!("the {MOST_ROWS} worst of {} postures", worst.len())
+    } else {
+        "the worst posture first".to_string()
     };
     let caption = format!("Largest deviation at each posture, Eq. (22), {which}");
     worst.truncate(MOST_ROWS);
@@ -265,9 +268,12 @@ fn table(context: &Given<'_>, found: &Validation, caption: &str, rows: &[usize])
     };
     let names = (0..rows.len()).map(|row| visible(&point(row).posture).into_owned());
     DataTable::of(caption, "posture", names)
-        .words("load state", |row| match has_states {
-            true => visible(&point(row).state).into_owned().into(),
-            false => Text::default(),
+        .words("load state", |row| {
+            if has_states {
+                visible(&point(row).state).into_owned().into()
+            } else {
+                Text::default()
+            }
         })
         .words("point", |row| {
             visible(&point(row).point).into_owned().into()
@@ -291,9 +297,10 @@ fn outside(point: &PointDeviation) -> Text {
     let axes = ["x", "y", "z"].into_iter().zip(inside);
     let axes = axes.filter_map(|(axis, inside)| (!inside).then_some(axis));
     let axes: Vec<&str> = axes.collect();
-    match axes.is_empty() {
-        true => Text::default(),
-        false => Text::default().strong(axes.join(" ")),
+    if axes.is_empty() {
+        Text::default()
+    } else {
+        Text::default().strong(axes.join(" "))
     }
 }
 

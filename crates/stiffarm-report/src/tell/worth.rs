@@ -252,9 +252,10 @@ pub(super) fn joint_table(
     let errors = Quantity::PERCENT.digits(3);
     for group in groups {
         table = table.numbers(&heading("by noise", "", group), errors, |j| {
-            let below = match j < count {
-                true => format!("relative_standard_error/{j}"),
-                false => "indices/expected_error".to_string(),
+            let below = if j < count {
+                format!("relative_standard_error/{j}")
+            } else {
+                "indices/expected_error".to_string()
             };
             Some(given.number(&format!("{}/{below}", group.at)))
         });
@@ -340,9 +341,10 @@ pub(super) fn length_in_words(given: &Given<'_>) -> Option<Text> {
     if length.is_some() {
         let number = Number::new(pointer, length).times(1e3).unit("mm");
         let stands = |cell: &Cell| cell.characteristic_length.is_some();
-        let computed = match given.cell.is_some_and(|cell| !stands(cell)) {
-            true => ", computed: robot.characteristic_length_mm is not set.",
-            false => ".",
+        let computed = if given.cell.is_some_and(|cell| !stands(cell)) {
+            ", computed: robot.characteristic_length_mm is not set."
+        } else {
+            "."
         };
         let said = Text::new("The characteristic length of k(J_N) is ");
         return Some(said.number(number.decimals(1)).words(computed));

@@ -62,15 +62,16 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             .words("."),
     };
     let has_zone = zones.best.is_some();
-    let mut key = match has_zone {
-        true => DataTable::new(
+    let mut key = if has_zone {
+        DataTable::new(
             "Range over the map, and the most dexterous posture of the best zone",
             ["quantity", "smallest", "median", "largest", "best posture"],
-        ),
-        false => DataTable::new(
+        )
+    } else {
+        DataTable::new(
             "Range over the map",
             ["quantity", "smallest", "median", "largest"],
-        ),
+        )
     };
     let rows = [
         (

@@ -55,9 +55,10 @@ fn exact(records: &[&Record]) -> String {
         .iter()
         .map(|r| (r.coverage - 0.95).abs())
         .fold(0.0, f64::max);
-    let verdict = match worst <= 0.005 {
-        true => "within half a point, the most this project accepts",
-        false => "**more than half a point, the most this project accepts**",
+    let verdict = if worst <= 0.005 {
+        "within half a point, the most this project accepts"
+    } else {
+        "**more than half a point, the most this project accepts**"
     };
     format!(
         "## Exact intervals\n\n\
@@ -76,9 +77,10 @@ fn two_variance(records: &[&Record]) -> String {
         100.0 * shares.fold(f64::INFINITY, f64::min)
     };
     let most = 100.0 * records.iter().map(|r| r.coverage).fold(0.0, f64::max);
-    let verdict = match least() >= 94.0 {
-        true => "not below 94 %, the least this project accepts",
-        false => "**below 94 %, the least this project accepts**",
+    let verdict = if least() >= 94.0 {
+        "not below 94 %, the least this project accepts"
+    } else {
+        "**below 94 %, the least this project accepts**"
     };
     format!(
         "## The two-variance model\n\n\

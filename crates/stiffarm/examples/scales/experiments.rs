@@ -235,9 +235,10 @@ pub fn sound(robot: usize, number: u64, kind: Kind, seed: u64) -> Sound {
         ..ExperimentState::new(name, factor)
     };
     let named = |prefix: &str, factor: f64, otherwise: &str| {
-        let name = match is_named {
-            true => format!("{prefix}-{:.0}", nominal * factor),
-            false => otherwise.to_string(),
+        let name = if is_named {
+            format!("{prefix}-{:.0}", nominal * factor)
+        } else {
+            otherwise.to_string()
         };
         state(&name, factor)
     };

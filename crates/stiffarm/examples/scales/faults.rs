@@ -199,9 +199,12 @@ impl Fault {
                     .collect();
                 let s = loaded[dice.below(loaded.len())];
                 let state = states[s].state.clone();
-                each_load(sound, |p, at| match (p, at) == (posture, s) {
-                    true => 1.0 / f,
-                    false => 1.0,
+                each_load(sound, |p, at| {
+                    if (p, at) == (posture, s) {
+                        1.0 / f
+                    } else {
+                        1.0
+                    }
                 });
                 Expected {
                     posture: Some(name),

@@ -215,9 +215,12 @@ impl IdentifiedCompliance {
         let mut further = estimates.extra_springs.iter();
         let mut lost = estimates.lost_motion.iter();
         let joints = estimates.joints.iter().map(|joint| joint.compliance);
-        let terms = estimates.extra.iter().map(|term| match term.is_spring() {
-            true => further.next().and_then(|s| s.compliance),
-            false => lost.next().and_then(|a| a.angle),
+        let terms = estimates.extra.iter().map(|term| {
+            if term.is_spring() {
+                further.next().and_then(|s| s.compliance)
+            } else {
+                lost.next().and_then(|a| a.angle)
+            }
         });
         for (j, value) in joints.chain(terms).enumerate() {
             undetermined.extend(value.is_none().then_some(j));
@@ -231,9 +234,12 @@ impl IdentifiedCompliance {
         let full = estimates.covariance.len() == count
             && estimates.covariance.iter().all(|row| row.len() == count);
         let open = |i: usize, j: usize| undetermined.contains(&i) || undetermined.contains(&j);
-        let entry = |i: usize, j: usize| match open(i, j) {
-            true => Some(0.0),
-            false => estimates.covariance[i][j],
+        let entry = |i: usize, j: usize| {
+            if open(i, j) {
+                Some(0.0)
+            } else {
+                estimates.covariance[i][j]
+            }
         };
         let covariance = (full && (0..count).all(|i| (0..count).all(|j| entry(i, j).is_some())))
             .then(|| DMatrix::from_fn(count, count, |i, j| entry(i, j).unwrap_or(0.0)));
@@ -300,13 +306,14 @@ impl IdentifiedCompliance {
 
     /// Compliance of the springs, for models that are not linear in it.
     pub(crate) fn springs(&self, model: &str) -> Result<&[f64]> {
-        match self.extra.is_empty() {
-            true => Ok(self.values.as_slice()),
-            false => Err(Error::new(
+        if self.extra.is_empty() {
+            Ok(self.values.as_slice())
+        } else {
+            Err(Error::new(
                 Code::Unsupported,
                 format!("The {model} model holds the axes' springs alone."),
             )
-            .hint("use the linear model, or identify with --elastic axes and without --extra")),
+            .hint("use the linear model, or identify with --elastic axes and without --extra"))
         }
     }
 }

@@ -171,9 +171,10 @@ fn reasons(found: &Elastic) -> Vec<String> {
              {by} the {} of the joint axes alone{}.",
             length(mixed),
             length(axes),
-            match ratio > LIKELIHOOD_RATIO {
-                true => ", and the data reject the axes alone",
-                false => ", and the data do not need more than the axes",
+            if ratio > LIKELIHOOD_RATIO {
+                ", and the data reject the axes alone"
+            } else {
+                ", and the data do not need more than the axes"
             }
         ));
     }

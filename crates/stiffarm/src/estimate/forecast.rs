@@ -121,9 +121,10 @@ fn stiffness(fit: &Fit, systematic: &SystematicErrors) -> Result<Vec<f64>> {
 /// Adds the forecast for these postures, where there is one.
 fn add(cell: &Cell, postures: &[Posture], evaluation: &mut GroupEvaluation) {
     let is_plan = postures.len() <= MOST_POSTURES && cell.prior.is_some();
-    evaluation.forecast = match is_plan {
-        true => forecast(cell, postures).ok(),
-        false => None,
+    evaluation.forecast = if is_plan {
+        forecast(cell, postures).ok()
+    } else {
+        None
     };
 }
 

@@ -97,12 +97,11 @@ impl Sealed {
                         && square(&doubt.covariance, 1 + doubt.classes.len())
                 })
         });
-        match fits && known {
-            true => Ok(()),
-            false => {
-                let message = "The numbers of the sealed stiffness do not fit each other.";
-                Err(Error::new(Code::ResultFile, message))
-            }
+        if fits && known {
+            Ok(())
+        } else {
+            let message = "The numbers of the sealed stiffness do not fit each other.";
+            Err(Error::new(Code::ResultFile, message))
         }
     }
 }

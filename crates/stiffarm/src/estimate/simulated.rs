@@ -138,9 +138,10 @@ impl Request {
     }
 
     fn levels(&self, default: Vec<f64>) -> Result<Vec<f64>> {
-        let levels = match self.levels.is_empty() {
-            true => default,
-            false => self.levels.clone(),
+        let levels = if self.levels.is_empty() {
+            default
+        } else {
+            self.levels.clone()
         };
         check_not_negative("levels", &levels)?;
         Ok(levels)

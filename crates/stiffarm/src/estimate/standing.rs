@@ -79,10 +79,7 @@ impl<'f> SoFar<'f> {
     pub fn new(fit: &'f Fit) -> Result<Self> {
         let axes = systematic_errors(fit)?;
         let is_mixed = ElasticChoice::or_default(None, fit.options()) == ElasticChoice::Mixed;
-        let mixed = match is_mixed {
-            true => carried(fit)?.ok(),
-            false => None,
-        };
+        let mixed = if is_mixed { carried(fit)?.ok() } else { None };
         let with_errors = |mixed: MixedFit| {
             let errors = mixed_systematic_errors(&mixed)?;
             Ok((mixed, errors))
@@ -246,9 +243,10 @@ pub fn standing<Q: AsRef<[f64]>>(
         let (mut too_few, mut count) = (0, planned.len());
         while count - too_few > 1 {
             let middle = too_few.midpoint(count);
-            match enough(&expected(middle)?) {
-                true => count = middle,
-                false => too_few = middle,
+            if enough(&expected(middle)?) {
+                count = middle
+            } else {
+                too_few = middle
             }
         }
         postures_to_goal = Some(count.max(missing));

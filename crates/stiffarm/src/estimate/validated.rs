@@ -116,9 +116,10 @@ impl Request {
     /// # Errors
     /// A name that no posture has (key `only`).
     pub fn keep_only(&self, measured: &mut Measured) -> Result<()> {
-        match self.only.is_empty() {
-            true => Ok(()),
-            false => measured.keep_only(&self.only).map_err(|e| e.key("only")),
+        if self.only.is_empty() {
+            Ok(())
+        } else {
+            measured.keep_only(&self.only).map_err(|e| e.key("only"))
         }
     }
 

@@ -67,9 +67,10 @@ impl Measured {
     pub fn exclude(&mut self, names: &[String]) -> Result<()> {
         self.check_names(names)?;
         self.retain(|name| !names.iter().any(|excluded| excluded == name));
-        match self.postures.is_empty() {
-            true => Err(all_excluded()),
-            false => Ok(()),
+        if self.postures.is_empty() {
+            Err(all_excluded())
+        } else {
+            Ok(())
         }
     }
 

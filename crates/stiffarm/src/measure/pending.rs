@@ -43,9 +43,12 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
     }
     let open: Vec<String> = seen
         .iter()
-        .map(|posture| match table.has_readings_of(posture) {
-            false => (*posture).to_string(),
-            true => missing(table, posture),
+        .map(|posture| {
+            if table.has_readings_of(posture) {
+                missing(table, posture)
+            } else {
+                (*posture).to_string()
+            }
         })
         .collect();
     let left_out: Vec<&str> = table

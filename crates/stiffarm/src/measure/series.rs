@@ -230,14 +230,16 @@ impl<'a> Series<'a> {
         let variance = 1.0 / total + away * away / line.spread;
         // The mean of the references, and the line's slope from there.
         let part = |s: &StateSamples<'_>| {
-            let of_mean = match s.role == reference && s.state != number {
-                true => s.count() as f64 / total,
-                false => 0.0,
+            let of_mean = if s.role == reference && s.state != number {
+                s.count() as f64 / total
+            } else {
+                0.0
             };
             let from_mean = s.samples.iter().map(|x| x.clock - line.clock);
-            let of_slope = match s.role == line.role {
-                true => away * from_mean.sum::<f64>() / line.spread,
-                false => 0.0,
+            let of_slope = if s.role == line.role {
+                away * from_mean.sum::<f64>() / line.spread
+            } else {
+                0.0
             };
             (s.state, of_mean + of_slope)
         };
@@ -286,9 +288,10 @@ impl<'a> PostureSeries<'a> {
             let mut states = posture.states.iter();
             states.any(|s| Role::of(&s.state) == role && !s.readings.is_empty())
         };
-        let reference = match has(Role::Preload) {
-            true => Role::Preload,
-            false => Role::Unloaded,
+        let reference = if has(Role::Preload) {
+            Role::Preload
+        } else {
+            Role::Unloaded
         };
         let mut points = std::collections::BTreeSet::new();
         let mut base = std::collections::BTreeSet::new();

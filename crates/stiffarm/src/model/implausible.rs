@@ -69,9 +69,10 @@ pub fn load<'a>(
         return None;
     }
     let (force, moment) = (wrench.force.norm(), wrench.moment.norm());
-    let load = match force >= most {
-        true => format!("{force:.4e} N"),
-        false => format!("{moment:.4e} N·m"),
+    let load = if force >= most {
+        format!("{force:.4e} N")
+    } else {
+        format!("{moment:.4e} N·m")
     };
     let beside = match weight {
         Some(weight) => format!(

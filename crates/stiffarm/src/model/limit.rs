@@ -209,9 +209,10 @@ impl LimitMargin {
     /// The margin itself in words: `12 mm`, `3.1°`, `4 %`, `0.125 mm` of a displacement.
     pub fn words(&self) -> String {
         // A limit that is met to rounding has no negative room.
-        self.amount(match self.is_violated() {
-            true => self.margin,
-            false => self.margin.max(0.0),
+        self.amount(if self.is_violated() {
+            self.margin
+        } else {
+            self.margin.max(0.0)
         })
     }
 

@@ -73,9 +73,10 @@ impl<'a> Control<'a> {
     /// # Errors
     /// [`Code::Interrupted`] once it should.
     pub fn check(&self) -> Result<()> {
-        match self.stopped() {
-            false => Ok(()),
-            true => Err(Error::new(Code::Interrupted, "Interrupted.")),
+        if self.stopped() {
+            Err(Error::new(Code::Interrupted, "Interrupted."))
+        } else {
+            Ok(())
         }
     }
 

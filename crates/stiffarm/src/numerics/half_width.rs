@@ -60,14 +60,16 @@ impl Level {
             if missing.abs() <= TOLERANCE {
                 break;
             }
-            match missing > 0.0 {
-                true => low = w,
-                false => high = w,
+            if missing > 0.0 {
+                low = w
+            } else {
+                high = w
             }
             let next = w + missing / slope;
-            w = match low < next && next < high {
-                true => next,
-                false => 0.5 * (low + high),
+            w = if low < next && next < high {
+                next
+            } else {
+                0.5 * (low + high)
             };
         }
         w

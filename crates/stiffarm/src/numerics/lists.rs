@@ -45,11 +45,12 @@ pub mod symmetric {
     pub fn deserialize<'d, D: Deserializer<'d>>(from: D) -> Result<DMatrix<f64>, D::Error> {
         let rows: Vec<Vec<f64>> = Vec::deserialize(from)?;
         let count = rows.len();
-        match rows.iter().enumerate().all(|(i, row)| row.len() == i + 1) {
-            true => Ok(DMatrix::from_fn(count, count, |i, j| {
+        if rows.iter().enumerate().all(|(i, row)| row.len() == i + 1) {
+            Ok(DMatrix::from_fn(count, count, |i, j| {
                 rows[i.max(j)][i.min(j)]
-            })),
-            false => Err(D::Error::custom("a covariance must be a lower triangle")),
+            }))
+        } else {
+            Err(D::Error::custom("a covariance must be a lower triangle"))
         }
     }
 }

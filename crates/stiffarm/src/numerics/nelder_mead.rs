@@ -46,9 +46,10 @@ pub fn nelder_mead<const N: usize>(
         let replacement = if reflected < best.1 {
             let expanded = at(&along(-2.0));
             spent = expanded.1;
-            match expanded.0 < reflected {
-                true => Some((along(-2.0), expanded.0)),
-                false => Some((along(-1.0), reflected)),
+            if expanded.0 < reflected {
+                Some((along(-2.0), expanded.0))
+            } else {
+                Some((along(-1.0), reflected))
             }
         } else if reflected < simplex[N - 1].1 {
             Some((along(-1.0), reflected))

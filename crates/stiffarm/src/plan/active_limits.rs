@@ -99,9 +99,10 @@ impl<'a> ActiveLimits<'a> {
             self.violation_at(q);
             let active = &mut self.active[p * self.per_posture..];
             for (l, (active, margin)) in active.iter_mut().zip(&self.values).enumerate() {
-                let within = match self.margins.is_of_point(l) {
-                    true => self.distance,
-                    false => SCENE_DISTANCE.min(self.distance),
+                let within = if self.margins.is_of_point(l) {
+                    self.distance
+                } else {
+                    SCENE_DISTANCE.min(self.distance)
                 };
                 *active |= *margin < within;
             }
@@ -143,9 +144,10 @@ impl<'a> ActiveLimits<'a> {
                 out.violation = out.violation.max(-margin);
             }
             for (l, _) in wanted.iter().enumerate().filter(|(_, active)| **active) {
-                let guard = match self.margins.is_of_point(l) {
-                    true => LIMIT_GUARD,
-                    false => SCENE_GUARD,
+                let guard = if self.margins.is_of_point(l) {
+                    LIMIT_GUARD
+                } else {
+                    SCENE_GUARD
                 };
                 out.margins[at] = self.values[l] - guard;
                 let offset = at * variables + p * n;

@@ -227,10 +227,7 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
             let terms = PostureTerms::new(&cell.setup, &q, None)?;
             let inside = margins.least(&terms) >= 0.0;
             within_limits += usize::from(inside);
-            row.push(match inside {
-                true => values(cell, &terms)?,
-                false => None,
-            });
+            row.push(if inside { values(cell, &terms)? } else { None });
         }
         grid.push(row);
     }

@@ -269,12 +269,13 @@ pub fn study(
         .map(|((_, group), _)| group.clone())
         .collect();
     // So many runs are a matter of milliseconds: an interruption waits for them.
-    let patient = match options.simulation.runs <= SOON_MADE {
-        true => Control {
+    let patient = if options.simulation.runs <= SOON_MADE {
+        Control {
             stop: None,
             ..control
-        },
-        false => control,
+        }
+    } else {
+        control
     };
     let simulation = simulate(cell, &simulated, &options.simulation, patient)?;
     let beyond_axes = match options.elastic {

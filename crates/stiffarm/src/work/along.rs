@@ -70,12 +70,13 @@ impl PathOptions {
     /// A negative number, or one that is not finite (key `load_uncertainty_percent`).
     pub fn load_uncertainty(&self) -> Result<f64> {
         let percent = self.load_uncertainty_percent;
-        match percent.is_finite() && percent >= 0.0 {
-            true => Ok(percent_to_fraction(percent)),
-            false => Err(wrong(
+        if percent.is_finite() && percent >= 0.0 {
+            Ok(percent_to_fraction(percent))
+        } else {
+            Err(wrong(
                 "load_uncertainty_percent",
                 format!("The uncertainty must be 0 % or more, got {percent} %."),
-            )),
+            ))
         }
     }
 

@@ -200,9 +200,10 @@ fn judged(features: &[Feature]) -> Option<Finding> {
                 tolerances.clone().reduce(f64::min)?,
                 tolerances.reduce(f64::max)?,
             );
-            let tolerance = match low == high {
-                true => format!("tolerance of {}", length(low)),
-                false => format!("tolerances of {} to {}", length(low), length(high)),
+            let tolerance = if low == high {
+                format!("tolerance of {}", length(low))
+            } else {
+                format!("tolerances of {} to {}", length(low), length(high))
             };
             let compensated = features
                 .iter()

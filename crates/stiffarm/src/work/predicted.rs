@@ -123,9 +123,10 @@ impl Request {
     }
 
     fn load_at(&self) -> LoadPoint {
-        match self.cell_load {
-            true => LoadPoint::LoadingPoint,
-            false => LoadPoint::Tip,
+        if self.cell_load {
+            LoadPoint::LoadingPoint
+        } else {
+            LoadPoint::Tip
         }
     }
 

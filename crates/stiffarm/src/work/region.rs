@@ -162,8 +162,11 @@ fn counted(lower: [f64; 3], upper: [f64; 3], steps: Steps) -> [usize; 3] {
 fn proportional(lower: [f64; 3], upper: [f64; 3], longest: usize) -> [usize; 3] {
     let sides: [f64; 3] = std::array::from_fn(|axis| upper[axis] - lower[axis]);
     let most = sides.iter().copied().fold(0.0, f64::max);
-    sides.map(|side| match side > 0.0 && longest > 1 {
-        true => ((longest - 1) as f64 * side / most).round().max(1.0) as usize + 1,
-        false => 1,
+    sides.map(|side| {
+        if side > 0.0 && longest > 1 {
+            ((longest - 1) as f64 * side / most).round().max(1.0) as usize + 1
+        } else {
+            1
+        }
     })
 }

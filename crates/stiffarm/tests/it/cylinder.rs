@@ -145,13 +145,12 @@ fn readings_of_a_push_raise_no_alarm_and_a_reversed_one_does() {
         // A cell that says the cylinder pulls is contradicted by either.
         let mut pulls = cell.clone();
         *rope_force(&mut pulls) *= -1.0;
-        let said = match sensor {
-            true => {
-                reduce(&pulls, &table, &ReduceOptions::default())
-                    .unwrap()
-                    .findings
-            }
-            false => screen(&pulls, &table, None).unwrap().findings,
+        let said = if sensor {
+            reduce(&pulls, &table, &ReduceOptions::default())
+                .unwrap()
+                .findings
+        } else {
+            screen(&pulls, &table, None).unwrap().findings
         };
         assert!(said.iter().any(|f| serious(&f)), "{said:?}");
     }

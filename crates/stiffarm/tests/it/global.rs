@@ -229,9 +229,10 @@ fn the_posture_least_worth_measuring_is_found() {
                     .filter(|p| mask & (1 << p) == 0)
                     .map(|p| group[p].clone())
                     .collect();
-                let value = match index.larger_is_better() {
-                    true => -found.value.ln(),
-                    false => found.value.ln(),
+                let value = if index.larger_is_better() {
+                    -found.value.ln()
+                } else {
+                    found.value.ln()
                 };
                 assert!(ln_index(&cell, index, &rest) >= value - 1e-12);
             }

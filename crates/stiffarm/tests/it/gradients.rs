@@ -52,11 +52,12 @@ impl<'a> Reference<'a> {
             .filter(|(p, _)| Some(*p) != without)
             .map(|(_, block)| {
                 DMatrix::from_fn(rows, block.ncols(), |i, j| {
-                    let value = match whiten {
-                        true => (0..=i).fold(Dual64::from(0.0), |s, l| {
+                    let value = if whiten {
+                        (0..=i).fold(Dual64::from(0.0), |s, l| {
                             s + block[(l, j)] * inverse[(i, l)]
-                        }),
-                        false => block[(i, j)],
+                        })
+                    } else {
+                        block[(i, j)]
                     };
                     if prior {
                         value / self.model.prior[j]

@@ -64,9 +64,10 @@ fn worst_gap(cell: &Cell, found: &[LoadedPosture], poses: &[Isometry3<f64>], fre
     let gaps = found.iter().zip(poses).map(|(posture, pose)| {
         let tip = arm.tip_pose(&posture.q);
         let shift = (tip.translation.vector - pose.translation.vector).norm();
-        let turn = match free {
-            true => (tip.rotation * Vector3::z() - pose.rotation * Vector3::z()).norm(),
-            false => tip.rotation.angle_to(&pose.rotation),
+        let turn = if free {
+            (tip.rotation * Vector3::z() - pose.rotation * Vector3::z()).norm()
+        } else {
+            tip.rotation.angle_to(&pose.rotation)
         };
         shift.max(turn)
     });

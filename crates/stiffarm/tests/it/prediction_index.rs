@@ -23,9 +23,10 @@ fn equations(model: &Model, postures: &[Vec<Dual64>], sizes: [f64; 3]) -> DMatri
             let (psi, springs) = (model.psi(q), model.spring_columns(q, sizes));
             DMatrix::from_fn(psi.nrows(), n + springs.ncols(), |i, j| {
                 (0..=i).fold(Dual64::from(0.0), |sum, l| {
-                    let entry = match j < n {
-                        true => psi[(l, j)] / model.prior[j],
-                        false => springs[(l, j - n)],
+                    let entry = if j < n {
+                        psi[(l, j)] / model.prior[j]
+                    } else {
+                        springs[(l, j - n)]
                     };
                     sum + entry * white[(i, l)]
                 })
@@ -35,9 +36,10 @@ fn equations(model: &Model, postures: &[Vec<Dual64>], sizes: [f64; 3]) -> DMatri
     let (height, unknowns) = blocks[0].shape();
     let readings = height * blocks.len();
     DMatrix::from_fn(readings + unknowns - n, unknowns, |i, j| {
-        match i < readings {
-            true => blocks[i / height][(i % height, j)],
-            false => Dual64::from(if i - readings + n == j { 1.0 } else { 0.0 }),
+        if i < readings {
+            blocks[i / height][(i % height, j)]
+        } else {
+            Dual64::from(if i - readings + n == j { 1.0 } else { 0.0 })
         }
     })
 }

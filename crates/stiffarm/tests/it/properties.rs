@@ -467,9 +467,10 @@ fn full_covariance(model: &Model, postures: usize) -> DMatrix<f64> {
     let one = model.posture_covariance();
     let rows = one.nrows();
     DMatrix::from_fn(rows * postures, rows * postures, |i, j| {
-        match i / rows == j / rows {
-            true => one[(i % rows, j % rows)],
-            false => 0.0,
+        if i / rows == j / rows {
+            one[(i % rows, j % rows)]
+        } else {
+            0.0
         }
     })
 }

@@ -362,9 +362,10 @@ fn two_swapped_points_are_named() {
                 Ok(found) => {
                     let subject = format!("p{}, p{}", i.min(j) + 1, i.max(j) + 1);
                     let is = |f: &Finding| f.code == "swapped-points" && f.subject == subject;
-                    match found.findings.iter().any(is) {
-                        true => named += 1,
-                        false => other += 1,
+                    if found.findings.iter().any(is) {
+                        named += 1
+                    } else {
+                        other += 1
                     }
                 }
                 Err(_) => refused += 1,

@@ -419,9 +419,10 @@ fn total_bands_hold_where_common_errors_are_real() {
         let ratio = ratios[ratios.len() / 2];
         println!("size {size}: inside {inside:.3?}, statistical {plain:.3?}, ratio {ratio:.2}");
         assert!(inside.iter().all(|share| *share > 0.88), "{inside:?}");
-        match size > 0.0 {
-            true => assert!(plain.iter().all(|share| *share < 0.8), "{plain:?}"),
-            false => assert!(ratio < 3.0, "{ratio}"),
+        if size > 0.0 {
+            assert!(plain.iter().all(|share| *share < 0.8), "{plain:?}")
+        } else {
+            assert!(ratio < 3.0, "{ratio}")
         }
     }
 }

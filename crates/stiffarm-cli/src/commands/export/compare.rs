@@ -133,15 +133,16 @@ fn table(task: &Task, result: &Compared) -> String {
     let mut out = task.cell.line();
     let doubts = result.findings.iter().map(|f| wrapped_line(f) + "\n");
     out.extend(doubts);
-    out += &match result.same {
-        true => format!(
+    out += &if result.same {
+        format!(
             "program {}: the same {} postures as the plan, within {TOLERANCE_DEG}°, and no other line\n",
             result.program, result.planned_postures
-        ),
-        false => format!(
+        )
+    } else {
+        format!(
             "program {}: {} postures, the plan has {}\n",
             result.program, result.found_postures, result.planned_postures
-        ),
+        )
     };
     let joints: Vec<String> = task
         .cell

@@ -377,9 +377,10 @@ fn said(task: &Task, names: &[&str], folder: &Path, rounding: f64) -> String {
     for name in names {
         out += &format!("  {}\n", folder.join(name).display());
     }
-    out += &match rounding < 1e-9 {
-        true => "read back: the angles of the plan\n".to_string(),
-        false => format!("read back: the angles of the plan, rounded by at most {rounding:.5}°\n"),
+    out += &if rounding < 1e-9 {
+        "read back: the angles of the plan\n".to_string()
+    } else {
+        format!("read back: the angles of the plan, rounded by at most {rounding:.5}°\n")
     };
     let warning = format!(
         "{}: {} Run the program first in T1 (manual reduced speed), with the cell empty and nobody inside. \
@@ -403,11 +404,12 @@ fn rounding_deg(program: &Program, read: &Program) -> Result<f64> {
     let angles = pairs.iter().flat_map(|(a, b)| a.q.iter().zip(&b.q));
     let largest = angles.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     // Half a pulse of the coarsest encoder is the most that any language rounds by.
-    match same && rad_to_deg(largest) < 0.011 {
-        true => Ok(rad_to_deg(largest)),
-        false => Err(Error::new(
+    if same && rad_to_deg(largest) < 0.011 {
+        Ok(rad_to_deg(largest))
+    } else {
+        Err(Error::new(
             Code::Internal,
             "The written program is not read back as the plan.",
-        )),
+        ))
     }
 }

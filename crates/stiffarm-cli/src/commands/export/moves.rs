@@ -102,17 +102,20 @@ impl Driven {
         } else {
             ""
         };
-        let checked = match self.checked.contains(&LimitKind::Shapes) {
-            _ if !self.blocked.is_empty() => format!(
+        let checked = if !self.blocked.is_empty() {
+            format!(
                 "WARNING: no way free of collision was found for the move {}.",
                 list(&self.blocked)
-            ),
-            true => format!(
-                "The moves between the postures were checked against {} as the cell file has them, and nothing else.{first}",
-                list(&self.checked.iter().map(|kind| kind.short()).collect::<Vec<_>>())
-            ),
-            false => "The moves between the postures are straight in joint space and were not checked for collisions."
-                .to_string(),
+            )
+        } else if self.checked.contains(&LimitKind::Shapes) {
+            let checked: Vec<_> = self.checked.iter().map(|kind| kind.short()).collect();
+            let checked = list(&checked);
+            format!(
+                "The moves between the postures were checked against {checked} as the cell file has them, and nothing else.{first}"
+            )
+        } else {
+            "The moves between the postures are straight in joint space and were not checked for collisions."
+                .to_string()
         };
         checked + approach
     }

@@ -47,9 +47,10 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     drop(progress);
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
-    let exit = match result.not_computed.is_empty() {
-        true => Exit::finding(!result.is_complete() || implausible || serious),
-        false => Exit::Interrupted,
+    let exit = if result.not_computed.is_empty() {
+        Exit::finding(!result.is_complete() || implausible || serious)
+    } else {
+        Exit::Interrupted
     };
     let described = Options::new(&options, &wanted, &args.exclude);
     let envelope = session.envelope("identify", Some(args.seed), described, &result);

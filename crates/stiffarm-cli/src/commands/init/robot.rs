@@ -102,17 +102,16 @@ fn of_rows(session: &Session, from: &str, convention: DhChoice) -> Result<Start>
 
 fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
     let (mut name, bytes) = session.read("urdf", from)?;
-    let text = match xacro::is_one(from) {
-        true => {
-            let text = xacro::expanded(from, &name)?;
-            // Places of faults are those in the text that xacro made.
-            name += " (expanded)";
-            text
-        }
-        false => String::from_utf8(bytes).map_err(|_| {
+    let text = if xacro::is_one(from) {
+        let text = xacro::expanded(from, &name)?;
+        // Places of faults are those in the text that xacro made.
+        name += " (expanded)";
+        text
+    } else {
+        String::from_utf8(bytes).map_err(|_| {
             let message = "The file is not UTF-8.";
             Error::new(Code::Encoding, message).file(name.as_str())
-        })?,
+        })?
     };
     let options = UrdfOptions {
         base: args.base.clone(),

@@ -38,13 +38,11 @@ pub fn link_capsules(
         // Inputs are told apart by what the URDF calls them.
         let (mesh, bytes) = session.read_file(&format!("mesh {path}"), &file)?;
         parse_mesh(&bytes, &mesh, unit).map_err(|error| {
-            match error.message().contains("unit is mm") {
-                true => error.hint(format!(
-                    "say so in {name}: <mesh … scale=\"0.001 0.001 0.001\"/>; or go without shapes: \
-                     --no-shapes"
-                )),
-                false => error,
+            if !error.message().contains("unit is mm") {
+                return error;
             }
+            let scale = r#"<mesh … scale="0.001 0.001 0.001"/>"#;
+            error.hint(format!("say so in {name}: {scale}; or go without shapes: --no-shapes"))
         })
     });
     capsules.map_err(|error| match error.place().file {

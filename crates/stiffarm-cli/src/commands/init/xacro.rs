@@ -20,9 +20,10 @@ pub fn is_one(path: &str) -> bool {
 /// There is no program xacro, or it refuses the file.
 pub fn expanded(path: &str, name: &str) -> Result<String> {
     // A name that begins with a sign is no option.
-    let path = match path.starts_with('-') {
-        true => Path::new(".").join(path),
-        false => path.into(),
+    let path = if path.starts_with('-') {
+        Path::new(".").join(path)
+    } else {
+        path.into()
     };
     let ran = Command::new("xacro")
         .arg(path)

@@ -41,9 +41,10 @@ impl Job<'_> {
                     .map(|v| coarse_mm(*v))
                     .collect();
                 let turns = roll_pitch_yaw(&base.rotation).map(|angle| fixed(rad_to_deg(angle), 1));
-                let turned = match base.rotation.angle() > 1e-9 {
-                    true => format!(", turned by {} deg about x, y, z", turns.join(", ")),
-                    false => String::new(),
+                let turned = if base.rotation.angle() > 1e-9 {
+                    format!(", turned by {} deg about x, y, z", turns.join(", "))
+                } else {
+                    String::new()
                 };
                 format!(
                     "the controller's base frame, ({}) mm in the cell's{turned}",

@@ -209,13 +209,14 @@ fn kinematics(robot: &Robot) -> String {
             let numbers = pose.map(|v| ((v * 1e4).round() / 1e4 + 0.0).to_string());
             out += &said(
                 what,
-                &match pose[3..] == [0.0; 3] {
-                    true => format!("{} mm", numbers[..3].join(", ")),
-                    false => format!(
+                &if pose[3..] == [0.0; 3] {
+                    format!("{} mm", numbers[..3].join(", "))
+                } else {
+                    format!(
                         "{} mm, turns about x, y, z {} deg",
                         numbers[..3].join(", "),
                         numbers[3..].join(", ")
-                    ),
+                    )
                 },
             );
         }
@@ -232,12 +233,13 @@ fn shapes(robot: &Robot) -> String {
         count => {
             let pairs = robot.capsules_ignored_pairs.iter();
             let pairs: Vec<String> = pairs.map(|(i, j)| format!("{i}-{j}")).collect();
-            let ignored = match pairs.is_empty() {
-                true => String::new(),
-                false => format!(
+            let ignored = if pairs.is_empty() {
+                String::new()
+            } else {
+                format!(
                     "; those of links {} may overlap, as those of neighbours",
                     pairs.join(", ")
-                ),
+                )
             };
             format!(
                 "{count} capsules around links 0 to {}{ignored}. {} Tool, hoses and cables are in none.",

@@ -40,8 +40,9 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     } else {
         plan::run(&job)?
     };
-    Ok(match session.stopped() {
-        true => Exit::Interrupted,
-        false => exit,
+    Ok(if session.stopped() {
+        Exit::Interrupted
+    } else {
+        exit
     })
 }

@@ -38,9 +38,10 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let options = ElasticOptions::from(&options);
     let envelope = session.envelope("simulate", Some(args.seed), options, &result);
     session.deliver_told(None, &envelope, &named, args.details)?;
-    Ok(match result.interrupted {
-        true => Exit::Interrupted,
-        false => Exit::of_findings(&result.findings),
+    Ok(if result.interrupted {
+        Exit::Interrupted
+    } else {
+        Exit::of_findings(&result.findings)
     })
 }
 

@@ -73,8 +73,9 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let options = Options::from(&options);
     let envelope = session.envelope("simulate", Some(args.seed), options, &result);
     session.deliver_told(None, &envelope, &named, args.details)?;
-    Ok(match result.interrupted || session.stopped() {
-        true => Exit::Interrupted,
-        false => Exit::of_findings(&result.findings),
+    Ok(if result.interrupted || session.stopped() {
+        Exit::Interrupted
+    } else {
+        Exit::of_findings(&result.findings)
     })
 }

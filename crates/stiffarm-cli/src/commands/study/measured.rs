@@ -71,9 +71,10 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     ];
     let files = FILES.map(String::from).into_iter().zip(texts).collect();
     finish(session, args, (&envelope, &written.files), &named, files)?;
-    Ok(match interrupted {
-        true => Exit::Interrupted,
-        false => Exit::Done,
+    Ok(if interrupted {
+        Exit::Interrupted
+    } else {
+        Exit::Done
     })
 }
 

@@ -110,9 +110,10 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     );
     finish(session, args, (&envelope, &result.files), &named, files)?;
     let result = &result.study;
-    Ok(match result.interrupted {
-        true => Exit::Interrupted,
-        false => Exit::of_findings(&result.findings),
+    Ok(if result.interrupted {
+        Exit::Interrupted
+    } else {
+        Exit::of_findings(&result.findings)
     })
 }
 

@@ -43,9 +43,10 @@ impl Value for RawColumn {
     const KIND: &'static str = String::KIND;
 
     fn read(node: &Node<'_>, reading: &mut Reading<'_>) -> Option<Self> {
-        match node.value.get_ref().is_array() {
-            true => Vec::read(node, reading).map(RawColumn::Several),
-            false => String::read(node, reading).map(RawColumn::One),
+        if node.value.get_ref().is_array() {
+            Vec::read(node, reading).map(RawColumn::Several)
+        } else {
+            String::read(node, reading).map(RawColumn::One)
         }
     }
 }

@@ -261,17 +261,18 @@ pub(super) fn check_places(
             continue;
         };
         if depth < sight.clearance {
-            let message = match depth < 0.0 {
-                true => format!(
+            let message = if depth < 0.0 {
+                format!(
                     "Station \"{}\" is {:.0} mm inside \"{name}\".",
                     station.name,
                     -depth * 1e3
-                ),
-                false => format!(
+                )
+            } else {
+                format!(
                     "Station \"{}\" is {:.0} mm from \"{name}\", nearer than its beam may come.",
                     station.name,
                     depth * 1e3
-                ),
+                )
             };
             let key = source.path_in(raw, "position_mm");
             let error = source.error_at(Code::InvalidValue, &key, raw.span(), message);
@@ -293,18 +294,19 @@ pub(super) fn check_places(
             continue;
         };
         if depth < sight.clearance {
-            let message = match depth < 0.0 {
-                true => format!(
+            let message = if depth < 0.0 {
+                format!(
                     "Measuring point {} is {:.0} mm inside \"{name}\": no beam reaches it.",
                     point.name,
                     -depth * 1e3
-                ),
-                false => format!(
+                )
+            } else {
+                format!(
                     "Measuring point {} is {:.1} mm from \"{name}\", and beams keep {:.1} mm from every shape: none reaches it.",
                     point.name,
                     depth * 1e3,
                     sight.clearance * 1e3
-                ),
+                )
             };
             let key = source.path_in(raw, "position_mm");
             let error = source.error_at(Code::InvalidValue, &key, raw.span(), message);

@@ -22,11 +22,11 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern) -> Result<()> 
         }
         // Said with the columns that the file has.
         table.check_length(&row)?;
-        let parts = match whole.text.is_empty() {
-            true => vec![""; pattern.columns().count()],
-            false => {
-                table.name(&row, Column { at, unit: None })?;
-                pattern.split(&whole.text).ok_or_else(|| {
+        let parts = if whole.text.is_empty() {
+            vec![""; pattern.columns().count()]
+        } else {
+            table.name(&row, Column { at, unit: None })?;
+            pattern.split(&whole.text).ok_or_else(|| {
                     let message = format!(
                         "\"{}\" does not fit the pattern {}.",
                         whole.text,
@@ -35,7 +35,6 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern) -> Result<()> 
                     let error = table.error(&row, at, Code::TableRow, message);
                     error.hint("name_pattern in [columns] of the cell file says how names are split; a row that is no reading can be deleted")
                 })?
-            }
         };
         let parts = parts.into_iter().map(|text| Field {
             text: text.into(),

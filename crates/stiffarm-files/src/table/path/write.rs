@@ -216,9 +216,10 @@ fn rounded_turns(rotation: &UnitQuaternion<f64>, unit: &Unit) -> [f64; 3] {
     // it has as many decimals less. The decades end between powers of ten, so
     // that none ends at a pitch of 0.
     let lost = (unit.to_si)(pitch).cos().max(1e-16).log10().round() as i32;
-    let roll = match lost > -12 {
-        true => rounded_turn(r[(2, 1)].atan2(r[(2, 2)]), decimals + lost, unit),
-        false => 0.0,
+    let roll = if lost > -12 {
+        rounded_turn(r[(2, 1)].atan2(r[(2, 2)]), decimals + lost, unit)
+    } else {
+        0.0
     };
     // Yaw is what is left once this roll is undone.
     let (s, c) = (unit.to_si)(roll).sin_cos();

@@ -98,9 +98,10 @@ impl Sheet {
         points: &[&str],
         cell: &Cell,
     ) -> Self {
-        let loads = match layout.loads {
-            true => loads::planned(states, &cell.setup.load),
-            false => vec![None; states.len()],
+        let loads = if layout.loads {
+            loads::planned(states, &cell.setup.load)
+        } else {
+            vec![None; states.len()]
         };
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {

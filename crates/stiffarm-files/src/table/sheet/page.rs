@@ -102,14 +102,13 @@ impl Page<'_> {
             headings.push("load_n".to_string());
         }
         let first = headings.len() as u16;
-        headings.extend(
-            points
-                .iter()
-                .map(|point| match ReadingTarget::is_base_name(point) {
-                    true => (*point).to_string(),
-                    false => format!("point {point}"),
-                }),
-        );
+        headings.extend(points.iter().map(|point| {
+            if ReadingTarget::is_base_name(point) {
+                (*point).to_string()
+            } else {
+                format!("point {point}")
+            }
+        }));
         self.headings(&headings)?;
         let tick = self.boxed.clone().set_align(FormatAlign::Center);
         let per_state = points.len().max(1);

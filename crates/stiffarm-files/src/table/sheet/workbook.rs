@@ -81,9 +81,10 @@ fn table(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), Xl
         worksheet.set_column_format(at, &number_format(open.clone(), text))?;
         worksheet.set_column_width(at, width(sheet, at, text))?;
         worksheet.write_string_with_format(0, at, text, &heading)?;
-        let validation = match at < NAMES {
-            true => choice(sheet, at),
-            false => numbers(text),
+        let validation = if at < NAMES {
+            choice(sheet, at)
+        } else {
+            numbers(text)
         };
         worksheet.add_data_validation(1, at, last, at, &validation?)?;
     }
@@ -136,9 +137,10 @@ fn number_format(format: Format, heading: &str) -> Format {
 
 /// Width of a column in characters.
 fn width(sheet: &Sheet, column: u16, heading: &str) -> f64 {
-    let names = match column < NAMES {
-        true => sheet.names(column),
-        false => Vec::new(),
+    let names = if column < NAMES {
+        sheet.names(column)
+    } else {
+        Vec::new()
     };
     let longest = names.iter().map(|name| name.chars().count()).max();
     let wanted = longest.unwrap_or(8).max(heading.chars().count()) + 2;

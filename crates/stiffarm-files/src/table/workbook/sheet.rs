@@ -128,9 +128,10 @@ fn sheet(workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str, foreign: &Columns) -> R
     let has_heading = titles(&mut cells, foreign);
     // Where nothing is left out nothing is merged, and the sheet need not be read again.
     let width = cells.values().next().map_or(0, BTreeMap::len);
-    let merged = match cells.values().any(|row| row.len() < width) {
-        true => workbook.merge_cells_by_sheet_name(name).map_err(broken)?,
-        false => Vec::new(),
+    let merged = if cells.values().any(|row| row.len() < width) {
+        workbook.merge_cells_by_sheet_name(name).map_err(broken)?
+    } else {
+        Vec::new()
     };
     let merged = fill(&mut cells, &merged)?;
     let (rows, by_order) = rows(cells, has_heading, foreign)?;
@@ -200,10 +201,11 @@ fn shown_time(days: f64) -> String {
     let (seconds, micros) = (micros / 1_000_000, micros % 1_000_000);
     let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
     let time = format!("{hours:02}:{minutes:02}:{seconds:02}.{micros:06}");
-    match alone {
+    if alone {
         // A time without a date is a part of the first day.
-        true => format!("{DATED}{time}"),
-        false => format!("{DATED}{year:04}-{month:02}-{date:02} {time}"),
+        format!("{DATED}{time}")
+    } else {
+        format!("{DATED}{year:04}-{month:02}-{date:02} {time}")
     }
 }
 

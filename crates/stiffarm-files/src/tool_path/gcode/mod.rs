@@ -148,9 +148,10 @@ impl State<'_, '_> {
             .filter(|word| (b'X'..=b'Z').contains(&word.letter))
         {
             let own = &mut self.position[usize::from(word.letter - b'X')];
-            *own = match self.steps {
-                true => own.map(|own| own + word.number.value),
-                false => Some(word.number.value),
+            *own = if self.steps {
+                own.map(|own| own + word.number.value)
+            } else {
+                Some(word.number.value)
             };
         }
         let line = last.place.line_number();
@@ -363,9 +364,10 @@ impl State<'_, '_> {
             .filter(|word| word.index == 0 && (b'A'..=b'C').contains(&word.letter))
         {
             let own = &mut self.rotary[usize::from(word.letter - b'A')];
-            let value = match self.steps {
-                true => *own + word.number.value,
-                false => word.number.value,
+            let value = if self.steps {
+                *own + word.number.value
+            } else {
+                word.number.value
             };
             let is_known = self
                 .builder

@@ -64,13 +64,15 @@ fn bars(canvas: &mut Canvas, frame: &Frame, panel: &Panel, series: &Series) {
 
 /// `Group 1 · joint 2: 22.1 % ± 0.3`
 fn words(panel: &Panel, series: &Series, d: &data::Datum) -> String {
-    let error = match d.error > 0.0 {
-        true => format!(" ± {}", short(d.error)),
-        false => String::new(),
+    let error = if d.error > 0.0 {
+        format!(" ± {}", short(d.error))
+    } else {
+        String::new()
     };
-    let unit = match panel.y.unit.is_empty() {
-        true => String::new(),
-        false => format!(" {}", panel.y.unit),
+    let unit = if panel.y.unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {}", panel.y.unit)
     };
     format!(
         "{} · {}: {}{error}{unit}",

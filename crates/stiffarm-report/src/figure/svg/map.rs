@@ -211,9 +211,10 @@ fn level(series: &Series, i: usize, extent: Option<&Extent>) -> Option<usize> {
 
 /// A level, or where small values are bright the one as far from the other end.
 fn turned(level: usize, small_is_bright: bool) -> usize {
-    match small_is_bright {
-        true => LEVELS - 1 - level,
-        false => level,
+    if small_is_bright {
+        LEVELS - 1 - level
+    } else {
+        level
     }
 }
 
@@ -274,15 +275,17 @@ mod tests {
     fn lightness(colour: &str) -> f64 {
         let part = |at: usize| {
             let c = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
-            match c <= 0.04045 {
-                true => c / 12.92,
-                false => ((c + 0.055) / 1.055).powf(2.4),
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
             }
         };
         let luminance = 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5);
-        match luminance > 0.008856 {
-            true => 116.0 * luminance.cbrt() - 16.0,
-            false => 903.3 * luminance,
+        if luminance > 0.008856 {
+            116.0 * luminance.cbrt() - 16.0
+        } else {
+            903.3 * luminance
         }
     }
 

@@ -187,9 +187,10 @@ fn open_document(
         None => layout::USUAL_FAMILIES.to_owned(),
     };
     // What answers is no single image; and its title would stand at the pointer wherever that is.
-    let role = match canvas.answers() {
-        true => format!(r#"role="group" aria-label="{}""#, escape(title)),
-        false => r#"role="img""#.to_string(),
+    let role = if canvas.answers() {
+        format!(r#"role="group" aria-label="{}""#, escape(title))
+    } else {
+        r#"role="img""#.to_string()
     };
     canvas.raw(&format!(
         r#"<svg xmlns="http://www.w3.org/2000/svg" width="{outer_w}" height="{outer_h}" viewBox="0 0 {w} {h}" {role} data-figure="{}">"#,

@@ -96,9 +96,10 @@ fn results(parts: &[Part]) -> DataTable {
 
 /// The results of one command.
 fn side_by_side(kind: &Kind<'_>) -> Section {
-    let mut blocks = vec![match kind.made.rows.is_empty() {
-        true => Block::Text("Inputs, seed and options are the same.".into()),
-        false => Block::Table(kind.made.clone()),
+    let mut blocks = vec![if kind.made.rows.is_empty() {
+        Block::Text("Inputs, seed and options are the same.".into())
+    } else {
+        Block::Table(kind.made.clone())
     }];
     if let Some(numbers) = &kind.numbers {
         blocks.push(Block::Text(numbers.sentence().into()));
@@ -152,9 +153,10 @@ fn name_empty_panels(figure: &mut Figure) {
     for panel in &mut figure.panels {
         let mut values = panel.series.iter().flat_map(|s| s.x.iter().zip(&s.y));
         if !values.any(|(x, y)| x.is_finite() && y.is_finite()) {
-            panel.title = match panel.title.is_empty() {
-                true => "no value".to_string(),
-                false => format!("{}: no value", panel.title),
+            panel.title = if panel.title.is_empty() {
+                "no value".to_string()
+            } else {
+                format!("{}: no value", panel.title)
             };
         }
     }

@@ -16,9 +16,10 @@ pub(super) fn verdict(parts: &[Part], kinds: &[Kind<'_>]) -> [Text; 3] {
 /// What is compared, and what was different in making it.
 fn done(parts: &[Part], kinds: &[Kind<'_>]) -> Text {
     let names: Vec<&str> = parts.iter().map(|part| part.name.as_str()).collect();
-    let mut out = match names.len() <= MOST_NAMES {
-        true => format!("{} are compared: ", list(&names)),
-        false => format!("{} results are compared: ", names.len()),
+    let mut out = if names.len() <= MOST_NAMES {
+        format!("{} are compared: ", list(&names))
+    } else {
+        format!("{} results are compared: ", names.len())
     };
     let counts = kinds.iter().map(|kind| match kind.parts.len() {
         1 => format!("1 result of {}", kind.command),

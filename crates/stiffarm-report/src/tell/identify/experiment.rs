@@ -29,9 +29,12 @@ pub(super) fn states(given: &Given<'_>, found: &Identified) -> Option<Section> {
             return;
         }
         let at = |own: &str| given.number(&format!("/diagnosis/load_states/{key}/{own}"));
-        let shown = |number: Number| match is_length {
-            true => Text::from(number.mm().decimals(4)),
-            false => Text::from(number.percent().significant(2)),
+        let shown = |number: Number| {
+            if is_length {
+                Text::from(number.mm().decimals(4))
+            } else {
+                Text::from(number.percent().significant(2))
+            }
         };
         let chance = at("p_value").percent().bare().significant(2);
         table.row(
@@ -150,16 +153,16 @@ pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
                     return Text::default();
                 };
                 let gap = |v: f64| Number::computed(v).of(Quantity::GAP);
-                match trial.term.is_spring() {
-                    true if v > 0.0 => {
-                        Text::from(Number::computed(1.0 / v).of(Quantity::STIFFNESS))
-                            .words(" ")
-                            .number(Number::computed(e / v).of(Quantity::PERCENT).plus_minus())
-                    }
-                    true => "negative".into(),
-                    false => Text::from(gap(v).bare())
+                if trial.term.is_spring() && v > 0.0 {
+                    Text::from(Number::computed(1.0 / v).of(Quantity::STIFFNESS))
                         .words(" ")
-                        .number(gap(e).plus_minus()),
+                        .number(Number::computed(e / v).of(Quantity::PERCENT).plus_minus())
+                } else if trial.term.is_spring() {
+                    "negative".into()
+                } else {
+                    Text::from(gap(v).bare())
+                        .words(" ")
+                        .number(gap(e).plus_minus())
                 }
             })
             .unwrap_or_default()
@@ -217,9 +220,10 @@ fn assumed_load(given: &Given<'_>, advice: &NextPosture) -> Option<Text> {
         (Some(anchor), _) => {
             let at = vector(anchor, 1e3, 0);
             let end = format!("({at}) mm, where the measured forces meet.");
-            match load.pushes {
-                true => ("a cylinder that pushes with ", format!(" from {end}")),
-                false => ("a rope of ", format!(" to {end}")),
+            if load.pushes {
+                ("a cylinder that pushes with ", format!(" from {end}"))
+            } else {
+                ("a rope of ", format!(" to {end}"))
             }
         }
         (None, Some(direction)) => {

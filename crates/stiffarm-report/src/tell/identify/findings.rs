@@ -69,9 +69,10 @@ pub(super) fn sort(findings: &mut [Finding]) {
 pub(super) fn of_joints(found: &Estimates) -> Vec<Finding> {
     let mut out = Vec::new();
     if !found.undetermined_joints.is_empty() {
-        let rest = match found.combinations.is_empty() {
-            true => "",
-            false => "What they determine together stands below the joints; ",
+        let rest = if found.combinations.is_empty() {
+            ""
+        } else {
+            "What they determine together stands below the joints; "
         };
         let names = list(&shown(&found.undetermined_joints));
         let sentence = format!(
@@ -158,9 +159,10 @@ fn no_systematic(given: &Given<'_>, found: &Identified) -> Option<Finding> {
         return None;
     }
     let why = if is_brief(given) { " (--brief)" } else { "" };
-    let rest = match found.diagnosis.is_some() {
-        true => "",
-        false => ", and nothing has looked for readings that do not fit",
+    let rest = if found.diagnosis.is_some() {
+        ""
+    } else {
+        ", and nothing has looked for readings that do not fit"
     };
     let sentence = format!(
         "Systematic errors were not examined{why}: force, geometry, registration and lost motion can make each k wrong by \

@@ -55,9 +55,10 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
     let title = "What gives way beyond the joint axes";
     let section = Section::new("elastic", title, blocks);
     // Where both models say the same, one of them is enough to read.
-    match elastic.mixed.is_none() || elastic.is_better() {
-        true => Some(section.in_summary()),
-        false => Some(section),
+    if elastic.mixed.is_none() || elastic.is_better() {
+        Some(section.in_summary())
+    } else {
+        Some(section)
     }
 }
 
@@ -83,15 +84,16 @@ pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
     let mut blocks = vec![Block::Text(words)];
     if let (Some(_), Some(common)) = (own.residual_std_m, own.posture_common_std_m) {
         let sigma = mm("/residual_std_m");
-        let text = match common > 0.0 {
-            true => Text::new("Within a posture the displacements scatter by ")
+        let text = if common > 0.0 {
+            Text::new("Within a posture the displacements scatter by ")
                 .number(sigma)
                 .words("; what its points share (load, rope, drift, what the model misses) by ")
                 .number(mm("/posture_common_std_m"))
-                .words("."),
-            false => Text::new("The displacements scatter by ")
+                .words(".")
+        } else {
+            Text::new("The displacements scatter by ")
                 .number(sigma)
-                .words("; nothing shows that the points of a posture share more than that."),
+                .words("; nothing shows that the points of a posture share more than that.")
         };
         blocks.push(Block::Text(text));
     }

@@ -35,9 +35,12 @@ impl<'a> Joints<'a> {
     /// Names of rows, the short ones on a line each.
     pub fn row_names(&self) -> impl Iterator<Item = String> {
         let names = (0..self.all().len()).map(|j| self.name(j));
-        names.map(|name| match name.chars().count() <= SHORT {
-            true => name.replace(' ', "\u{a0}"),
-            false => name,
+        names.map(|name| {
+            if name.chars().count() <= SHORT {
+                name.replace(' ', "\u{a0}")
+            } else {
+                name
+            }
         })
     }
 

@@ -96,9 +96,10 @@ fn place(own: &Suspicion) -> String {
         part("", &own.joints),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
-    match parts.is_empty() {
-        true => "the whole table".to_string(),
-        false => parts.join(", "),
+    if parts.is_empty() {
+        "the whole table".to_string()
+    } else {
+        parts.join(", ")
     }
 }
 
@@ -136,17 +137,19 @@ fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
             .filter(|p| !p.used)
             .map(|p| visible(&p.posture).into_owned())
             .collect();
-        let how = match registration.given {
-            true => "the tracker's place is as given; the unloaded points check it".to_string(),
-            false => format!(
+        let how = if registration.given {
+            "the tracker's place is as given; the unloaded points check it".to_string()
+        } else {
+            format!(
                 "the tracker's place comes from the unloaded points of {} of {} postures",
                 registration.postures.len() - left.len(),
                 registration.postures.len()
-            ),
+            )
         };
-        let how = match left.is_empty() {
-            true => how,
-            false => format!("{how}; {} disagrees", shortened(&left)),
+        let how = if left.is_empty() {
+            how
+        } else {
+            format!("{how}; {} disagrees", shortened(&left))
         };
         let turn = registration.turn_standard_error_rad.into_iter().flatten();
         let how = match turn.reduce(f64::max) {

@@ -69,14 +69,14 @@ pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
     };
     let text = residual(known, given, found);
     let mm = |key: &str| given.number(&format!("/elastic/{key}")).mm().decimals(3);
-    match found.elastic.as_ref().is_some_and(Elastic::is_better) {
-        true => text
-            .words(" A posture that took no part is missed by ")
+    if found.elastic.as_ref().is_some_and(Elastic::is_better) {
+        text.words(" A posture that took no part is missed by ")
             .number(mm("mixed_rms_m"))
             .words("; by ")
             .number(mm("axes_rms_m"))
-            .words(" if the joint axes alone gave way."),
-        false => text,
+            .words(" if the joint axes alone gave way.")
+    } else {
+        text
     }
 }
 
@@ -92,14 +92,14 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
     };
     // Before any number: joints that have none.
     let missing = joints.of(|verdict| !is_within(verdict) && !is_wide(verdict));
-    let text = match missing.is_empty() {
-        true => Text::default(),
-        false if missing.len() == joints.all().len() => {
-            return Text::default().strong("No joint has a usable value.");
-        }
-        false => Text::new("No usable value: ")
+    let text = if missing.is_empty() {
+        Text::default()
+    } else if missing.len() == joints.all().len() {
+        return Text::default().strong("No joint has a usable value.");
+    } else {
+        Text::new("No usable value: ")
             .strong(joints.names(&missing))
-            .words(". "),
+            .words(". ")
     };
     let mut text = match within.as_slice() {
         [] => text.strong("No joint's stiffness is known to better than half of it."),
@@ -256,9 +256,10 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .words(" (on the robot), the frames and the model, then identify again.");
     }
     if found.systematic_errors.is_none() {
-        let text = match is_brief(joints.given) {
-            true => Text::new("Identify again without ").code("--brief"),
-            false => Text::new("Identify again"),
+        let text = if is_brief(joints.given) {
+            Text::new("Identify again without ").code("--brief")
+        } else {
+            Text::new("Identify again")
         };
         return text.words(
             ": that adds the systematic errors, the search for readings that do not fit, and the next posture to measure.",

@@ -15,9 +15,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let found = &chosen.selection;
     let index = found.index;
     let count = chosen.posture_names.len();
-    let wrenches = match chosen.measured_wrenches {
-        true => ", each under its measured wrench",
-        false => "",
+    let wrenches = if chosen.measured_wrenches {
+        ", each under its measured wrench"
+    } else {
+        ""
     };
     let done = Text::new(format!(
         "Of {} the best {count} were chosen{wrenches}.",
@@ -45,17 +46,18 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         let count = counted(found.forbidden.len(), "candidate");
         came = came.words(format!(" {count} lie outside bounds or limits."));
     }
-    let next = match chosen.measured_wrenches {
-        true => Text::new(
+    let next = if chosen.measured_wrenches {
+        Text::new(
             "These are measured already: identify with them alone and compare, or plan more with ",
         )
         .code("stiffarm select --given")
-        .words("."),
-        false => Text::new("Write the sheet for the readings (")
+        .words(".")
+    } else {
+        Text::new("Write the sheet for the readings (")
             .code("--sheet measurements.xlsx")
             .words(") and measure; ")
             .code("stiffarm select")
-            .words(" without a list finds postures of its own to compare with."),
+            .words(" without a list finds postures of its own to compare with.")
     };
     let key = posture_table(
         context,
@@ -85,9 +87,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             why.into_owned().into()
         });
         let section = Section::new("forbidden", "Left out", vec![Block::Table(table)]);
-        sections.push(match found.forbidden.len() > FEW {
-            true => section,
-            false => section.in_summary(),
+        sections.push(if found.forbidden.len() > FEW {
+            section
+        } else {
+            section.in_summary()
         });
     }
     let verdict = [done, came, next];

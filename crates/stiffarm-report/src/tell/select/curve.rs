@@ -42,19 +42,21 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         None => Text::new("Search for more postures, or add measuring points."),
         Some((s, size)) => {
             let last = s + 1 >= sizes.len();
-            let mut text = match last {
-                true => Text::new("Even the last posture gains more than a tenth"),
-                false => Text::new(format!(
+            let mut text = if last {
+                Text::new("Even the last posture gains more than a tenth")
+            } else {
+                Text::new(format!(
                     "Beyond {} one more gains less than a tenth",
                     counted(size.point.postures, "posture")
-                )),
+                ))
             };
             text = text
                 .words(": plan with ")
                 .code(format!("--count {}", size.point.postures));
-            match last {
-                true => text.words(", or with more where the error is still too large."),
-                false => text.words(" unless the error is still too large."),
+            if last {
+                text.words(", or with more where the error is still too large.")
+            } else {
+                text.words(" unless the error is still too large.")
             }
         }
     };
@@ -90,9 +92,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         Some(why) => done.words(format!(" There are no bounds: {}.", visible(why))),
         None => done,
     };
-    let done = match sizes.iter().any(|size| size.point.value.is_none()) {
-        true => done.words(" –: so few postures cannot determine every joint."),
-        false => done,
+    let done = if sizes.iter().any(|size| size.point.value.is_none()) {
+        done.words(" –: so few postures cannot determine every joint.")
+    } else {
+        done
     };
     let sections = vec![Section::new("count", "How many postures", blocks)];
     let verdict = [done, came, next];

@@ -19,15 +19,16 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         each.collect()
     };
     let all = dropped.values.len();
-    let done = match dropped.exhaustive {
-        true => Text::new(format!(
+    let done = if dropped.exhaustive {
+        Text::new(format!(
             "Of {all} given postures, every way of leaving out {} was compared.",
             dropped.dropped.len()
-        )),
-        false => Text::new(format!(
+        ))
+    } else {
+        Text::new(format!(
             "Of {all} given postures, {} were left out one after the other, each time the one least missed.",
             dropped.dropped.len()
-        )),
+        ))
     };
     let came = Text::new(index_says(index))
         .number(index_number(context, index, "/value"))

@@ -16,9 +16,10 @@ use stiffarm::{Result, Termination};
 /// What is said of a plan.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let mut plan: Plan = context.saved.result()?;
-    plan.evaluation.name = match plan.given_names.is_empty() {
-        true => "the plan".to_string(),
-        false => "given and new".to_string(),
+    plan.evaluation.name = if plan.given_names.is_empty() {
+        "the plan".to_string()
+    } else {
+        "given and new".to_string()
     };
     // The plan holds for the load that was chosen with it.
     let with_load = plan.selection.load.as_ref().zip(context.cell);
@@ -111,9 +112,10 @@ fn worth<'a>(plan: &'a Plan, names: &'a [String]) -> Vec<Worth<'a>> {
 
 /// The cell with the plan in measuring order; what was there before is laid over it.
 fn cell_section(context: &Given<'_>, plan: &Plan) -> Result<Section> {
-    let (name, before) = match plan.given_names.is_empty() {
-        true => ("the plan", "the initial group"),
-        false => ("new postures", "given postures"),
+    let (name, before) = if plan.given_names.is_empty() {
+        ("the plan", "the initial group")
+    } else {
+        ("new postures", "given postures")
     };
     let angles = plan.selection.group.iter().cloned();
     let mut groups = vec![PostureGroup::named(name, &plan.posture_names, angles)];
@@ -146,9 +148,10 @@ fn search_section(plan: &Plan) -> Option<Section> {
         let tight = found.termination == Termination::Converged && found.outside.is_empty();
         !tight || found.verification.doubt().is_some()
     });
-    Some(match doubtful {
-        true => section.in_summary(),
-        false => section,
+    Some(if doubtful {
+        section.in_summary()
+    } else {
+        section
     })
 }
 

@@ -92,9 +92,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         Some(key),
         sections,
     );
-    let unsure = match undetermined.is_empty() {
-        true => is_beyond_first_order(evaluation).then_some(UNSURE),
-        false => Some("These postures leave a joint undetermined."),
+    let unsure = if undetermined.is_empty() {
+        is_beyond_first_order(evaluation).then_some(UNSURE)
+    } else {
+        Some("These postures leave a joint undetermined.")
     };
     Ok(told.caution("select", unsure))
 }

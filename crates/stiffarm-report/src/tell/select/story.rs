@@ -99,9 +99,10 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
     let mut text = Text::new(index_says(index)).number(index_number(context, index, "/value"));
     let known = plan.before.as_ref();
     if let Some(before) = known {
-        let name = match plan.given_names.is_empty() {
-            true => "the initial group",
-            false => "the given postures alone",
+        let name = if plan.given_names.is_empty() {
+            "the initial group"
+        } else {
+            "the given postures alone"
         };
         text = match before.evaluation.indices.get(index) {
             Some(_) => {

@@ -30,12 +30,13 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let first = result.groups.iter().enumerate();
     let first = first.filter_map(|(g, group)| Some((g, group, group.levels.first()?)));
     let best = first.min_by(|a, b| error(a.2).total_cmp(&error(b.2)));
-    let place = match result.predicted_tasks {
-        true => "at the cell's tasks".to_string(),
-        false => format!(
+    let place = if result.predicted_tasks {
+        "at the cell's tasks".to_string()
+    } else {
+        format!(
             "at {} random postures inside the cell's limits, under its load",
             result.predicted_count
-        ),
+        )
     };
     let levels = result.groups.iter().flat_map(|group| &group.levels);
     let sizes = ElasticClass::ALL.map(|class| {

@@ -112,9 +112,10 @@ fn own_level(group: &GroupSimulation) -> Option<(usize, &LevelResult)> {
 
 /// What stands for a joint: the mean, or the median where single runs dominate that.
 fn typical(level: &LevelResult, j: usize) -> (&'static str, f64) {
-    match level.beyond_first_order[j] {
-        true => ("median_deviation", level.median_deviation[j]),
-        false => ("mean_deviation", level.mean_deviation[j]),
+    if level.beyond_first_order[j] {
+        ("median_deviation", level.median_deviation[j])
+    } else {
+        ("mean_deviation", level.mean_deviation[j])
     }
 }
 
@@ -136,9 +137,10 @@ fn done(context: &Given<'_>, result: &Simulation) -> Text {
         1 => "at one noise level".to_string(),
         count => format!("at each of {count} noise levels"),
     };
-    let errors = match has_model_errors(context) {
-        true => " and errors of the model",
-        false => "",
+    let errors = if has_model_errors(context) {
+        " and errors of the model"
+    } else {
+        ""
     };
     let fewest = result.groups.iter().flat_map(|group| &group.levels);
     let stopped = stopped(result.interrupted, fewest.map(|level| level.runs));
@@ -198,12 +200,13 @@ fn came(
             .number(percent("standard_error").significant(2).plus_minus())
             .words(" on average"),
     };
-    text = text.words(match (best.level.variance_factor - 1.0).abs() < 1e-12 {
-        true => " at the cell's own noise".to_string(),
-        false => format!(
+    text = text.words(if (best.level.variance_factor - 1.0).abs() < 1e-12 {
+        " at the cell's own noise".to_string()
+    } else {
+        format!(
             " at {} times the cell's noise variance",
             best.level.variance_factor
-        ),
+        )
     });
     if has_model_errors(context) {
         return text.words(".");
@@ -224,13 +227,14 @@ fn is_beyond(level: &LevelResult) -> bool {
 }
 
 fn next(best: Option<&Shown<'_>>) -> Text {
-    match is_unsure(best) {
-        true => Text::new(
+    if is_unsure(best) {
+        Text::new(
             "That is too unsure to rely on: some joint's relative standard error is above 10 %. Choose better postures with ",
         )
         .code("stiffarm select")
-        .words(", or measure more points."),
-        false => Text::new("Where that is sure enough, measure; ")
+        .words(", or measure more points.")
+    } else {
+        Text::new("Where that is sure enough, measure; ")
             .code("stiffarm select")
             .words(" finds postures that give more. What else may be wrong than the tracker is in ")
             .code("--force-error-percent")
@@ -238,7 +242,7 @@ fn next(best: Option<&Shown<'_>>) -> Text {
             .code("--joint-angle-error-deg")
             .words(" and ")
             .code("--loading-point-error-mm")
-            .words("."),
+            .words(".")
     }
 }
 
@@ -260,9 +264,10 @@ fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable
         };
         table = table.words(format!("{} [%]", group.name), |row| {
             if row == joints.len() {
-                return match is_beyond(group.level) {
-                    true => Text::default(),
-                    false => mean(&group.level.mean_deviation).into(),
+                return if is_beyond(group.level) {
+                    Text::default()
+                } else {
+                    mean(&group.level.mean_deviation).into()
                 };
             }
             let (key, _) = typical(group.level, row);
@@ -275,9 +280,12 @@ fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable
             }
         });
         if is_wide {
-            table = table.words("closed form [%]", |row| match row < joints.len() {
-                true => number("expected_deviation", row).into(),
-                false => mean(&group.level.expected_deviation).into(),
+            table = table.words("closed form [%]", |row| {
+                if row < joints.len() {
+                    number("expected_deviation", row).into()
+                } else {
+                    mean(&group.level.expected_deviation).into()
+                }
             });
         }
     }

@@ -91,10 +91,11 @@ impl LoopClosure {
         let jacobian = frames.jacobian(clamp) * robot.coupling();
         // (J C)ᵀ has a row per angle; zero rows let the decomposition take
         // arms of fewer than six joints.
-        let tall = DMatrix::from_fn(n.max(6), 6, |j, i| match j < n {
-            true => jacobian[(i, j)],
-            false => 0.0,
-        });
+        let tall = DMatrix::from_fn(
+            n.max(6),
+            6,
+            |j, i| if j < n { jacobian[(i, j)] } else { 0.0 },
+        );
         let parts =
             svd(tall).ok_or_else(|| Error::new(Code::NotFinite, "The Jacobian is not finite."))?;
         let largest = parts.values[0];

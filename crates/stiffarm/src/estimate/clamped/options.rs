@@ -51,8 +51,9 @@ pub fn without(
     let known = clamped.iter().map(|c| c.posture.name.as_str());
     check_names(exclude, known).map_err(|e| e.key("exclude"))?;
     clamped.retain(|c| !exclude.contains(&c.posture.name));
-    match clamped.is_empty() {
-        true => Err(all_excluded().key("exclude")),
-        false => Ok(clamped),
+    if clamped.is_empty() {
+        Err(all_excluded().key("exclude"))
+    } else {
+        Ok(clamped)
     }
 }

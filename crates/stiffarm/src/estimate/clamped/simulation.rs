@@ -96,9 +96,10 @@ pub fn simulate_clamped(
                 .map(|q| noisy(*q, simulation.angle_std))
                 .collect();
             let read = Vector6::from_fn(|i, _| {
-                let std = match i < 3 {
-                    true => simulation.force_std,
-                    false => simulation.moment_std,
+                let std = if i < 3 {
+                    simulation.force_std
+                } else {
+                    simulation.moment_std
                 };
                 noisy(wrench[i], std)
             });

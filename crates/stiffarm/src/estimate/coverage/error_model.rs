@@ -176,29 +176,31 @@ impl<'a> Scene<'a> {
         let tracker = &self.cell.tracker;
         let plain = Matrix3::identity() * self.cell.noise.reading_variance.sqrt();
         let Some(accuracy) = &tracker.accuracy else {
-            return match self.case.world.tracker_errors {
-                false => Ok((None, plain)),
-                true => Err(Error::new(
+            return if self.case.world.tracker_errors {
+                Err(Error::new(
                     Code::MissingKey,
                     "Errors of the tracker need its accuracy, and the cell has none.",
                 )
-                .key("tracker")),
+                .key("tracker"))
+            } else {
+                Ok((None, plain))
             };
         };
         let pose = tracker.base_from_tracker.unwrap_or_default();
         let turn = pose.rotation.to_rotation_matrix();
         let own = accuracy.covariance(&pose.inverse_transform_point(&(*at).into()).coords)?;
         let covariance = turn.matrix() * own * turn.matrix().transpose();
-        let root = match self.case.world.tracker_errors {
-            false => plain,
-            true => covariance
+        let root = if self.case.world.tracker_errors {
+            covariance
                 .cholesky()
                 .ok_or_else(|| {
                     let message =
                         "The tracker's accuracy must be above zero along the beam and across.";
                     Error::new(Code::InvalidValue, message).key("tracker")
                 })?
-                .unpack(),
+                .unpack()
+        } else {
+            plain
         };
         Ok((Some(covariance), root))
     }

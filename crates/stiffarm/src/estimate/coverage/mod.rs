@@ -242,9 +242,10 @@ pub fn coverage(
                 *sigma = scene.scatter(*degrees_of_freedom, &mut rng);
             }
             let solution = prepared.solve(&delta, &own)?;
-            let quantile = match solution.t_degrees_of_freedom == degrees_of_freedom {
-                true => quantile,
-                false => interval_quantile(&solution, options.confidence)?,
+            let quantile = if solution.t_degrees_of_freedom == degrees_of_freedom {
+                quantile
+            } else {
+                interval_quantile(&solution, options.confidence)?
             };
             let joints = estimates(&system.unknowns, 0..system.springs, &solution, quantile);
             counts.count(&joints, &truth);

@@ -71,9 +71,10 @@ pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
     });
     findings.extend(outliers.findings());
     let several = fit.system().blocks.len() > 1;
-    let influence = match several {
-        true => Some(fit.leave_one_out()?),
-        false => None,
+    let influence = if several {
+        Some(fit.leave_one_out()?)
+    } else {
+        None
     };
     if let Some(influence) = &influence {
         findings.extend(influence_findings(influence, &result.estimates.unknowns));
@@ -103,10 +104,7 @@ pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
     findings.extend(second_order::finding(&second_order, result.expected_std_m));
     let correlated = correlated_pairs(result);
     findings.extend(correlated.iter().map(CorrelatedPair::finding));
-    let terms = match several {
-        true => Some(try_terms(fit)?),
-        false => None,
-    };
+    let terms = if several { Some(try_terms(fit)?) } else { None };
     if let Some(trials) = &terms {
         findings.extend(trials.finding());
     }

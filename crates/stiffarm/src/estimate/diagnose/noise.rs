@@ -116,14 +116,12 @@ impl NoiseTest {
                 ("residuals-agree", Severity::Note, message)
             }
             Agreement::Larger => {
-                let meaning = match self.ratio >= MODEL {
-                    _ if single => {
-                        "the parts that do not fit make them so, the rest agrees with the noise"
-                    }
-                    true => "the model, not the tracker, limits the result",
-                    false => {
-                        "something beyond the stated noise is in the data, or the noise is stated too small"
-                    }
+                let meaning = if single {
+                    "the parts that do not fit make them so, the rest agrees with the noise"
+                } else if self.ratio >= MODEL {
+                    "the model, not the tracker, limits the result"
+                } else {
+                    "something beyond the stated noise is in the data, or the noise is stated too small"
                 };
                 let p = probability(self.p_larger);
                 let message = format!(
@@ -154,13 +152,10 @@ impl NoiseTest {
 
 /// Why there is no test.
 pub(super) fn untested(cell: &Cell) -> Finding {
-    let message = match cell.noise.displacement_std() > 0.0 {
-        true => {
-            "There are as many unknowns as displacement components: no residual tells how good the fit is."
-        }
-        false => {
-            "The cell states no measurement noise, so the residuals cannot be compared with it."
-        }
+    let message = if cell.noise.displacement_std() > 0.0 {
+        "There are as many unknowns as displacement components: no residual tells how good the fit is."
+    } else {
+        "The cell states no measurement noise, so the residuals cannot be compared with it."
     };
     Finding::new(
         "residuals-untested",

@@ -94,9 +94,10 @@ pub(super) fn finding(shares: &[SecondOrderShare], sigma: f64) -> Option<Finding
     let correction = largest(|s| s.correction_m)?;
     let equilibrium = largest(|s| s.linearisation_m)?;
     let matters = equilibrium.linearisation_m > sigma && equilibrium.linearisation_share > SHARE;
-    let (severity, verdict) = match matters {
-        true => (Severity::Caution, "predict with the equilibrium there"),
-        false => (Severity::Note, "the linear model is enough"),
+    let (severity, verdict) = if matters {
+        (Severity::Caution, "predict with the equilibrium there")
+    } else {
+        (Severity::Note, "the linear model is enough")
     };
     let message = format!(
         "K_C changes a displacement by at most {} ({}, posture {}), and the exact equilibrium differs from the linear \

@@ -100,9 +100,10 @@ pub(super) fn findings(
                 let sizes = strong.iter().map(|s| s.torque_rms_nm);
                 let low = sizes.clone().fold(f64::INFINITY, f64::min);
                 let high = sizes.fold(0.0, f64::max);
-                match format!("{low:.0}") == format!("{high:.0}") {
-                    true => format!(" ({high:.0} on {})", list(&names)),
-                    false => format!(" ({low:.0} to {high:.0} on {})", list(&names)),
+                if format!("{low:.0}") == format!("{high:.0}") {
+                    format!(" ({high:.0} on {})", list(&names))
+                } else {
+                    format!(" ({low:.0} to {high:.0} on {})", list(&names))
                 }
             }
         };
@@ -200,9 +201,10 @@ impl CorrelatedPair {
     /// What the correlation means.
     pub fn finding(&self) -> Finding {
         let [a, b] = &self.unknowns;
-        let known = match self.correlation < 0.0 {
-            true => "the sum of what they give is known better than either",
-            false => "the difference of what they give is known better than either",
+        let known = if self.correlation < 0.0 {
+            "the sum of what they give is known better than either"
+        } else {
+            "the difference of what they give is known better than either"
         };
         let message = format!(
             "The data hardly tell {a} and {b} apart (correlation {:.2}): {known}, and an error of one is an error of the \

@@ -214,9 +214,10 @@ impl TermTrials {
                 message += &bounds(other);
             }
         }
-        let model = match self.axis_only {
-            true => "the axis-only model",
-            false => "the model as it is",
+        let model = if self.axis_only {
+            "the axis-only model"
+        } else {
+            "the model as it is"
         };
         message += &format!(". So {model} is rejected.");
         Some(Finding::new(

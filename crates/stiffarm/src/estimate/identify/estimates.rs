@@ -103,17 +103,19 @@ impl Estimates {
         });
         let inverse = solution.factor.inverse_information();
         let correlation = matrix(&|i, j| {
-            (known(i) && known(j)).then(|| match i == j {
-                true => 1.0,
-                false => inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt(),
+            (known(i) && known(j)).then(|| {
+                if i == j {
+                    1.0
+                } else {
+                    inverse[(i, j)] / (inverse[(i, i)] * inverse[(j, j)]).sqrt()
+                }
             })
         });
-        let condition = match solution.undetermined.is_empty() && options.extra.is_empty() {
-            true => {
-                let s = Factor::new(&system.psi)?.singular_values(|_| 1.0)?;
-                Some(s[0] / s[count - 1])
-            }
-            false => None,
+        let condition = if solution.undetermined.is_empty() && options.extra.is_empty() {
+            let s = Factor::new(&system.psi)?.singular_values(|_| 1.0)?;
+            Some(s[0] / s[count - 1])
+        } else {
+            None
         };
         let collinear = estimable::collinear_sets(system, solution, &reference);
         let mut joints = springs(0..system.springs);

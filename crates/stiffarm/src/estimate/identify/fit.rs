@@ -177,9 +177,10 @@ impl Fit {
         let before = &inner.options;
         if options.extra == before.extra && options.weights == before.weights {
             let plain = |o: &IdentifyOptions| o.estimator == Estimator::Ordinary;
-            let prepared = match plain(options) == plain(before) {
-                true => inner.prepared.clone(),
-                false => Arc::new(Prepared::new(&inner.system, options.estimator)?),
+            let prepared = if plain(options) == plain(before) {
+                inner.prepared.clone()
+            } else {
+                Arc::new(Prepared::new(&inner.system, options.estimator)?)
             };
             return Fit::of(
                 experiment,
@@ -190,11 +191,12 @@ impl Fit {
             );
         }
         let whole = experiment.system(&options.extra, options.weights)?;
-        let system = match left_out.is_empty() {
-            true => whole,
-            false => whole
+        let system = if left_out.is_empty() {
+            whole
+        } else {
+            whole
                 .filtered(|l| !left_out.contains(&(l.measured, l.displacement)))
-                .ok_or_else(super::system::no_displacements)?,
+                .ok_or_else(super::system::no_displacements)?
         };
         let prepared = Arc::new(Prepared::new(&system, options.estimator)?);
         Fit::of(experiment, options, left_out, Arc::new(system), prepared)
@@ -306,9 +308,10 @@ impl Fit {
 
     /// The fits without each of `count` folds of postures.
     pub(crate) fn folds_of(&self, count: usize) -> Result<Cow<'_, [Fold]>> {
-        match count == self.system().blocks.len() {
-            true => self.folds().map(Cow::Borrowed),
-            false => self.new_folds(count).map(Cow::Owned),
+        if count == self.system().blocks.len() {
+            self.folds().map(Cow::Borrowed)
+        } else {
+            self.new_folds(count).map(Cow::Owned)
         }
     }
 

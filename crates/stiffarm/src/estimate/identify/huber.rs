@@ -120,9 +120,12 @@ fn covariance(
         .map(|(r, g)| r.min(limit(g)).powi(2))
         .sum();
     // Of d directions one is cut to zero slope, the others keep limit/r.
-    let slope = |r: f64, g: &Range<usize>| match r <= limit(g) {
-        true => 1.0,
-        false => (g.len() as f64 - 1.0) / g.len() as f64 * limit(g) / r,
+    let slope = |r: f64, g: &Range<usize>| {
+        if r <= limit(g) {
+            1.0
+        } else {
+            (g.len() as f64 - 1.0) / g.len() as f64 * limit(g) / r
+        }
     };
     let share = |g: &Range<usize>| g.len() as f64 / rows as f64;
     let pairs = || norms.iter().zip(groups);

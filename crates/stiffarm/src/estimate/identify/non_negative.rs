@@ -55,9 +55,12 @@ pub(super) fn non_negative(
             let blocking = free
                 .iter()
                 .filter(|j| **j < bounded && candidate[**j] <= 0.0)
-                .map(|&j| match values[j] > 0.0 {
-                    true => (j, values[j] / (values[j] - candidate[j])),
-                    false => (j, 0.0),
+                .map(|&j| {
+                    if values[j] > 0.0 {
+                        (j, values[j] / (values[j] - candidate[j]))
+                    } else {
+                        (j, 0.0)
+                    }
                 })
                 .min_by(|a, b| a.1.total_cmp(&b.1));
             let Some((blocked, step)) = blocking else {

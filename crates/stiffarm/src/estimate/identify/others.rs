@@ -85,9 +85,12 @@ impl<'a> Others<'a> {
         if shape.rows <= rank || self.enough(&plain).is_none() {
             return Ok(None);
         }
-        let ratio = || match self.criterion.is_rounding() {
-            true => 0.0,
-            false => self.criterion.best_without(left_out, &own, shape.rows),
+        let ratio = || {
+            if self.criterion.is_rounding() {
+                0.0
+            } else {
+                self.criterion.best_without(left_out, &own, shape.rows)
+            }
         };
         let mut enough = true;
         let rows = |gamma: f64| {
@@ -101,18 +104,16 @@ impl<'a> Others<'a> {
             root.map_or_else(|| Err(too_little()), |root| self.rows(root))
         };
         let solution = least_squares(shape, self.prepared.springs(), self.assumed, ratio, rows);
-        match enough {
-            true => solution.map(Some),
-            false => Ok(None),
-        }
+        if enough { solution.map(Some) } else { Ok(None) }
     }
 
     /// The factor of what is left, where it stands well above the rounding of
     /// the difference.
     fn enough(&self, sums: &Sums) -> Option<Root> {
-        let squares = match self.criterion.is_rounding() {
-            true => f64::NEG_INFINITY,
-            false => DOMINANT * self.criterion.size(),
+        let squares = if self.criterion.is_rounding() {
+            f64::NEG_INFINITY
+        } else {
+            DOMINANT * self.criterion.size()
         };
         let root = sums.root()?;
         (root.least() > DECISIVE && root.rest > squares).then_some(root)

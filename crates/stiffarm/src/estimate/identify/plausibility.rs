@@ -35,11 +35,10 @@ pub fn implausible_scale(cell: &Cell, result: &Identification) -> Option<Finding
     if 2 * ratios.len() < result.estimates.joints.len() {
         return None;
     }
-    suspicious(cell, ratios, "measurements", |is_larger| match is_larger {
-        true => {
+    suspicious(cell, ratios, "measurements", |is_larger| {
+        if is_larger {
             "Are the displacements in metres instead of millimetres, or is the force too large?"
-        }
-        false => {
+        } else {
             "Are the displacements in micrometres instead of millimetres, or the force in kilonewtons?"
         }
     })
@@ -78,9 +77,10 @@ fn suspicious(
         Some(_) => "the cell's prior",
         None => "what industrial robots have",
     };
-    let (factor, word) = match middle > 1.0 {
-        true => (middle, "larger"),
-        false => (1.0 / middle, "smaller"),
+    let (factor, word) = if middle > 1.0 {
+        (middle, "larger")
+    } else {
+        (1.0 / middle, "smaller")
     };
     let cause = cause(middle > 1.0);
     let sentence =

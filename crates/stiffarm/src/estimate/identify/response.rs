@@ -44,9 +44,10 @@ impl<'a> Response<'a> {
         };
         let free: Vec<usize> = (0..psi.ncols()).filter(|j| !held.contains(j)).collect();
         let own = solution.weights.is_some() || free.len() < psi.ncols();
-        let factor = match own && !free.is_empty() {
-            true => Cow::Owned(Factor::new(&psi.select_columns(&free))?),
-            false => Cow::Borrowed(&solution.factor),
+        let factor = if own && !free.is_empty() {
+            Cow::Owned(Factor::new(&psi.select_columns(&free))?)
+        } else {
+            Cow::Borrowed(&solution.factor)
         };
         Ok(Response {
             fit,

@@ -141,9 +141,12 @@ impl Root {
     /// L.
     pub(super) fn factor(&self) -> DMatrix<f64> {
         let rank = self.moved.len();
-        let entry = |i: usize, j: usize| match j <= i {
-            true => self.factor[packed(i, j)],
-            false => 0.0,
+        let entry = |i: usize, j: usize| {
+            if j <= i {
+                self.factor[packed(i, j)]
+            } else {
+                0.0
+            }
         };
         DMatrix::from_fn(rank, rank, entry)
     }
@@ -403,9 +406,10 @@ fn best(points: impl Iterator<Item = f64>, zero: f64, at: impl Fn(f64) -> f64) -
     };
     let ends = [best.0 - STEP, best.0 + STEP];
     let (place, value) = minimum(at, ends, best, TOLERANCE);
-    match value < none.1 {
-        true => (place.exp(), value),
-        false => none,
+    if value < none.1 {
+        (place.exp(), value)
+    } else {
+        none
     }
 }
 

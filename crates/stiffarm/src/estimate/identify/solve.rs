@@ -138,9 +138,10 @@ impl Prepared {
         let ratio = || system.variance_ratio(white);
         let rows = |gamma: f64| {
             let (psi, delta) = self.shifted(white, gamma);
-            let factor = match gamma > 0.0 {
-                true => Factor::new(&psi)?,
-                false => system.factor().clone(),
+            let factor = if gamma > 0.0 {
+                Factor::new(&psi)?
+            } else {
+                system.factor().clone()
             };
             Ok(Rows {
                 psi,

@@ -151,9 +151,10 @@ impl MixedFit {
         };
         fit.control().check()?;
         // The search may end a hair above what no effects at all give.
-        let (sizes, value) = match without.value <= value {
-            true => (none, without.value),
-            false => (sizes, value),
+        let (sizes, value) = if without.value <= value {
+            (none, without.value)
+        } else {
+            (sizes, value)
         };
         let values = [value, without.value];
         let compliance = compliance(fit, &rows, &effects, &likelihood, &sizes)
@@ -340,9 +341,12 @@ fn compliance(
 ) -> Option<IdentifiedCompliance> {
     let plain = fit.solution();
     let fixed = rows.fixed;
-    let scale = |i: usize| match i < fixed {
-        true => 1.0,
-        false => effects[i - fixed].scale,
+    let scale = |i: usize| {
+        if i < fixed {
+            1.0
+        } else {
+            effects[i - fixed].scale
+        }
     };
     let solved = likelihood.solve(sizes)?;
     let mut values = solved.values(rows);

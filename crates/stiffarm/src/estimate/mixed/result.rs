@@ -66,9 +66,12 @@ impl MixedFit {
             let covariance = &found.spread.as_ref()?.covariance;
             Some(quantiles.as_ref()?.of_unknown(covariance, j))
         };
-        let joint = |j: usize| match found.undetermined.contains(&j) {
-            true => estimate(&names[j], None, None, None),
-            false => estimate(&names[j], Some(found.values[j]), error(j), quantile(j)),
+        let joint = |j: usize| {
+            if found.undetermined.contains(&j) {
+                estimate(&names[j], None, None, None)
+            } else {
+                estimate(&names[j], Some(found.values[j]), error(j), quantile(j))
+            }
         };
         Ok((0..names.len()).map(joint).collect())
     }

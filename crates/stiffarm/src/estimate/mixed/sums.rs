@@ -102,9 +102,10 @@ impl Rows {
         let mut whole = all.transpose() * &all;
         // As if each had been read as zero: of the rest this changes nothing.
         idle.iter().for_each(|j| whole[(*j, *j)] += 1.0);
-        let seen = match seen.is_empty() {
-            true => DMatrix::zeros(count, 0),
-            false => DMatrix::from_columns(&seen),
+        let seen = if seen.is_empty() {
+            DMatrix::zeros(count, 0)
+        } else {
+            DMatrix::from_columns(&seen)
         };
         let first = along.first().map_or(0.0, |(_, size): &(usize, f64)| *size);
         let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;

@@ -250,9 +250,10 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
         }
     }
     let largest = shares.amax();
-    let mut variance = match plain {
-        true => DMatrix::identity(count, count),
-        false => block.covariance.to_matrix(count),
+    let mut variance = if plain {
+        DMatrix::identity(count, count)
+    } else {
+        block.covariance.to_matrix(count)
     };
     if largest > 0.0 {
         // The shift common to a posture's points grows with the load.

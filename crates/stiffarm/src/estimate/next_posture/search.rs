@@ -42,9 +42,10 @@ pub(super) fn best_posture(
     // Infinite outside the limits.
     let ready = cell.posture_margins()?;
     let at = |margins: &mut PostureMargins<'_>, q: &[f64]| -> Result<f64> {
-        match margins.least(q)? < 0.0 {
-            true => Ok(f64::INFINITY),
-            false => value(q),
+        if margins.least(q)? < 0.0 {
+            Ok(f64::INFINITY)
+        } else {
+            value(q)
         }
     };
     let mut best: Option<Candidate> = None;
@@ -102,11 +103,12 @@ fn improve(
     while step > LAST_STEP && !control.stopped() {
         let mut moved = false;
         for direction in 0..2 * n {
-            let along: Vec<f64> = match direction < n {
-                true => (0..n)
+            let along: Vec<f64> = if direction < n {
+                (0..n)
                     .map(|j| f64::from(u8::from(j == direction)))
-                    .collect(),
-                false => (0..n).map(|_| 2.0 * rng.random::<f64>() - 1.0).collect(),
+                    .collect()
+            } else {
+                (0..n).map(|_| 2.0 * rng.random::<f64>() - 1.0).collect()
             };
             for sign in [1.0, -1.0] {
                 let next: Vec<f64> = q

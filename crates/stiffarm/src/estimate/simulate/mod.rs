@@ -231,9 +231,10 @@ pub(crate) fn draw_noise(
     let tau = noise.posture_common_std;
     let mut out = DVector::zeros(3 * points * postures);
     for p in 0..postures {
-        let common: [f64; 3] = match tau > 0.0 {
-            true => std::array::from_fn(|_| normal(rng) * tau),
-            false => [0.0; 3],
+        let common: [f64; 3] = if tau > 0.0 {
+            std::array::from_fn(|_| normal(rng) * tau)
+        } else {
+            [0.0; 3]
         };
         for i in 0..3 * points {
             out[3 * points * p + i] = normal(rng) * sigma + common[i % 3];

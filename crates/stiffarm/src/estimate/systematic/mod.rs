@@ -226,12 +226,13 @@ fn describe(
     let one = matches!(parts.as_slice(), [part] if part.name.is_empty());
     let of = |j: usize| parts.iter().map(move |part| part.change[j]);
     let sum = |j: usize| of(j).map(|c| c.map(f64::abs)).sum();
-    let (change, worst) = match one {
-        true => (parts[0].change.clone(), None),
-        false => (
+    let (change, worst) = if one {
+        (parts[0].change.clone(), None)
+    } else {
+        (
             (0..count).map(|j| root_sum(of(j))).collect(),
             Some((0..count).map(sum).collect()),
-        ),
+        )
     };
     SystematicSource {
         name: source.name.to_string(),

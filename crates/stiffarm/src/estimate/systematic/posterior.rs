@@ -132,9 +132,10 @@ pub fn moments(
         let finite = likelihood.is_finite() && numbers.into_iter().all(|v| v.is_finite());
         finite.then_some((likelihood, mean, covariance))
     };
-    let sizes = match alike.contains(&true) {
-        true => sizes(),
-        false => vec![(1.0, 1.0)],
+    let sizes = if alike.contains(&true) {
+        sizes()
+    } else {
+        vec![(1.0, 1.0)]
     };
     let mut looked = Vec::with_capacity(sizes.len() * noise.len());
     for (size, weight) in &sizes {

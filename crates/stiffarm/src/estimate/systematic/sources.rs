@@ -265,9 +265,10 @@ impl Nominal<'_> {
                 truths.iter_mut().for_each(|truth| shift(truth, axis));
                 self.part(&format!("{load}{axis_name}"), |posture, terms, nominal| {
                     let case = self.cell.setup.load.case_of(&posture.state)?;
-                    match members.contains(&case) && concerns(posture) {
-                        true => self.moved(&truths[case], posture, terms, nominal),
-                        false => Ok(nominal * 0.0),
+                    if members.contains(&case) && concerns(posture) {
+                        self.moved(&truths[case], posture, terms, nominal)
+                    } else {
+                        Ok(nominal * 0.0)
                     }
                 })
             })?);

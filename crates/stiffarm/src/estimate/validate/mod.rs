@@ -313,12 +313,13 @@ impl ValidatedPosture {
 }
 
 fn check_tolerance(tolerance_m: Option<f64>) -> Result<()> {
-    match tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
-        true => Err(Error::new(
+    if tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
+        Err(Error::new(
             Code::InvalidValue,
             "The tolerance must be 0 or above.",
-        )),
-        false => Ok(()),
+        ))
+    } else {
+        Ok(())
     }
 }
 

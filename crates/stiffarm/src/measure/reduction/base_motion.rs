@@ -230,10 +230,7 @@ impl Motion {
             turn_rad: (turn * self.turn).into(),
             largest_correction_m: lengths.fold(0.0, f64::max),
             noise_m: reading_std * (added / loaded.len().max(1) as f64).sqrt(),
-            times_noise: match noise > 0.0 {
-                true => size / noise,
-                false => 0.0,
-            },
+            times_noise: if noise > 0.0 { size / noise } else { 0.0 },
         }
     }
 }
@@ -301,12 +298,13 @@ pub(super) fn findings(
         |of: fn(&BaseMotion) -> f64| motions.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
     let clear = largest(|m| m.times_noise).filter(|m| m.times_noise > CLEAR);
     if let Some(most) = clear {
-        let turn = match most.turn_removed {
-            true => format!(
+        let turn = if most.turn_removed {
+            format!(
                 " and turns by {:.3} mrad",
                 Vector3::from(most.turn_rad).norm() * 1e3
-            ),
-            false => String::new(),
+            )
+        } else {
+            String::new()
         };
         let how = match (most.turn_removed, most.reflectors) {
             (true, n) => format!("Taken back as a rigid motion of its {n} reflectors."),

@@ -95,18 +95,17 @@ pub(super) fn drift(
     if out.is_empty() {
         return Ok(None);
     }
-    let significance = match reading_std > 0.0 {
-        true => {
-            // A drift that differs from point to point, or one common to all.
-            let rates = common.iter().filter(|(_, weight)| *weight > 0.0);
-            let rate: f64 = rates.clone().map(|(v, w)| v.norm_squared() / w).sum();
-            let tail = |sum: f64, freedom: usize| {
-                Ok(chi_squared_tails(sum / reading_std.powi(2), freedom)?[1])
-            };
-            let common: f64 = tail(rate, 3 * rates.count())?;
-            Some((2.0 * common.min(tail(statistic, 3 * lines)?)).min(1.0))
-        }
-        false => None,
+    let significance = if reading_std > 0.0 {
+        // A drift that differs from point to point, or one common to all.
+        let rates = common.iter().filter(|(_, weight)| *weight > 0.0);
+        let rate: f64 = rates.clone().map(|(v, w)| v.norm_squared() / w).sum();
+        let tail = |sum: f64, freedom: usize| {
+            Ok(chi_squared_tails(sum / reading_std.powi(2), freedom)?[1])
+        };
+        let common: f64 = tail(rate, 3 * rates.count())?;
+        Some((2.0 * common.min(tail(statistic, 3 * lines)?)).min(1.0))
+    } else {
+        None
     };
     let (weighted, weight) = common[0];
     Ok(Some(Drift {
@@ -166,18 +165,20 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
         ));
     }
     let Some(drift) = drift else { return out };
-    let by = match drift.postures.iter().all(|p| p.clock == Clock::Time) {
-        true => "a straight line in time",
-        false => "a straight line over the order of the states",
+    let by = if drift.postures.iter().all(|p| p.clock == Clock::Time) {
+        "a straight line in time"
+    } else {
+        "a straight line over the order of the states"
     };
     let (common, error) = (drift.rate_m_per_hour, drift.rate_standard_error_m_per_hour);
     let rate = rate(common, error, "hour").map(|rate| format!(", in common {rate}"));
     let rate = rate.unwrap_or_default();
     let (severity, verdict) = match drift.significance {
         Some(p) if p < SIGNIFICANCE => (
-            match drift.rms_m > LARGE * drift.expected_rms_m {
-                true => Severity::Caution,
-                false => Severity::Note,
+            if drift.rms_m > LARGE * drift.expected_rms_m {
+                Severity::Caution
+            } else {
+                Severity::Note
             },
             ": the tracker, the robot or a stand drifts, or the arm does not come back (lost motion)",
         ),

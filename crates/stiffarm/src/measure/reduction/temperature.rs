@@ -87,12 +87,13 @@ pub(super) fn finding(cell: &Cell, found: &Temperatures) -> Finding {
     let drift =
         drift.map(|rate| format!(" The drift between reference readings goes with it by {rate}."));
     let drift = drift.unwrap_or_default();
-    let (severity, advice) = match found.largest_change_k > LARGE {
-        true => (
+    let (severity, advice) = if found.largest_change_k > LARGE {
+        (
             Severity::Caution,
             " Read the unloaded state right before and after the load.",
-        ),
-        false => (Severity::Note, ""),
+        )
+    } else {
+        (Severity::Note, "")
     };
     let sentence = format!(
         "The temperature ran from {:.1} to {:.1} °C, within a posture by {:.1} K at most; a steel arm of this length \

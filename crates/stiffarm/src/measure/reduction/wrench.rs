@@ -83,9 +83,10 @@ fn by_load(
     number: usize,
 ) -> Result<Option<Wrench>> {
     // Of several load cases some may have a force in the table and others none.
-    let given = match several {
-        true => state.load.is_some(),
-        false => posture.readings.states.iter().any(|s| s.load.is_some()),
+    let given = if several {
+        state.load.is_some()
+    } else {
+        posture.readings.states.iter().any(|s| s.load.is_some())
     };
     let mut unit = setup.load.clone();
     let full = match &mut unit {

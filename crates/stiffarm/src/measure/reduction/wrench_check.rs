@@ -100,9 +100,10 @@ pub(super) fn wrench_check(
     let pure_force =
         cell.setup.load.each().all(pure) && cases.iter().all(|case| case.loading_point.is_none());
     Some(WrenchCheck {
-        application_point: match pure_force && columns == WrenchColumns::ForceAndMoment {
-            true => application_point(&loads),
-            false => None,
+        application_point: if pure_force && columns == WrenchColumns::ForceAndMoment {
+            application_point(&loads)
+        } else {
+            None
         },
         directions: directions(cell, measured, expected),
     })
@@ -138,9 +139,10 @@ fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
     let remaining = &moments - arms * &offset;
     let freedom = rows - rank;
     let distance = offset.norm();
-    let along = match distance > 0.0 {
-        true => &offset / distance,
-        false => DVector::zeros(3),
+    let along = if distance > 0.0 {
+        &offset / distance
+    } else {
+        DVector::zeros(3)
     };
     let variance = remaining.norm_squared() / freedom.max(1) as f64;
     let count = loads.len() as f64;
@@ -336,9 +338,10 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
     let [x, y, z] = point.offset_m.map(|v| v * 1e3 + 0.0);
     let error = point.distance_standard_error_m;
     if point.distance_m > OFFSET && error.is_some_and(|e| point.distance_m > STANDARD_ERRORS * e) {
-        let open = match point.determined {
-            true => "",
-            false => " (along the forces, which are parallel in flange axes, nothing can be said)",
+        let open = if point.determined {
+            ""
+        } else {
+            " (along the forces, which are parallel in flange axes, nothing can be said)"
         };
         let also = if cell.sensor.is_some() {
             ", or the sensor's origin"

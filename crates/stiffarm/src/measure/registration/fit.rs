@@ -172,9 +172,10 @@ pub(in crate::measure) fn is_spread(points: &[Vector3<f64>]) -> bool {
 
 /// Singular values of a matrix of three columns, descending.
 fn singular_values(rows: DMatrix<f64>) -> Option<[f64; 3]> {
-    let small = match rows.nrows() > 12 {
-        true => rows.qr().r(),
-        false => rows,
+    let small = if rows.nrows() > 12 {
+        rows.qr().r()
+    } else {
+        rows
     };
     let values = svd(small)?.values;
     Some([values[0], values[1], values[2]])

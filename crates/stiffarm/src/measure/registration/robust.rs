@@ -47,9 +47,10 @@ impl Agreement {
     /// RMS residual above which a group disagrees with `agreeing` others, whose
     /// own is `level` \[m\].
     pub(in crate::measure) fn limit(&self, level: f64, agreeing: usize) -> f64 {
-        let floor = match agreeing < self.many {
-            true => self.floor_few,
-            false => self.floor,
+        let floor = if agreeing < self.many {
+            self.floor_few
+        } else {
+            self.floor
         };
         (self.factor * level).max(floor)
     }

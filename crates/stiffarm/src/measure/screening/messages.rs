@@ -280,9 +280,10 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 [one] => format!("Point {one} lies {off} from where the cell has it"),
                 _ => format!("The points lie up to {off} from where the cell has them"),
             };
-            match s.certain {
-                true => format!("{what}; all states agree with each other, so the drawing is inexact."),
-                false => format!("{what}: check tool.measuring_point in the cell."),
+            if s.certain {
+                format!("{what}; all states agree with each other, so the drawing is inexact.")
+            } else {
+                format!("{what}: check tool.measuring_point in the cell.")
             }
         }
         Cause::MirroredFrame => format!(
@@ -433,14 +434,13 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
 /// A ratio in words: how many times too large or small.
 fn times(factor: Option<f64>) -> (String, &'static str) {
     let factor = factor.unwrap_or(1.0);
-    let (value, size) = match factor < 1.0 {
-        true => (1.0 / factor, "small"),
-        false => (factor, "large"),
+    let (value, size) = if factor < 1.0 {
+        (1.0 / factor, "small")
+    } else {
+        (factor, "large")
     };
-    match value.is_finite() && (value - value.round()).abs() > 0.05 && value < 100.0 {
-        true => (format!("{value:.1}"), size),
-        false => (format!("{value:.0}"), size),
-    }
+    let digits = usize::from((value - value.round()).abs() > 0.05 && value < 100.0);
+    (format!("{value:.digits$}"), size)
 }
 
 /// `1, 2 or 3`.

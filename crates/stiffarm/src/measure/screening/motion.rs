@@ -55,9 +55,10 @@ impl Move {
 
     /// The state on the other side of the difference.
     pub fn other_than(&self, at: (usize, usize)) -> (usize, usize) {
-        match self.state == at.1 {
-            true => (self.posture, self.reference),
-            false => (self.posture, self.state),
+        if self.state == at.1 {
+            (self.posture, self.reference)
+        } else {
+            (self.posture, self.state)
         }
     }
 

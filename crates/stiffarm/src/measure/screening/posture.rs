@@ -265,9 +265,10 @@ fn describe(work: &Work, p: usize, undo: &Undo) -> Suspicion {
     match undo {
         Undo::Angle(j, angle) => {
             let written = first_angles(work, p).map_or(0.0, |q| q[*j]);
-            let cause = match *angle == -written {
-                true => Cause::AngleSign,
-                false => Cause::MistypedAngle,
+            let cause = if *angle == -written {
+                Cause::AngleSign
+            } else {
+                Cause::MistypedAngle
             };
             let mut out = Suspicion::new(cause).joints(&work.cell, &[*j]);
             out.angles_deg = vec![rad_to_deg(written), rad_to_deg(*angle)];

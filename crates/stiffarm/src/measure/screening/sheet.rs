@@ -132,12 +132,11 @@ impl Sheet {
                         suspicion.repeat = strays.repeat;
                         found.push(suspicion);
                     }
-                    let position = match kept.len() == own.count() {
-                        true => own.position,
-                        false => {
-                            let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
-                            sum / kept.len() as f64
-                        }
+                    let position = if kept.len() == own.count() {
+                        own.position
+                    } else {
+                        let sum: Vector3<f64> = kept.iter().map(|r| r.position).sum();
+                        sum / kept.len() as f64
                     };
                     out.points[a] = (!kept.is_empty()).then(|| Mean {
                         position,

@@ -157,13 +157,12 @@ impl NamePattern {
         let mut rest = name.strip_prefix(self.before.as_str())?;
         let mut out = Vec::new();
         for (i, (part, behind)) in self.parts.iter().enumerate() {
-            let own = match i + 1 == self.parts.len() {
-                true => rest.strip_suffix(behind.as_str())?,
-                false => {
-                    let (own, after) = rest.split_once(behind.as_str())?;
-                    rest = after;
-                    own
-                }
+            let own = if i + 1 == self.parts.len() {
+                rest.strip_suffix(behind.as_str())?
+            } else {
+                let (own, after) = rest.split_once(behind.as_str())?;
+                rest = after;
+                own
             };
             let own = own.trim();
             if part.column().is_some() {

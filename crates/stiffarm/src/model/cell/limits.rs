@@ -179,9 +179,10 @@ impl Limits {
                         let offset = subject.point - frames.origins()[0];
                         let across = offset - axis * axis.dot(&offset);
                         let distance = across.norm();
-                        let along = match distance > 0.0 {
-                            true => across / distance,
-                            false => Vector3::zeros(),
+                        let along = if distance > 0.0 {
+                            across / distance
+                        } else {
+                            Vector3::zeros()
                         };
                         (distance - radius, along)
                     }

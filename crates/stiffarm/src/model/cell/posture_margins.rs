@@ -46,14 +46,13 @@ impl Cell {
         let middle: Vec<f64> = self.bounds.iter().map(|b| 0.5 * (b[0] + b[1])).collect();
         let unloaded =
             (self.setup.load == Load::Measured).then_some(Wrench::force(Vector3::zeros()));
-        let each = match self.setup.load.has_cases() {
-            false => vec![(Cow::Borrowed(&self.setup), Cow::Borrowed(&self.scene))],
-            true => {
-                let cells = self.limit_cases().into_iter();
-                cells
-                    .map(|own| (Cow::Owned(own.setup), Cow::Owned(own.scene)))
-                    .collect()
-            }
+        let each = if self.setup.load.has_cases() {
+            let cells = self.limit_cases().into_iter();
+            cells
+                .map(|own| (Cow::Owned(own.setup), Cow::Owned(own.scene)))
+                .collect()
+        } else {
+            vec![(Cow::Borrowed(&self.setup), Cow::Borrowed(&self.scene))]
         };
         let cases = each
             .into_iter()

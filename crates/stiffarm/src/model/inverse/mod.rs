@@ -258,9 +258,10 @@ impl InverseKinematics {
     /// Every posture within the machine's limits that differs from `q` \[rad\]
     /// by full turns of its joints; of very wide limits those about the middle.
     pub fn turns_within_limits(&self, q: &[f64]) -> Vec<Vec<f64>> {
-        match self.fits(q) {
-            true => self.turns.within_limits(q),
-            false => Vec::new(),
+        if self.fits(q) {
+            self.turns.within_limits(q)
+        } else {
+            Vec::new()
         }
     }
 

@@ -21,14 +21,16 @@ pub fn feed_axes(poses: &[Isometry3<f64>]) -> Vec<Option<Rotation3<f64>>> {
     let mut before: Vec<Option<usize>> = vec![None; count];
     let mut behind: Vec<Option<usize>> = vec![None; count];
     for i in 1..count {
-        before[i] = match away(i - 1, i) {
-            true => Some(i - 1),
-            false => before[i - 1],
+        before[i] = if away(i - 1, i) {
+            Some(i - 1)
+        } else {
+            before[i - 1]
         };
         let i = count - 1 - i;
-        behind[i] = match away(i + 1, i) {
-            true => Some(i + 1),
-            false => behind[i + 1],
+        behind[i] = if away(i + 1, i) {
+            Some(i + 1)
+        } else {
+            behind[i + 1]
         };
     }
     (0..count)

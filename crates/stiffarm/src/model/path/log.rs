@@ -88,9 +88,12 @@ impl LoadLog {
             }
             let own = stations[i];
             // A rapid move has the load of none of its ends.
-            let to = |is_near: bool, other: usize| match is_near {
-                true => 0.5 * (own + stations[other]),
-                false => own,
+            let to = |is_near: bool, other: usize| {
+                if is_near {
+                    0.5 * (own + stations[other])
+                } else {
+                    own
+                }
             };
             let from = to(i > 0 && !rapid[i], i.saturating_sub(1));
             let next = (i + 1).min(rapid.len() - 1);
@@ -181,10 +184,11 @@ impl LoadLog {
     fn mean(&self, from: f64, to: f64) -> Vector6<f64> {
         let (value, start) = self.until(from);
         let (_, end) = self.until(to);
-        match to - from > 1e-12 {
+        if to - from > 1e-12 {
             // Beyond its ends the log stays as it is there.
-            true => (end - start) / (to - from),
-            false => value,
+            (end - start) / (to - from)
+        } else {
+            value
         }
     }
 
@@ -239,9 +243,10 @@ impl LoadLog {
 }
 
 fn no_time(point: &PathPoint) -> Error {
-    let what = match point.rapid {
-        true => "the rapid move to",
-        false => "the move to",
+    let what = if point.rapid {
+        "the rapid move to"
+    } else {
+        "the move to"
     };
     let message = format!(
         "The log counts time, and {what} point {} has no feed.",

@@ -69,18 +69,21 @@ impl Configuration {
     /// If `q` does not have one entry per joint.
     pub fn of(robot: &Robot, q: &[f64]) -> Option<Self> {
         let arm = Arm::of(robot, q)?;
-        let shoulder = match arm.is_front() {
-            true => Shoulder::Front,
-            false => Shoulder::Back,
+        let shoulder = if arm.is_front() {
+            Shoulder::Front
+        } else {
+            Shoulder::Back
         };
         // Behind axis 1 the arm is seen from the other side.
-        let elbow = match arm.is_bent_down() == arm.is_front() {
-            true => Elbow::Up,
-            false => Elbow::Down,
+        let elbow = if arm.is_bent_down() == arm.is_front() {
+            Elbow::Up
+        } else {
+            Elbow::Down
         };
-        let wrist = match arm.wrist_sine >= -ZERO {
-            true => Wrist::NoFlip,
-            false => Wrist::Flip,
+        let wrist = if arm.wrist_sine >= -ZERO {
+            Wrist::NoFlip
+        } else {
+            Wrist::Flip
         };
         Some(Configuration {
             shoulder,

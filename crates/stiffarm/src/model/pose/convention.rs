@@ -139,10 +139,13 @@ impl Convention {
         let columns = self.columns().iter();
         columns
             .zip(self.numbers(rotation))
-            .map(|(column, value)| match column.ends_with("_deg") {
-                true => within_half_turn(rad_to_deg(value)),
-                // Adding zero turns −0 into 0.
-                false => value + 0.0,
+            .map(|(column, value)| {
+                if column.ends_with("_deg") {
+                    within_half_turn(rad_to_deg(value))
+                } else {
+                    // Adding zero turns −0 into 0.
+                    value + 0.0
+                }
             })
             .collect()
     }
@@ -193,13 +196,14 @@ impl Convention {
 /// quarter turn only the sum of the others is determined: the third is zero.
 fn fixed_turns(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
     let r = rotation.to_rotation_matrix();
-    match r[(2, 1)].hypot(r[(2, 2)]) < QUARTER {
-        true => [
+    if r[(2, 1)].hypot(r[(2, 2)]) < QUARTER {
+        [
             (-r[(1, 2)]).atan2(r[(1, 1)]),
             r[(2, 0)].signum() * -FRAC_PI_2,
             0.0,
-        ],
-        false => roll_pitch_yaw(rotation),
+        ]
+    } else {
+        roll_pitch_yaw(rotation)
     }
 }
 
@@ -221,9 +225,10 @@ fn euler_zyz(rotation: &UnitQuaternion<f64>) -> [f64; 3] {
 
 /// Half a turn is 180° and not −180°, and zero is not −0.
 fn within_half_turn(deg: f64) -> f64 {
-    match deg < -180.0 + ROUNDING_DEG {
-        true => deg + 360.0,
-        false => deg + 0.0,
+    if deg < -180.0 + ROUNDING_DEG {
+        deg + 360.0
+    } else {
+        deg + 0.0
     }
 }
 
@@ -241,11 +246,10 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>> {
 fn matrix(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
     let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
     if off > ROUNDED || matrix.determinant() < 0.0 {
-        let message = match off > ROUNDED {
-            true => {
-                "The matrix is no rotation: its columns are not at right angles and of length 1."
-            }
-            false => "The matrix is no rotation: its axes are left-handed.",
+        let message = if off > ROUNDED {
+            "The matrix is no rotation: its columns are not at right angles and of length 1."
+        } else {
+            "The matrix is no rotation: its axes are left-handed."
         };
         return Err(Error::new(Code::InvalidValue, message)
             .hint("r11, r12, r13 are the first row; the columns are the axes of the frame"));

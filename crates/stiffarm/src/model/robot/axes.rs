@@ -126,10 +126,11 @@ fn step(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
     let mut x = Vector3::new(-direction.y, direction.x, 0.0) / sine;
     let mut a = point.dot(&x);
     let mut alpha = sine.atan2(direction.z);
-    let backwards = match a.abs() > MEET {
-        true => a < 0.0,
+    let backwards = if a.abs() > MEET {
+        a < 0.0
+    } else {
         // Either way is a normal of axes that meet: the smaller turn.
-        false => x.x < -1e-9 || (x.x < 1e-9 && x.y < 0.0),
+        x.x < -1e-9 || (x.x < 1e-9 && x.y < 0.0)
     };
     if backwards {
         (x, a, alpha) = (-x, -a, -alpha);
@@ -149,9 +150,10 @@ fn step(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
 fn tilted(point: &Vector3<f64>, direction: &Vector3<f64>) -> Step {
     let met = point - direction * (point.z / direction.z);
     let apart = met.x.hypot(met.y);
-    let (turn, a) = match apart > SAME {
-        true => (met.y.atan2(met.x), apart),
-        false => (0.0, 0.0),
+    let (turn, a) = if apart > SAME {
+        (met.y.atan2(met.x), apart)
+    } else {
+        (0.0, 0.0)
     };
     let back = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -turn);
     // RotX(α) RotY(β) z = (sin β, −sin α cos β, cos α cos β).

@@ -78,9 +78,10 @@ impl SceneParts {
                 // What stands does not move, and links are lines against the tool's solids.
                 let a_moves =
                     b.carrier == Carrier::World || (a.carrier != Carrier::World && b.is_tool());
-                pairs.push(match a_moves {
-                    true => Pair { mover: i, solid: j },
-                    false => Pair { mover: j, solid: i },
+                pairs.push(if a_moves {
+                    Pair { mover: i, solid: j }
+                } else {
+                    Pair { mover: j, solid: i }
                 });
             }
         }
@@ -134,9 +135,10 @@ impl Scene {
         }
         let mut kept = Vec::with_capacity(self.pairs.len());
         for (pair, always) in std::mem::take(&mut self.pairs).into_iter().zip(always) {
-            match always {
-                true => self.dropped.push((pair.mover, pair.solid)),
-                false => kept.push(pair),
+            if always {
+                self.dropped.push((pair.mover, pair.solid))
+            } else {
+                kept.push(pair)
             }
         }
         self.pairs = kept;

@@ -149,9 +149,10 @@ impl DisplacementLimits {
         by_torque.resize(n, 0.0);
         // A displacement of zero has no direction.
         let points = terms.columns.chunks_exact(n);
-        let scale = match value > 0.0 {
-            true => 1.0 / (points.len() as f64 * value),
-            false => 0.0,
+        let scale = if value > 0.0 {
+            1.0 / (points.len() as f64 * value)
+        } else {
+            0.0
         };
         by_deflection.clear();
         by_deflection.resize(n, 0.0);

@@ -28,9 +28,10 @@ impl Bounded {
     pub fn least_distance(&self, a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
         let along = b - a;
         let length = along.norm_squared();
-        let t = match length > 0.0 {
-            true => ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0),
-            false => 0.0,
+        let t = if length > 0.0 {
+            ((self.centre - a).dot(&along) / length).clamp(0.0, 1.0)
+        } else {
+            0.0
         };
         (self.centre - a - along * t).norm() - self.radius
     }

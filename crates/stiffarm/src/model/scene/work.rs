@@ -117,9 +117,10 @@ impl Memory {
 
     /// How far a distance is to be told so that it lasts.
     pub fn ahead(&self, enough: f64) -> f64 {
-        match self.reach.is_empty() {
-            true => enough,
-            false => enough + AHEAD,
+        if self.reach.is_empty() {
+            enough
+        } else {
+            enough + AHEAD
         }
     }
 
@@ -127,9 +128,10 @@ impl Memory {
     /// and one that grows longer does at once.
     pub fn note(&mut self, at: usize, travel: f64, distance: f64) {
         if let Some(known) = self.known.get_mut(at) {
-            *known = match distance.is_finite() {
-                true => Known { distance, travel },
-                false => UNKNOWN,
+            *known = if distance.is_finite() {
+                Known { distance, travel }
+            } else {
+                UNKNOWN
             };
         }
     }

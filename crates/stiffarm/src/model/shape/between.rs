@@ -64,12 +64,13 @@ pub fn between(first: &Solid, second: &Solid, enough: f64) -> Option<Between> {
             Found::Apart(at) => Some(at),
             Found::Overlap => {
                 let (own, other) = (peeled(first, second), peeled(second, first));
-                Some(match own.distance <= other.distance {
-                    true => own,
-                    false => Between {
+                Some(if own.distance <= other.distance {
+                    own
+                } else {
+                    Between {
                         direction: -other.direction,
                         ..other
-                    },
+                    }
                 })
             }
         },
@@ -251,9 +252,10 @@ impl Solid {
             } => {
                 let own = pose.rotation.inverse() * along;
                 let across = own.x.hypot(own.y);
-                let out = match across > 0.0 {
-                    true => (radius - layer) / across,
-                    false => 0.0,
+                let out = if across > 0.0 {
+                    (radius - layer) / across
+                } else {
+                    0.0
                 };
                 let up = (half_length - layer).copysign(own.z);
                 let corner = Vector3::new(own.x * out, own.y * out, up);

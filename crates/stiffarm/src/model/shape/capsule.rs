@@ -45,9 +45,10 @@ impl Capsule {
     pub fn distance_to(&self, point: &Vector3<f64>) -> f64 {
         let along = self.b - self.a;
         let length = along.norm_squared();
-        let t = match length > 0.0 {
-            true => ((point - self.a).dot(&along) / length).clamp(0.0, 1.0),
-            false => 0.0,
+        let t = if length > 0.0 {
+            ((point - self.a).dot(&along) / length).clamp(0.0, 1.0)
+        } else {
+            0.0
         };
         (point - self.a - along * t).norm() - self.radius
     }

@@ -177,18 +177,25 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
     let (ab, ar, br) = (own.dot(&other), own.dot(&between), other.dot(&between));
     // Squares below this are points.
     let point = 1e-24;
-    let on_other = |t: f64| match bb > point {
-        true => ((br + ab * t) / bb).clamp(0.0, 1.0),
-        false => 0.0,
+    let on_other = |t: f64| {
+        if bb > point {
+            ((br + ab * t) / bb).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
     };
-    let on_own = |s: f64| match aa > point {
-        true => ((ab * s - ar) / aa).clamp(0.0, 1.0),
-        false => 0.0,
+    let on_own = |s: f64| {
+        if aa > point {
+            ((ab * s - ar) / aa).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
     };
     let determinant = aa * bb - ab * ab;
-    let first = match determinant > 1e-14 * aa * bb {
-        true => ((ab * br - ar * bb) / determinant).clamp(0.0, 1.0),
-        false => 0.0,
+    let first = if determinant > 1e-14 * aa * bb {
+        ((ab * br - ar * bb) / determinant).clamp(0.0, 1.0)
+    } else {
+        0.0
     };
     // Clamped in turn; for parallel segments from either end.
     let mut best = Nearest {
@@ -215,13 +222,13 @@ fn nearest_to_capsule(capsule: &Capsule, a: &Vector3<f64>, b: &Vector3<f64>) -> 
             break;
         }
     }
-    best.direction = match best.distance > 1e-12 {
-        true => best_across / best.distance,
+    best.direction = if best.distance > 1e-12 {
+        best_across / best.distance
+    } else {
         // Segments that cross part fastest across both.
-        false => own
-            .cross(&other)
+        own.cross(&other)
             .try_normalize(1e-12)
-            .unwrap_or_else(|| any_across(&own)),
+            .unwrap_or_else(|| any_across(&own))
     };
     best.distance -= capsule.radius;
     best

@@ -12,15 +12,17 @@ impl Solid {
             Solid::Capsule(capsule) => {
                 let along = capsule.b - capsule.a;
                 let length = along.norm_squared();
-                let t = match length > 0.0 {
-                    true => ((point - capsule.a).dot(&along) / length).clamp(0.0, 1.0),
-                    false => 0.0,
+                let t = if length > 0.0 {
+                    ((point - capsule.a).dot(&along) / length).clamp(0.0, 1.0)
+                } else {
+                    0.0
                 };
                 let across = point - capsule.a - along * t;
                 let distance = across.norm();
-                let direction = match distance > 0.0 {
-                    true => across / distance,
-                    false => any_across(&along),
+                let direction = if distance > 0.0 {
+                    across / distance
+                } else {
+                    any_across(&along)
                 };
                 (distance - capsule.radius, direction)
             }
@@ -65,9 +67,10 @@ pub(super) fn of_cylinder(
     point: &Vector3<f64>,
 ) -> (f64, Vector3<f64>) {
     let across = (point.x * point.x + point.y * point.y).sqrt();
-    let outward = match across > 0.0 {
-        true => Vector3::new(point.x / across, point.y / across, 0.0),
-        false => Vector3::x(),
+    let outward = if across > 0.0 {
+        Vector3::new(point.x / across, point.y / across, 0.0)
+    } else {
+        Vector3::x()
     };
     let up = Vector3::z() * sign(point.z);
     let (side, end) = (across - radius, point.z.abs() - half_length);

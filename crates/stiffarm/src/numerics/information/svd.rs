@@ -94,9 +94,10 @@ pub fn svd(mut a: DMatrix<f64>) -> Option<Svd> {
     let norms: Vec<f64> = a.column_iter().map(|c| length(c.norm_squared())).collect();
     let order = order_by_number(n, |i| -norms[i]);
     for (mut column, norm) in a.column_iter_mut().zip(&norms) {
-        match *norm > 0.0 {
-            true => column.unscale_mut(*norm),
-            false => column.fill(0.0),
+        if *norm > 0.0 {
+            column.unscale_mut(*norm)
+        } else {
+            column.fill(0.0)
         }
     }
     Some(Svd {

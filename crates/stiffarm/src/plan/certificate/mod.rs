@@ -381,9 +381,10 @@ impl<'a> Plan<'a> {
         let mut outside = Vec::new();
         let mut starts = Vec::new();
         for (i, q) in postures.iter().enumerate() {
-            match space.contains(q.as_ref())? {
-                true => starts.push(q.as_ref().to_vec()),
-                false => outside.push(i + 1),
+            if space.contains(q.as_ref())? {
+                starts.push(q.as_ref().to_vec())
+            } else {
+                outside.push(i + 1)
             }
         }
         starts.extend(space.samples(STARTS));

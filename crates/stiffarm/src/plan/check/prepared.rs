@@ -18,9 +18,10 @@ const POSTURES: u32 = 64;
 /// The cell of a plan, with its characteristic length, and [`determinable`] where its load is `given`; and what to
 /// distrust about it.
 pub fn prepared(cell: &Cell, given: bool) -> (Cell, Vec<Finding>) {
-    let (cell, left_out) = match given {
-        true => determinable(cell.clone()),
-        false => (cell.clone(), Vec::new()),
+    let (cell, left_out) = if given {
+        determinable(cell.clone())
+    } else {
+        (cell.clone(), Vec::new())
     };
     let mut findings = robot_doubts(&cell.setup.robot);
     findings.extend(left_out);

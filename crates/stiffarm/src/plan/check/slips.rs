@@ -42,9 +42,10 @@ impl Slips<'_> {
 
     /// As [`Slips::add`], of a number that is `times` as large as what is plausible.
     fn add_beyond(&mut self, times: f64, key: &str, sentence: String) {
-        let severity = match times > SERIOUS {
-            true => Severity::Serious,
-            false => Severity::Caution,
+        let severity = if times > SERIOUS {
+            Severity::Serious
+        } else {
+            Severity::Caution
         };
         self.0
             .push(Finding::new("suspicious-unit", severity, key, sentence));

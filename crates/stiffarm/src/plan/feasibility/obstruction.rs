@@ -186,12 +186,11 @@ pub(crate) fn nothing_meets(cell: &Cell, tried: usize) -> Error {
         Ok(found) => format!("{tried} {}", found.words()),
         Err(_) => tried,
     };
-    let hint = match cell.scene.is_empty() {
-        true => "check the limits' frame (robot base) and unit (mm)",
-        false => {
-            "relax what stands in the way: check frames (base, flange) and units (mm) of limits, shapes and stations, \
+    let hint = if cell.scene.is_empty() {
+        "check the limits' frame (robot base) and unit (mm)"
+    } else {
+        "relax what stands in the way: check frames (base, flange) and units (mm) of limits, shapes and stations, \
                   or move anchor, station or obstacle"
-        }
     };
     Error::new(Code::InvalidValue, message)
         .key("limits")

@@ -83,25 +83,30 @@ impl Criterion {
     /// Value at M (packed), without the derivative.
     pub fn value(&mut self, m: &[f64]) -> f64 {
         match self.index {
-            Index::ExpectedError | Index::DropOne => match self.factor(m) {
-                true => {
+            Index::ExpectedError | Index::DropOne => {
+                if self.factor(m) {
                     let trace: f64 = self.inverse_lower.iter().map(|v| v * v).sum();
                     0.5 * (trace / self.n as f64).ln()
+                } else {
+                    f64::INFINITY
                 }
-                false => f64::INFINITY,
-            },
-            Index::D | Index::O1 => match cholesky(self.n, m, &mut self.lower) {
-                true => self.log_root_determinant(),
-                false => f64::INFINITY,
-            },
-            Index::WorstJoint => match self.factor(m) {
-                true => {
+            }
+            Index::D | Index::O1 => {
+                if cholesky(self.n, m, &mut self.lower) {
+                    self.log_root_determinant()
+                } else {
+                    f64::INFINITY
+                }
+            }
+            Index::WorstJoint => {
+                if self.factor(m) {
                     inverse_from_lower(self.n, &self.inverse_lower, &mut self.inverse);
                     let diagonal = self.inverse.iter().step_by(self.n + 1);
                     0.5 * diagonal.copied().fold(0.0, f64::max).ln()
+                } else {
+                    f64::INFINITY
                 }
-                false => f64::INFINITY,
-            },
+            }
             _ => self.evaluate(m).exact,
         }
     }

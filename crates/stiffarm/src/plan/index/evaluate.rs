@@ -318,9 +318,10 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     let (mut scaled_condition, mut d, mut drop_one) = (None, None, None);
     let mut scaled_sigma = Vec::new();
     // Without a posture-common part the whitened Ψ is Ψ.
-    let weighted = match rho > 0.0 {
-        true => Factor::new(&whitened)?,
-        false => factor.clone(),
+    let weighted = if rho > 0.0 {
+        Factor::new(&whitened)?
+    } else {
+        factor.clone()
     };
     if let Some(prior) = &cell.prior {
         scaled_condition = ratio(&factor.singular_values(|j| 1.0 / prior[j])?);
@@ -332,14 +333,15 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
         scaled_sigma = s.iter().copied().collect();
         drop_one = each.drop_one_error(&whitened, prior, std)?;
     }
-    let task = match cell.tasks.is_empty() {
-        true => None,
-        false => match task_rows(cell) {
+    let task = if cell.tasks.is_empty() {
+        None
+    } else {
+        match task_rows(cell) {
             Ok(rows) => weighted.mapped_error(&rows).map(|e| std * e),
             // A task that turns what is left out.
             Err(error) if error.code() == Code::NotIdentifiable => None,
             Err(error) => return Err(error),
-        },
+        }
     };
     let rms = rms(&relative);
     let worst = relative
@@ -349,9 +351,10 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
     let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
-    let predicted = match full {
-        true => predicting.and_then(|(model, stack)| model.value_of(stack)),
-        false => None,
+    let predicted = if full {
+        predicting.and_then(|(model, stack)| model.value_of(stack))
+    } else {
+        None
     };
     Ok(GroupEvaluation {
         name: name.to_string(),
@@ -404,9 +407,10 @@ fn correlation(factor: &Factor) -> Vec<Vec<f64>> {
     let n = covariance.nrows();
     let one = |i: usize, j: usize| {
         let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
-        match i == j {
-            true => 1.0,
-            false => (covariance[(i, j)] / size).clamp(-1.0, 1.0),
+        if i == j {
+            1.0
+        } else {
+            (covariance[(i, j)] / size).clamp(-1.0, 1.0)
         }
     };
     (0..n)

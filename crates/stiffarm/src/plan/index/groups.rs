@@ -17,9 +17,10 @@ pub fn evaluate_groups<G: AsRef<[Q]> + Sync, Q: AsRef<[f64]>>(
     groups: &[G],
     wanted: &[Index],
 ) -> Result<Vec<Indices>> {
-    let model = match wanted.contains(&Index::Prediction) {
-        true => PredictionModel::of_cell(cell).ok(),
-        false => None,
+    let model = if wanted.contains(&Index::Prediction) {
+        PredictionModel::of_cell(cell).ok()
+    } else {
+        None
     };
     in_order(groups, |(number, group)| {
         let terms = posture_terms(cell, group.as_ref())?;

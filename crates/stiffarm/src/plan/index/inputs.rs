@@ -25,24 +25,23 @@ impl Inputs {
     /// length.
     pub fn new(cell: &Cell, index: Index) -> Result<Self> {
         let robot = &cell.setup.robot;
-        let dexterity = match index.uses_dexterity() {
-            true => {
-                require_six_joints(robot).map_err(|error| {
-                    error.hint(
-                        "choose an index without dexterity: expected_error, scaled_condition, d",
-                    )
-                })?;
-                Some(cell.require_characteristic_length()?)
-            }
-            false => None,
+        let dexterity = if index.uses_dexterity() {
+            require_six_joints(robot).map_err(|error| {
+                error.hint("choose an index without dexterity: expected_error, scaled_condition, d")
+            })?;
+            Some(cell.require_characteristic_length()?)
+        } else {
+            None
         };
-        let compliance: Vec<f64> = match index.needs_prior() {
-            true => cell.require_prior()?.iter().map(|k| 1.0 / k).collect(),
-            false => vec![1.0; robot.spring_count()],
+        let compliance: Vec<f64> = if index.needs_prior() {
+            cell.require_prior()?.iter().map(|k| 1.0 / k).collect()
+        } else {
+            vec![1.0; robot.spring_count()]
         };
-        let common_weight = match index.is_error() {
-            true => cell.noise.common_weight(cell.setup.tool.point_count()),
-            false => 0.0,
+        let common_weight = if index.is_error() {
+            cell.noise.common_weight(cell.setup.tool.point_count())
+        } else {
+            0.0
         };
         Ok(Inputs {
             dexterity,
@@ -136,10 +135,11 @@ impl Given {
 /// # Errors
 /// The index needs tasks and the cell has none.
 pub(crate) fn criterion(cell: &Cell, index: Index) -> Result<Criterion> {
-    let task = match index.needs_tasks() {
+    let task = if index.needs_tasks() {
         // Symmetric, so the order of rows and columns does not matter.
-        true => Some(task_matrix(cell)?.as_slice().to_vec()),
-        false => None,
+        Some(task_matrix(cell)?.as_slice().to_vec())
+    } else {
+        None
     };
     Ok(Criterion::new(index, cell.setup.robot.spring_count(), task))
 }

@@ -195,9 +195,10 @@ impl Index {
     /// The index from the logarithm that searches minimise (of its reciprocal
     /// for O1 to O5).
     pub fn of_log(self, log: f64) -> f64 {
-        match self.larger_is_better() {
-            true => (-log).exp(),
-            false => log.exp(),
+        if self.larger_is_better() {
+            (-log).exp()
+        } else {
+            log.exp()
         }
     }
 

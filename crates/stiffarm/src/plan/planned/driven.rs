@@ -33,9 +33,12 @@ impl Driving<'_> {
                 let each = rounded(cell, postures, step)?.into_iter().zip(postures);
                 // A posture at the edge of what is accepted stays as it was found.
                 let accepted = |q: &[f64]| self.accept.is_none_or(|own| own.accepts(q));
-                each.map(|(rounded, found)| match accepted(&rounded) {
-                    true => rounded,
-                    false => found.as_ref().to_vec(),
+                each.map(|(rounded, found)| {
+                    if accepted(&rounded) {
+                        rounded
+                    } else {
+                        found.as_ref().to_vec()
+                    }
                 })
                 .collect()
             }

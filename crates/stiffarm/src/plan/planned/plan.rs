@@ -71,9 +71,10 @@ pub fn plan(
     let (group, route) = driving.driven(&cell, &selection.group)?;
     let selection = selection.with_group(&cell, given, group)?;
     let postures = named(&selection, initial, given);
-    let bounds = match request.certificate && initial.is_none() {
-        true => Bounds::new(&cell, request.index, given, &postures, watch, control),
-        false => Bounds::default(),
+    let bounds = if request.certificate && initial.is_none() {
+        Bounds::new(&cell, request.index, given, &postures, watch, control)
+    } else {
+        Bounds::default()
     };
     let sensitivity = examined(&cell, request, &postures, control)?;
     let prices = priced(&cell, request, &global, selection.value, control)?;
@@ -82,13 +83,15 @@ pub fn plan(
         Some(initial) => (initial, "initial"),
         None => (given, "given"),
     };
-    let before = match known.is_empty() {
-        true => None,
-        false => Some(EvaluatedGroup::new(&cell, before_name, known)?),
+    let before = if known.is_empty() {
+        None
+    } else {
+        Some(EvaluatedGroup::new(&cell, before_name, known)?)
     };
-    let after_name = match given.is_empty() {
-        true => "selected",
-        false => "with new",
+    let after_name = if given.is_empty() {
+        "selected"
+    } else {
+        "with new"
     };
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let same = |stops: &Vec<usize>| stops.iter().map(|p| postures[*p].name.clone()).collect();
@@ -99,11 +102,12 @@ pub fn plan(
         posture_names: names(&postures),
         repeats: route.repeats.iter().map(same).collect(),
         given_names: names(given),
-        given_value: match given.is_empty() {
-            true => None,
-            false => before
+        given_value: if given.is_empty() {
+            None
+        } else {
+            before
                 .as_ref()
-                .and_then(|b| b.evaluation.indices.get(request.index)),
+                .and_then(|b| b.evaluation.indices.get(request.index))
         },
         joints: cell.setup.robot.spring_names(),
         evaluation: GroupEvaluation {

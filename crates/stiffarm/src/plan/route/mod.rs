@@ -115,9 +115,10 @@ fn standing_places(
     let (mut stands, mut of) = (Vec::new(), Vec::new());
     for (posture, q) in plan.iter().enumerate() {
         control.check()?;
-        let own = match options.keep_angles {
-            true => vec![q.clone()],
-            false => equivalents.of(q)?,
+        let own = if options.keep_angles {
+            vec![q.clone()]
+        } else {
+            equivalents.of(q)?
         };
         of.extend(std::iter::repeat_n(posture, own.len()));
         stands.extend(own);

@@ -43,9 +43,10 @@ pub(super) fn nearest(
     let Some(margin) = about.get(least.which) else {
         return Ok(None);
     };
-    let left_out = match free {
-        true => 0.0,
-        false => allowance(cell, ways.cell, margin.kind) - added[least.which],
+    let left_out = if free {
+        0.0
+    } else {
+        allowance(cell, ways.cell, margin.kind) - added[least.which]
     };
     Ok(Some(NearestOnTheWay {
         kind: margin.kind,

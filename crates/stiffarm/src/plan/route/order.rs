@@ -53,9 +53,10 @@ impl Places {
     /// The shortest order, place by place, for certain where [`is_small`](Self::is_small); a stop ends the
     /// exchanges with the best so far.
     pub fn shortest(&self, seed: u64, control: Control<'_>) -> Vec<usize> {
-        match self.is_small() {
-            true => self.by_recursion(),
-            false => self.by_exchanges(seed, control),
+        if self.is_small() {
+            self.by_recursion()
+        } else {
+            self.by_exchanges(seed, control)
         }
     }
 
@@ -250,9 +251,10 @@ impl Places {
                 None => self.end(place),
             };
             let before = to.checked_sub(1);
-            let gap = match to == i {
-                true => joined,
-                false => self.step(&rest, before, Some(to)),
+            let gap = if to == i {
+                joined
+            } else {
+                self.step(&rest, before, Some(to))
             };
             link(before, first) + link(Some(to), last) - gap
         };

@@ -22,15 +22,18 @@ fn on_step(q: f64, step_deg: f64, up: bool) -> f64 {
     let number = rad_to_deg(q) / step_deg;
     // An angle on a step to rounding stays there.
     let nearest = number.round();
-    let number = match (number - nearest).abs() < 1e-6 {
-        true => nearest,
-        false if up => number.ceil(),
-        false => number.floor(),
+    let number = if (number - nearest).abs() < 1e-6 {
+        nearest
+    } else if up {
+        number.ceil()
+    } else {
+        number.floor()
     };
     let each = (1.0 / step_deg).round();
-    let deg = match (each * step_deg - 1.0).abs() < 1e-9 {
-        true => number / each,
-        false => number * step_deg,
+    let deg = if (each * step_deg - 1.0).abs() < 1e-9 {
+        number / each
+    } else {
+        number * step_deg
     };
     // No minus before zero.
     deg_to_rad(deg + 0.0)
@@ -40,10 +43,7 @@ fn on_step(q: f64, step_deg: f64, up: bool) -> f64 {
 pub(super) fn nearest(q: &[f64], step_deg: f64) -> Vec<f64> {
     let round = |q: &f64| {
         let (low, high) = (on_step(*q, step_deg, false), on_step(*q, step_deg, true));
-        match q - low <= high - q {
-            true => low,
-            false => high,
-        }
+        if q - low <= high - q { low } else { high }
     };
     q.iter().map(round).collect()
 }

@@ -43,9 +43,10 @@ impl Tree {
         // Out of a narrow place only short branches lead.
         for length in BRANCHES {
             let share = (length / apart).min(1.0);
-            let next = match share < 1.0 {
-                true => nearest(&between(&self.postures[near], goal, share), VIA_STEP_DEG),
-                false => goal.to_vec(),
+            let next = if share < 1.0 {
+                nearest(&between(&self.postures[near], goal, share), VIA_STEP_DEG)
+            } else {
+                goal.to_vec()
             };
             if ways.is_clear(&next)? && ways.is_free(&self.postures[near], &next)? {
                 self.postures.push(next);

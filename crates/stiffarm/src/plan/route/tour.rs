@@ -79,9 +79,10 @@ impl<'a> Tour<'a> {
         self.find_touching(ways)?;
         for round in 0..MOST_ORDERS {
             control.check()?;
-            let order = match options.keep_order {
-                true => self.places.best_equivalents((0..count).collect()),
-                false => self.places.shortest(options.seed, control),
+            let order = if options.keep_order {
+                self.places.best_equivalents((0..count).collect())
+            } else {
+                self.places.shortest(options.seed, control)
             };
             control.check()?;
             let mut as_thought = true;

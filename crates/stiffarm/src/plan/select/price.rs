@@ -42,13 +42,15 @@ pub fn limit_prices(
         let free = cell.without_limit(kind);
         let found = select(&free, index, count, options, control)?;
         // The plan under all limits is one without this one, too.
-        let better = match index.larger_is_better() {
-            true => found.value.max(value),
-            false => found.value.min(value),
+        let better = if index.larger_is_better() {
+            found.value.max(value)
+        } else {
+            found.value.min(value)
         };
-        let price = match index.larger_is_better() {
-            true => better / value - 1.0,
-            false => value / better - 1.0,
+        let price = if index.larger_is_better() {
+            better / value - 1.0
+        } else {
+            value / better - 1.0
         };
         prices.push(LimitPrice {
             kind,

@@ -112,9 +112,10 @@ impl<'a> Search<'a> {
         // Where singular values coalesce the gradient of cond(Ψ) jumps, as that
         // of max k(J_N) does: the first is smoothed ever more sharply, the
         // second has its epigraph variable.
-        let stages: &[Option<f64>] = match self.function.has_extreme_singular_values() {
-            true => sharpness,
-            false => &[None],
+        let stages: &[Option<f64>] = if self.function.has_extreme_singular_values() {
+            sharpness
+        } else {
+            &[None]
         };
         let mut solution: Option<Minimum> = None;
         for sharpness in stages {

@@ -157,12 +157,13 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                     factor: *factor,
                     value: own,
                     best,
-                    loss: own
-                        .zip(best)
-                        .map(|(own, best)| match index.larger_is_better() {
-                            true => (best / own - 1.0).max(0.0),
-                            false => (own / best - 1.0).max(0.0),
-                        }),
+                    loss: own.zip(best).map(|(own, best)| {
+                        if index.larger_is_better() {
+                            (best / own - 1.0).max(0.0)
+                        } else {
+                            (own / best - 1.0).max(0.0)
+                        }
+                    }),
                 });
                 control.report("changed priors", priors.len(), of);
             }

@@ -126,9 +126,10 @@ fn squared_distance(bounds: &[[f64; 2]], a: &[f64], b: &[f64]) -> f64 {
         if range > 0.0 {
             // The remainder is slow, and mostly there is nothing to take off.
             let apart = (a - b).abs();
-            let turn = match apart < TAU {
-                true => apart,
-                false => apart.rem_euclid(TAU),
+            let turn = if apart < TAU {
+                apart
+            } else {
+                apart.rem_euclid(TAU)
             };
             sum += (turn.min(TAU - turn) / range).powi(2);
         }
@@ -315,9 +316,10 @@ impl<'a> Exchange<'a> {
         let mut best = (*smallest, None);
         for leaving in [a, *b] {
             for (candidate, nearest) in self.nearest.iter().enumerate() {
-                let distance = match nearest.first.1 == leaving {
-                    true => nearest.second,
-                    false => nearest.first.0,
+                let distance = if nearest.first.1 == leaving {
+                    nearest.second
+                } else {
+                    nearest.first.0
                 };
                 if distance > best.0 {
                     best = (distance, Some((leaving, candidate)));
@@ -340,9 +342,10 @@ impl<'a> Exchange<'a> {
             };
         }
         for place in 0..self.chosen.len() {
-            let new = match place < leaving {
-                true => self.distance(self.chosen[place], leaving),
-                false => f64::INFINITY,
+            let new = if place < leaving {
+                self.distance(self.chosen[place], leaving)
+            } else {
+                f64::INFINITY
             };
             let before = self.after[place];
             if place == leaving || before.1 == leaving {

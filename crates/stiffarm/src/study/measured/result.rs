@@ -159,17 +159,18 @@ pub(super) fn findings(study: &MeasuredStudy) -> Vec<Finding> {
             let chance = study.get(count, Choice::Random, best.model);
             // Chance itself may be best.
             let beyond = chance.is_some_and(|chance| is_more(chance, best));
-            let (code, begin) = match beyond {
-                true => (
+            let (code, begin) = if beyond {
+                (
                     "best-choice",
                     format!("{count} postures predict best chosen by"),
-                ),
-                false => (
+                )
+            } else {
+                (
                     "no-choice",
                     format!(
                         "With {count} postures no choice beats chance beyond the scatter of the splits; the best is"
                     ),
-                ),
+                )
             };
             add(
                 code,

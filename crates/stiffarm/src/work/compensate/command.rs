@@ -119,21 +119,24 @@ fn inverse_jacobian(terms: &PostureTerms) -> Result<DMatrix<f64>> {
     }
     // Jᵀ has at least as many rows as columns for n ≥ 6, J for n ≤ 6.
     let wide = n > 6;
-    let matrix: DMatrix<f64> = match wide {
-        true => jacobian.transpose().clone_owned().resize(n, 6, 0.0),
-        false => DMatrix::from_fn(6, n, |i, j| jacobian[(i, j)]),
+    let matrix: DMatrix<f64> = if wide {
+        jacobian.transpose().clone_owned().resize(n, 6, 0.0)
+    } else {
+        DMatrix::from_fn(6, n, |i, j| jacobian[(i, j)])
     };
     let parts = svd(matrix)
         .ok_or_else(|| Error::new(Code::Numerical, "The Jacobian could not be decomposed."))?;
-    let (from, to) = match wide {
-        true => (&parts.v, &parts.u),
-        false => (&parts.u, &parts.v),
+    let (from, to) = if wide {
+        (&parts.v, &parts.u)
+    } else {
+        (&parts.u, &parts.v)
     };
     let mut along = from.transpose();
     for (mut row, value) in along.row_iter_mut().zip(parts.values.iter()) {
-        row *= match *value > STUCK * parts.values[0] {
-            true => 1.0 / value,
-            false => 0.0,
+        row *= if *value > STUCK * parts.values[0] {
+            1.0 / value
+        } else {
+            0.0
         };
     }
     Ok(to * along)

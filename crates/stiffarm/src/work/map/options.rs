@@ -87,13 +87,14 @@ pub(super) fn about_tool_axis(turn: f64) -> UnitQuaternion<f64> {
 }
 
 pub(super) fn check_turns(turns: usize) -> Result<()> {
-    match (1..=MOST_TURNS).contains(&turns) {
-        true => Ok(()),
-        false => Err(Error::new(
+    if (1..=MOST_TURNS).contains(&turns) {
+        Ok(())
+    } else {
+        Err(Error::new(
             Code::InvalidValue,
             format!("1 to {MOST_TURNS} turns about the tool axis can be tried, not {turns}."),
         )
-        .key("free_turn")),
+        .key("free_turn"))
     }
 }
 

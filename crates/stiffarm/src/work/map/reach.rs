@@ -17,9 +17,10 @@ const EQUAL: f64 = 1e-9;
 /// The better of two: what bends less, of equals what is farther from the limits.
 pub(super) fn is_better(size: f64, strain: f64, than: (f64, f64)) -> bool {
     let (least, least_strain) = than;
-    match (size - least).abs() <= EQUAL * least {
-        true => strain < least_strain,
-        false => size < least,
+    if (size - least).abs() <= EQUAL * least {
+        strain < least_strain
+    } else {
+        size < least
     }
 }
 
@@ -113,9 +114,10 @@ impl<'a> Reach<'a> {
             Outcome::Reachable(branches) => Ok(branches.into_iter().map(|b| b.q).collect()),
             Outcome::Unreachable(away) => Err(Refusal {
                 status: Status::Unreachable,
-                reason: match away.rotation_rad > 0.0 {
-                    true => "the arm does not reach this orientation".to_string(),
-                    false => format!("{} out of the arm's reach", length(away.distance_m)),
+                reason: if away.rotation_rad > 0.0 {
+                    "the arm does not reach this orientation".to_string()
+                } else {
+                    format!("{} out of the arm's reach", length(away.distance_m))
                 },
                 distance: Some(away.distance_m),
                 excess: away.distance_m,
@@ -137,9 +139,10 @@ impl<'a> Reach<'a> {
         let share = joints.zip(q).map(|(joint, q)| {
             let [low, high] = joint.limits;
             let half = 0.5 * (high - low);
-            match half.is_finite() && half > 0.0 {
-                true => (q - 0.5 * (low + high)).abs() / half,
-                false => 0.0,
+            if half.is_finite() && half > 0.0 {
+                (q - 0.5 * (low + high)).abs() / half
+            } else {
+                0.0
             }
         });
         share.fold(0.0, f64::max)

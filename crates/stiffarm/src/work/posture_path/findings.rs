@@ -84,14 +84,15 @@ pub(super) fn findings(
     }
     if let Some(given) = summary.given_rms_m {
         let gain = 1.0 - summary.deflection_rms_m / given;
-        let sentence = match given > 0.0 && gain > 0.0 {
-            true => format!(
+        let sentence = if given > 0.0 && gain > 0.0 {
+            format!(
                 "Turning about the tool axis lowers the RMS deflection by {}, from {} to {}.",
                 percent(gain),
                 length(given),
                 length(summary.deflection_rms_m)
-            ),
-            false => "Turning about the tool axis does not lower the deflection.".to_string(),
+            )
+        } else {
+            "Turning about the tool axis does not lower the deflection.".to_string()
         };
         out.push(Finding::new("free-turn", Severity::Note, "path", sentence));
     }

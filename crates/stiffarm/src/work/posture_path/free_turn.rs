@@ -70,8 +70,8 @@ pub(super) fn postures(
     let count = search.options.turns.max(1);
     let spacing = TAU / count as f64;
     let closed = search.inverse.method() == Method::ClosedForm;
-    let mut layers: Vec<Vec<Node>> = match closed {
-        true => in_order_watched(&knots, "turns about the tool axis", control, |(_, &i)| {
+    let mut layers: Vec<Vec<Node>> = if closed {
+        in_order_watched(&knots, "turns about the tool axis", control, |(_, &i)| {
             let mut layer = Vec::new();
             for k in 0..count {
                 let turn = wrapped(k as f64 * spacing);
@@ -88,8 +88,9 @@ pub(super) fn postures(
                 }
             }
             Ok(layer)
-        })?,
-        false => swept(search, poses, &knots, spacing, count, &wrench, control)?,
+        })?
+    } else {
+        swept(search, poses, &knots, spacing, count, &wrench, control)?
     };
     if let Some(given) = given {
         for (layer, &i) in layers.iter_mut().zip(&knots) {

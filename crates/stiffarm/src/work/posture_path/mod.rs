@@ -294,12 +294,13 @@ impl Search<'_> {
 
     /// Largest change of a joint on the way to point `i` from the one before, or from `from` \[rad\].
     fn largest_step(&self, from: usize, i: usize) -> f64 {
-        match self.points[(from + 1).min(i)..=i]
+        if self.points[(from + 1).min(i)..=i]
             .iter()
             .any(|point| point.rapid)
         {
-            true => f64::INFINITY,
-            false => self.options.largest_step,
+            f64::INFINITY
+        } else {
+            self.options.largest_step
         }
     }
 

@@ -107,9 +107,10 @@ impl LoadedArm {
             let full = &jacobian * self.compliance() * jacobian.transpose();
             full.fixed_view::<6, 6>(0, 0).into_owned()
         };
-        let added = match self.has_more_than_joints() {
-            true => self.added_compliance(terms),
-            false => Matrix6::zeros(),
+        let added = if self.has_more_than_joints() {
+            self.added_compliance(terms)
+        } else {
+            Matrix6::zeros()
         };
         // Products in another order differ by rounding.
         let sum = joints + added;

@@ -258,9 +258,10 @@ impl LoadedArm {
     /// Tip pose of the loaded arm whose joints stand as in `terms`.
     pub(crate) fn loaded_tip(&self, terms: &PostureTerms) -> Isometry3<f64> {
         let tip = terms.frames().flange() * self.tip;
-        match self.has_more_than_joints() {
-            false => tip,
-            true => moved(&tip, &self.added(terms, true)),
+        if self.has_more_than_joints() {
+            moved(&tip, &self.added(terms, true))
+        } else {
+            tip
         }
     }
 

@@ -235,9 +235,10 @@ fn point(
         deflection_m: shift.norm(),
         linear_difference_m: difference.norm(),
         band: None,
-        stiffness: match options.stiffness {
-            true => Some(Box::new(arm.cartesian(&posture.q, wrench)?)),
-            false => None,
+        stiffness: if options.stiffness {
+            Some(Box::new(arm.cartesian(&posture.q, wrench)?))
+        } else {
+            None
         },
     })
 }

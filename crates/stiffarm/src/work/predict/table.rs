@@ -70,8 +70,9 @@ fn row(point: &PointPrediction) -> String {
 
 /// A name as a field of a table.
 fn quoted(name: &str) -> String {
-    match name.contains([',', '"', '\n', '#', ';']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")),
-        false => name.to_string(),
+    if name.contains([',', '"', '\n', '#', ';']) {
+        format!("\"{}\"", name.replace('"', "\"\""))
+    } else {
+        name.to_string()
     }
 }

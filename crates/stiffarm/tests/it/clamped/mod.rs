@@ -264,9 +264,10 @@ fn a_tilting_joint_and_lost_motion_are_further_terms() {
             1e-8,
             "with the term",
         );
-        let found = match term.is_spring() {
-            true => result.estimates.extra_springs[0].compliance,
-            false => result.estimates.lost_motion[0].angle,
+        let found = if term.is_spring() {
+            result.estimates.extra_springs[0].compliance
+        } else {
+            result.estimates.lost_motion[0].angle
         };
         assert!(
             (found.unwrap() / size - 1.0).abs() < 1e-6,

@@ -294,13 +294,19 @@ impl Model {
         let mut columns = Vec::new();
         for (axes, origin, joint) in places {
             let about = plus(moment, cross(minus(loading, origin), force));
-            let felt = |i: usize| match i < 3 {
-                true => dot(axes[i], force),
-                false => dot(axes[i - 3], about),
+            let felt = |i: usize| {
+                if i < 3 {
+                    dot(axes[i], force)
+                } else {
+                    dot(axes[i - 3], about)
+                }
             };
-            let moved = |i: usize, p: V3<T>| match i < 3 {
-                true => axes[i],
-                false => cross(axes[i - 3], minus(p, origin)),
+            let moved = |i: usize, p: V3<T>| {
+                if i < 3 {
+                    axes[i]
+                } else {
+                    cross(axes[i - 3], minus(p, origin))
+                }
             };
             for row in 0..6 {
                 for column in row..6 {

@@ -106,9 +106,10 @@ fn around(dice: &mut Dice, radius: [f64; 2], z: [f64; 2]) -> [f64; 3] {
 
 fn block(dice: &mut Dice, center: [f64; 3], least: f64, most: f64) -> Shape {
     let size = rounded([0; 3].map(|_| dice.between(least, most)));
-    let rpy = match dice.chance(0.5) {
-        true => rounded([0; 3].map(|_| dice.between(-180.0, 180.0))),
-        false => [0.0; 3],
+    let rpy = if dice.chance(0.5) {
+        rounded([0; 3].map(|_| dice.between(-180.0, 180.0)))
+    } else {
+        [0.0; 3]
     };
     Shape::Box { center, size, rpy }
 }
@@ -116,9 +117,10 @@ fn block(dice: &mut Dice, center: [f64; 3], least: f64, most: f64) -> Shape {
 fn rod(dice: &mut Dice, from: [f64; 3], reach: f64, capsule: bool) -> Shape {
     let to = rounded(from.map(|v| v + dice.signed(0.05 * reach, 0.3 * reach)));
     let radius = round(dice.between(0.02, 0.1) * reach);
-    match capsule {
-        true => Shape::Capsule { from, to, radius },
-        false => Shape::Cylinder { from, to, radius },
+    if capsule {
+        Shape::Capsule { from, to, radius }
+    } else {
+        Shape::Cylinder { from, to, radius }
     }
 }
 
@@ -149,16 +151,18 @@ impl Case {
         });
         let (tool, points, loading) = tool(dice, reach);
         let obstacles = obstacles(dice, reach);
-        let stations = match dice.chance(0.6) {
-            true => (0..1 + dice.below(2))
+        let stations = if dice.chance(0.6) {
+            (0..1 + dice.below(2))
                 .map(|_| around(dice, [1.6 * reach, 3.0 * reach], [0.3 * reach, 1.2 * reach]))
-                .collect(),
-            false => Vec::new(),
+                .collect()
+        } else {
+            Vec::new()
         };
         let magnitude = round(dice.between(30.0, 150.0) * reach * 1e-3);
-        let count = match dice.chance(0.3) {
-            true => 2 + dice.below(2),
-            false => 1,
+        let count = if dice.chance(0.3) {
+            2 + dice.below(2)
+        } else {
+            1
         };
         let loads: Vec<Load> = (0..count)
             .map(|_| Load {
@@ -257,9 +261,10 @@ fn tool(dice: &mut Dice, reach: f64) -> (Named, Vec<Point>, [f64; 3]) {
     let above = round(height + 0.02 * reach + 10.0);
     let count = 3 + dice.below(2);
     let facing = dice.chance(0.35).then(|| {
-        let axis = match dice.chance(0.6) {
-            true => [0.0, 0.0, 1.0],
-            false => rounded((dice.direction() * 10.0).into()),
+        let axis = if dice.chance(0.6) {
+            [0.0, 0.0, 1.0]
+        } else {
+            rounded((dice.direction() * 10.0).into())
         };
         let acceptance = dice.chance(0.6).then(|| round(dice.between(25.0, 80.0)));
         (axis, acceptance)
@@ -331,9 +336,10 @@ fn pull(dice: &mut Dice, reach: f64, magnitude: f64) -> Pull {
         },
         _ => Pull::Rope {
             anchor: around(dice, [0.6 * reach, 1.3 * reach], [0.0, 0.4 * reach]),
-            magnitude: match dice.chance(0.2) {
-                true => -magnitude,
-                false => magnitude,
+            magnitude: if dice.chance(0.2) {
+                -magnitude
+            } else {
+                magnitude
             },
         },
     }

@@ -43,9 +43,10 @@ impl Checker<'_> {
                 "sight" => own.min(FREE),
                 _ => *own,
             };
-            let differs = match self.is_drawn_smaller(what) {
-                true => *theirs > own + most,
-                false => (theirs - own).abs() > most,
+            let differs = if self.is_drawn_smaller(what) {
+                *theirs > own + most
+            } else {
+                (theirs - own).abs() > most
             };
             if differs {
                 return Err(format!("at {q:?} {what} is {own}, but {theirs}"));

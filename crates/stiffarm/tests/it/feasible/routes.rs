@@ -107,10 +107,11 @@ fn excess(cell: &Cell, plan: &[Vec<f64>], found: &Route) -> Result<f64, String> 
     for a in 0..n {
         for b in a + 1..n {
             let pair = routed(cell, &[plan[a].clone(), plan[b].clone()], true)?;
-            let turn = match pair.moves[0].free {
-                true => pair.moves[0].time_s.unwrap_or(pair.moves[0].turn),
+            let turn = if pair.moves[0].free {
+                pair.moves[0].time_s.unwrap_or(pair.moves[0].turn)
+            } else {
                 // No way: never in the best order if there is another.
-                false => 1e4,
+                1e4
             };
             (length[a][b], length[b][a]) = (turn, turn);
         }

@@ -239,10 +239,11 @@ fn refused(checker: &Checker<'_>, case: &Case, number: u64, error: &Error) -> Re
     let feasible = (0..POSTURES)
         .filter(|_| checker.meets(&uniform(&mut dice, case), 0.0))
         .count();
-    match feasible as u64 > MOST {
-        true => Err(format!(
+    if feasible as u64 > MOST {
+        Err(format!(
             "{feasible} of {POSTURES} random postures do, but: {text}"
-        )),
-        false => Ok(End::Nothing),
+        ))
+    } else {
+        Ok(End::Nothing)
     }
 }

@@ -134,9 +134,10 @@ fn keys(shape: &Shape) -> String {
 fn pull(pull: &Pull) -> String {
     match pull {
         Pull::Rope { anchor, magnitude } => {
-            let (kind, size) = match *magnitude < 0.0 {
-                true => ("\"cylinder\"\nacts = \"pushes\"", -magnitude),
-                false => ("\"rope\"", *magnitude),
+            let (kind, size) = if *magnitude < 0.0 {
+                ("\"cylinder\"\nacts = \"pushes\"", -magnitude)
+            } else {
+                ("\"rope\"", *magnitude)
             };
             format!("kind = {kind}\nmagnitude_n = {size}\nanchor_mm = {anchor:?}")
         }

@@ -119,9 +119,10 @@ fn the_penalty_has_its_derivative_by_the_load() {
         for (k, ours) in gradient.iter().enumerate() {
             let at = |step: f64| {
                 let shift = Vector3::ith(k % 3, step);
-                let [anchor, point] = match k < 3 {
-                    true => [anchor + shift, point],
-                    false => [anchor, point + shift],
+                let [anchor, point] = if k < 3 {
+                    [anchor + shift, point]
+                } else {
+                    [anchor, point + shift]
                 };
                 kernel.set_anchor(anchor.into());
                 kernel.set_loading_point(point.into());

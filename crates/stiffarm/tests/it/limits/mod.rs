@@ -171,9 +171,10 @@ fn derivatives_come_where_they_are_wanted() {
         let (same, third) = some(&cell, &theta, |margin| margin % 3 == 1);
         assert_eq!(same, values);
         for (margin, (own, all)) in third.chunks(n).zip(all.chunks(n)).enumerate() {
-            match margin % 3 == 1 {
-                true => assert_eq!(own, all),
-                false => assert!(own.iter().all(|slope| slope.is_nan())),
+            if margin % 3 == 1 {
+                assert_eq!(own, all)
+            } else {
+                assert!(own.iter().all(|slope| slope.is_nan()))
             }
         }
         // Rows for some margins, and not a word on the others.
@@ -294,9 +295,12 @@ fn loaded_cells() -> Vec<Cell> {
         constant(Axes::Base),
         constant(Axes::Tool),
     ];
-    let mixing = DMatrix::from_fn(6, 6, |i, j| match i == j {
-        true => 1.0,
-        false => 0.2 * ((3 * i + j) as f64).sin(),
+    let mixing = DMatrix::from_fn(6, 6, |i, j| {
+        if i == j {
+            1.0
+        } else {
+            0.2 * ((3 * i + j) as f64).sin()
+        }
     });
     let mut out = Vec::new();
     for load in loads {

@@ -101,9 +101,10 @@ fn allowed(cell: &Cell, pose: &Isometry3<f64>) -> Result<Vec<Vec<f64>>, Status> 
         smallest.is_none_or(|margin| !margin.is_violated())
     };
     let allowed: Vec<_> = inside.into_iter().map(|b| b.q).filter(holds).collect();
-    match allowed.is_empty() {
-        true => Err(Status::Forbidden),
-        false => Ok(allowed),
+    if allowed.is_empty() {
+        Err(Status::Forbidden)
+    } else {
+        Ok(allowed)
     }
 }
 

@@ -174,18 +174,16 @@ pub fn lines<'a>(file: &'a ProgramFile, end: &str, longest: usize) -> Checked<Ve
 pub fn name(name: &str, longest: usize) -> Checked<()> {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let begins = name.starts_with(|c: char| c.is_ascii_alphabetic());
-    match begins && name.chars().all(plain) && name.len() <= longest {
-        true => Ok(()),
-        false => Err(format!("name {name}")),
+    if begins && name.chars().all(plain) && name.len() <= longest {
+        Ok(())
+    } else {
+        Err(format!("name {name}"))
     }
 }
 
 /// Fails unless it holds.
 pub fn holds(it: bool, what: impl Into<String>) -> Checked<()> {
-    match it {
-        true => Ok(()),
-        false => Err(what.into()),
-    }
+    if it { Ok(()) } else { Err(what.into()) }
 }
 
 /// The one file of most languages.

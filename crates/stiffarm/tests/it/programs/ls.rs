@@ -157,9 +157,10 @@ fn positions(lines: &[&str], joints: usize) -> Checked<(Vec<Vec<f64>>, String)> 
         holds(*tool.get_or_insert(used.clone()) == used, "tools")?;
         let mut values = Vec::new();
         for (row, line) in point[3..each - 1].iter().enumerate() {
-            let line = match row + 1 < rows {
-                true => line.strip_suffix(',').ok_or("comma")?,
-                false => line,
+            let line = if row + 1 < rows {
+                line.strip_suffix(',').ok_or("comma")?
+            } else {
+                line
             };
             let fields: Vec<&str> = line.strip_prefix('\t').ok_or("tab")?.split(",\t").collect();
             for field in fields {

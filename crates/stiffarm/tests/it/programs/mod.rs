@@ -116,9 +116,10 @@ fn seven_joints() -> Robot {
 
 /// An angle in radians, in whole hundredths of a degree where asked.
 fn rounded(angle: f64, hundredths: bool) -> f64 {
-    match hundredths {
-        true => ((angle.to_degrees() * 100.0).round() / 100.0).to_radians(),
-        false => angle,
+    if hundredths {
+        ((angle.to_degrees() * 100.0).round() / 100.0).to_radians()
+    } else {
+        angle
     }
 }
 

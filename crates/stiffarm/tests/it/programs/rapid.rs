@@ -96,9 +96,10 @@ fn target(tokens: &mut Tokens, joints: usize) -> Checked<Vec<f64>> {
             6 => tokens.signs("],[")?,
             _ => tokens.signs(",")?,
         }
-        match axis < joints {
-            true => values.push(tokens.number(2, 4)?),
-            false => tokens.exactly("9E9")?,
+        if axis < joints {
+            values.push(tokens.number(2, 4)?)
+        } else {
+            tokens.exactly("9E9")?
         }
     }
     tokens.signs("]]")?;

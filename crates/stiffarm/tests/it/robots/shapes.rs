@@ -21,9 +21,12 @@ fn distance(frames: &Frames, own: &[LinkCapsule; 2]) -> (f64, Vec<f64>, f64) {
     let second = first - found.direction * (found.distance + still.radius);
     let gradient = (0..frames.joint_count())
         .map(|k| {
-            let speed = |link: usize, point: &Vector3<f64>| match k < link {
-                true => frames.column(k, point),
-                false => Vector3::zeros(),
+            let speed = |link: usize, point: &Vector3<f64>| {
+                if k < link {
+                    frames.column(k, point)
+                } else {
+                    Vector3::zeros()
+                }
             };
             found
                 .direction

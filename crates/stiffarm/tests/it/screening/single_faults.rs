@@ -242,12 +242,11 @@ fn loaded_and_unloaded_rows_exchanged() {
             }
         }
         let (screening, found) = alone(&cell(), &table);
-        match all {
-            true => assert_eq!(found.cause, Cause::ReversedForce),
-            false => {
-                assert_eq!(found.cause, Cause::ExchangedStates);
-                assert_eq!(found.postures, ["4"]);
-            }
+        if all {
+            assert_eq!(found.cause, Cause::ReversedForce)
+        } else {
+            assert_eq!(found.cause, Cause::ExchangedStates);
+            assert_eq!(found.postures, ["4"]);
         }
         said.push(sentences(&screening));
     }

@@ -84,9 +84,10 @@ proptest! {
         let mut mesh = TriangleMesh::default();
         for _ in 0..1 + dice.below(4) {
             let (low, size) = (dice.vector(0.5), Vector3::from_fn(|_, _| dice.between(0.02, 0.8)));
-            let part = match dice.chance(0.5) {
-                true => box_mesh(low, low + size),
-                false => capsule_mesh(size.x, 0.3 * size.y, 12, &Isometry3::identity()),
+            let part = if dice.chance(0.5) {
+                box_mesh(low, low + size)
+            } else {
+                capsule_mesh(size.x, 0.3 * size.y, 12, &Isometry3::identity())
             };
             mesh = joined(mesh, &part.placed(&pose(&mut dice)));
         }

@@ -12,9 +12,10 @@ fn smallest(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..45 {
         let (left, right) = (high - golden * (high - low), low + golden * (high - low));
-        match f(left) < f(right) {
-            true => high = right,
-            false => low = left,
+        if f(left) < f(right) {
+            high = right
+        } else {
+            low = left
         }
     }
     f(0.0).min(f(1.0)).min(f(0.5 * (low + high)))
@@ -38,9 +39,10 @@ proptest! {
     #[test]
     fn distances_of_meshes(seed: u64) {
         let mut dice = Dice::new(seed);
-        let mesh = match dice.chance(0.5) {
-            true => l_mesh(),
-            false => box_mesh(-Vector3::new(0.3, 0.2, 0.1), Vector3::new(0.3, 0.2, 0.1)),
+        let mesh = if dice.chance(0.5) {
+            l_mesh()
+        } else {
+            box_mesh(-Vector3::new(0.3, 0.2, 0.1), Vector3::new(0.3, 0.2, 0.1))
         };
         let (frame, solid) = (pose(&mut dice), solid(&mut dice));
         let body = MeshBody::new(mesh.clone()).unwrap();
@@ -65,9 +67,10 @@ proptest! {
         let blocks = [0, 1].map(|i| Solid::Block { pose: frames[i], half: half[i] });
         let one_way = by_triangles(&first.mesh().placed(&frames[0]), &blocks[1]);
         let middle = frames[1].translation.vector;
-        let expected = match blocks[0].signed_distance(&middle).0 < 0.0 {
-            true => 0.0,
-            false => one_way.max(0.0),
+        let expected = if blocks[0].signed_distance(&middle).0 < 0.0 {
+            0.0
+        } else {
+            one_way.max(0.0)
         };
         prop_assert!((own - expected).abs() < 1e-8, "{own} {expected}");
         let back = second.distance_to_mesh(&frames[1], first, &frames[0]).unwrap();

@@ -21,9 +21,10 @@ fn pose(dice: &mut Dice) -> Isometry3<f64> {
 
 fn capsule(dice: &mut Dice) -> Capsule {
     let a = dice.vector(1.0);
-    let b = match dice.chance(0.2) {
-        true => a,
-        false => dice.vector(1.0),
+    let b = if dice.chance(0.2) {
+        a
+    } else {
+        dice.vector(1.0)
     };
     Capsule::new(a, b, dice.between(0.02, 0.5)).unwrap()
 }
@@ -77,20 +78,20 @@ fn distance_outside(solid: &Solid, point: &Vector3<f64>) -> f64 {
 
 /// A box or a cylinder, sometimes thin.
 fn flat_ended(dice: &mut Dice) -> Solid {
-    let thin = |dice: &mut Dice| match dice.chance(0.3) {
-        true => dice.between(0.01, 0.05),
-        false => dice.between(0.1, 1.0),
+    let thin = |dice: &mut Dice| {
+        if dice.chance(0.3) {
+            dice.between(0.01, 0.05)
+        } else {
+            dice.between(0.1, 1.0)
+        }
     };
-    match dice.chance(0.5) {
-        true => {
-            let size = Vector3::from_fn(|_, _| thin(dice));
-            Solid::block(pose(dice), size).unwrap()
-        }
-        false => {
-            let along = Vector3::z() * thin(dice);
-            let own = Solid::cylinder(-along, along, thin(dice)).unwrap();
-            own.placed(&pose(dice))
-        }
+    if dice.chance(0.5) {
+        let size = Vector3::from_fn(|_, _| thin(dice));
+        Solid::block(pose(dice), size).unwrap()
+    } else {
+        let along = Vector3::z() * thin(dice);
+        let own = Solid::cylinder(-along, along, thin(dice)).unwrap();
+        own.placed(&pose(dice))
     }
 }
 
@@ -151,10 +152,7 @@ proptest! {
     fn solids_are_as_far_apart_as_they_are_drawn(seed: u64) {
         let mut dice = Dice::new(seed);
         let first = flat_ended(&mut dice);
-        let second = match dice.chance(0.6) {
-            true => flat_ended(&mut dice),
-            false => solid(&mut dice),
-        };
+        let second = if dice.chance(0.6) { flat_ended(&mut dice) } else { solid(&mut dice) };
         let found = between(&first, &second, f64::INFINITY).unwrap();
         let (points, spacing) = surface(&first);
         let to = |p: &Vector3<f64>| second.signed_distance(p).0;
@@ -298,10 +296,7 @@ proptest! {
         let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
         for _ in 0..90 {
             let (left, right) = (high - golden * (high - low), low + golden * (high - low));
-            match at(left) < at(right) {
-                true => high = right,
-                false => low = left,
-            }
+            if at(left) < at(right) { high = right } else { low = left }
         }
         let expected = at(low).min(at(high)).min(at(0.0)).min(at(1.0));
         prop_assert!((found.distance - expected).abs() < 1e-9, "{} {}", found.distance, expected);

@@ -380,7 +380,11 @@ proptest! {
         log.put_on(&cell, &mut points).unwrap();
         let part = |i: usize| {
             let from = if i == 0 { places[0] } else { 0.5 * (places[i - 1] + places[i]) };
-            let to = if i + 1 == places.len() { places[i] } else { 0.5 * (places[i] + places[i + 1]) };
+            let to = if i + 1 == places.len() {
+                places[i]
+            } else {
+                0.5 * (places[i] + places[i + 1])
+            };
             (to - from) / 1e3
         };
         let shared: f64 = force_of(&points).iter().enumerate().map(|(i, force)| force * part(i)).sum();

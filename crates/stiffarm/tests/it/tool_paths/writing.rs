@@ -92,13 +92,15 @@ proptest! {
             let path = read(name, program).unwrap();
             let holds_axes = !name.ends_with(".nc");
             let is_still = |k: usize, point: &PathPoint| still[k % 8] || point.rapid;
-            let shift = |k: usize, point: &PathPoint| match is_still(k, point) {
-                true => Vector3::zeros(),
-                false => Vector3::new(shifts[k % 8].0, shifts[k % 8].1, shifts[k % 8].2),
+            let shift = |k: usize, point: &PathPoint| if is_still(k, point) {
+                Vector3::zeros()
+            } else {
+                Vector3::new(shifts[k % 8].0, shifts[k % 8].1, shifts[k % 8].2)
             };
-            let turn = |k: usize, point: &PathPoint| match is_still(k, point) || !holds_axes {
-                true => Vector3::zeros(),
-                false => Vector3::new(turns[k % 8].0, turns[k % 8].1, 0.0),
+            let turn = |k: usize, point: &PathPoint| if is_still(k, point) || !holds_axes {
+                Vector3::zeros()
+            } else {
+                Vector3::new(turns[k % 8].0, turns[k % 8].1, 0.0)
             };
             let commanded = commanded(&path, shift, turn);
             let text = text(&write(&path, &commanded).unwrap());
@@ -239,13 +241,16 @@ fn corrected(
     correction: impl Fn(f64) -> f64,
 ) -> Vec<PathPoint> {
     let along = cell_with("").work.workpiece.rotation * along;
-    let points = path.points.iter().map(|point| match point.rapid {
-        true => point.clone(),
-        false => moved(
-            point,
-            along * correction(on_workpiece(point).0.x),
-            Vector3::zeros(),
-        ),
+    let points = path.points.iter().map(|point| {
+        if point.rapid {
+            point.clone()
+        } else {
+            moved(
+                point,
+                along * correction(on_workpiece(point).0.x),
+                Vector3::zeros(),
+            )
+        }
     });
     points.collect()
 }

@@ -47,9 +47,10 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
         let endless = |joint: &str| read.findings.iter().any(|f| f.subject == joint);
         for ((own, limit), joint) in limits.iter().zip(known).zip(names) {
             for (own, limit) in own.iter().zip(numbers(limit)) {
-                let limit = match endless(joint) {
-                    true => 360.0 * limit.signum(),
-                    false => limit,
+                let limit = if endless(joint) {
+                    360.0 * limit.signum()
+                } else {
+                    limit
                 };
                 let own = own.to_degrees();
                 // Rounded to what the digits of the radians mean.

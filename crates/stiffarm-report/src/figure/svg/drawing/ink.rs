@@ -32,17 +32,8 @@ pub(super) fn fill(tone: Tone, caution: bool) -> Fill {
         _ => ("none", 0.0, "#6f6f6f", 0.9),
     };
     let dash = if tone == Tone::Bound { "5 3" } else { "" };
-    match caution {
-        false => Fill {
-            colour,
-            opacity,
-            edge: Stroke {
-                colour: edge,
-                width,
-                dash,
-            },
-        },
-        true => Fill {
+    if caution {
+        Fill {
             colour: if tone == Tone::Bound { "none" } else { CAUTION },
             opacity: 0.25,
             edge: Stroke {
@@ -50,7 +41,17 @@ pub(super) fn fill(tone: Tone, caution: bool) -> Fill {
                 width: 1.8,
                 dash,
             },
-        },
+        }
+    } else {
+        Fill {
+            colour,
+            opacity,
+            edge: Stroke {
+                colour: edge,
+                width,
+                dash,
+            },
+        }
     }
 }
 
@@ -68,17 +69,18 @@ pub(super) fn stroke(tone: Tone, caution: bool) -> Stroke<'static> {
         Tone::Item(_) => ("#b0b0b0", 0.9, ""),
         _ => ("#6f6f6f", 1.0, ""),
     };
-    match caution {
-        false => Stroke {
-            colour,
-            width,
-            dash,
-        },
-        true => Stroke {
+    if caution {
+        Stroke {
             colour: CAUTION,
             width: f64::max(width, 1.6),
             dash,
-        },
+        }
+    } else {
+        Stroke {
+            colour,
+            width,
+            dash,
+        }
     }
 }
 

@@ -77,9 +77,10 @@ fn shared(labels: &[Label], place: impl Fn([f64; 2]) -> Option<Point>) -> Vec<Na
         }
     }
     let joined = names.into_iter().map(|(mut name, _, texts)| {
-        name.text = match texts.len() > MOST {
-            true => format!("{}, …", texts[..MOST].join(", ")),
-            false => texts.join(", "),
+        name.text = if texts.len() > MOST {
+            format!("{}, …", texts[..MOST].join(", "))
+        } else {
+            texts.join(", ")
         };
         name
     });

@@ -53,14 +53,15 @@ fn render(drawing: &Drawing, layout: Option<&Layout>) -> String {
     let width = layout.map_or(WIDTH, Layout::drawn_width);
     let mut canvas = Canvas::default();
     let is_told = layout.is_none_or(|layout| layout.title);
-    let title = match is_told {
-        false => Vec::new(),
-        true => text::wrap(
+    let title = if is_told {
+        text::wrap(
             &drawing.title,
             text::BOLD * HEADING,
             width - 2.0 * MARGIN,
             3,
-        ),
+        )
+    } else {
+        Vec::new()
     };
     let top = MARGIN + title.len() as f64 * HEADING * LEADING + 6.0;
     let tallest = layout.and_then(Layout::tallest).unwrap_or(f64::INFINITY);
@@ -138,27 +139,31 @@ fn arrange<'a>(
     let (with_axes, without): (Vec<&View>, Vec<&View>) =
         views.iter().partition(|view| view.axes.is_some());
     let two = width >= TWO_COLUMNS;
-    let plot = match two {
-        true => 0.5 * (width - 2.0 * MARGIN - LEFT - GAP - 8.0) - 1.0,
+    let plot = if two {
+        0.5 * (width - 2.0 * MARGIN - LEFT - GAP - 8.0) - 1.0
+    } else {
         // The last tick label reaches beyond the frame.
-        false => width - 2.0 * MARGIN - LEFT - 6.0,
+        width - 2.0 * MARGIN - LEFT - 6.0
     };
     let column =
         |views: &[&'a View], top, across, below| column(views, top, across, (below, highest));
     let (mut placed, left_end) = column(&with_axes, top, (MARGIN + LEFT, plot), BELOW);
-    let (right, right_top) = match two {
-        true => (MARGIN + LEFT + plot + GAP + 8.0, top),
-        false if with_axes.is_empty() => (MARGIN, top),
-        false => (MARGIN, left_end + GAP),
+    let (right, right_top) = if two {
+        (MARGIN + LEFT + plot + GAP + 8.0, top)
+    } else if with_axes.is_empty() {
+        (MARGIN, top)
+    } else {
+        (MARGIN, left_end + GAP)
     };
     let right_width = width - MARGIN - right;
     let (right_views, right_end) = column(&without, right_top, (right, right_width), 4.0);
     placed.extend(right_views);
     let key = Key::of(&drawing.key, right_width);
     let key_top = right_end + 4.0;
-    let notes = match has_notes {
-        true => note_lines(drawing, right_width),
-        false => Vec::new(),
+    let notes = if has_notes {
+        note_lines(drawing, right_width)
+    } else {
+        Vec::new()
     };
     let notes_top = key_top + key.height() + 8.0;
     let right_end = notes_top + notes.len() as f64 * SMALL * LEADING;
@@ -184,9 +189,10 @@ fn column<'a>(
     for view in views {
         let [x_span, y_span] = view.extent.map(|[from, to]| to - from);
         let wanted = width * y_span / x_span;
-        let height = match wanted.is_finite() {
-            true => wanted.clamp(LOWEST, highest),
-            false => LOWEST,
+        let height = if wanted.is_finite() {
+            wanted.clamp(LOWEST, highest)
+        } else {
+            LOWEST
         };
         let area = Rect {
             x: left,

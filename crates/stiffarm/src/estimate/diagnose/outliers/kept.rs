@@ -145,9 +145,10 @@ impl Kept {
             .map(|(_, d)| d.as_ref().is_some_and(|d| d.p_value < ODD))
             .collect();
         let odd = own.iter().filter(|odd| **odd).count();
-        let of_point = match odd as f64 >= SHARE * own.len() as f64 && odd > 1 {
-            true => deletions.points[point],
-            false => None,
+        let of_point = if odd as f64 >= SHARE * own.len() as f64 && odd > 1 {
+            deletions.points[point]
+        } else {
+            None
         };
         let posture_p = of_posture.filter(|p| *p < FAMILY);
         let point_p = of_point.filter(|p| *p < FAMILY);
@@ -245,13 +246,12 @@ impl Kept {
         let shared_free = solution.t_degrees_of_freedom.unwrap_or(free);
         let (of_error, of_psi) = (shared.tr_mul(&error), shared.tr_mul(&psi));
         let between = tail(&of_error, &of_psi, count, shared_free);
-        let within = match rows > count {
-            true => {
-                let rest = &error - shared * of_error;
-                let psi = &psi - shared * of_psi;
-                tail(&rest, &psi, rows - count, free)
-            }
-            false => None,
+        let within = if rows > count {
+            let rest = &error - shared * of_error;
+            let psi = &psi - shared * of_psi;
+            tail(&rest, &psi, rows - count, free)
+        } else {
+            None
         };
         Ok(match (between, within) {
             (Some(a), Some(b)) => Some((2.0 * a.min(b)).min(1.0)),
@@ -260,9 +260,10 @@ impl Kept {
     }
 
     pub(super) fn point_fits(&self) -> Result<Vec<PointFit>> {
-        let p_values = match self.has_residuals() {
-            true => &self.deletions()?.points[..],
-            false => &[],
+        let p_values = if self.has_residuals() {
+            &self.deletions()?.points[..]
+        } else {
+            &[]
         };
         let all = 0..self.fit.cell().setup.tool.point_count();
         Ok(all

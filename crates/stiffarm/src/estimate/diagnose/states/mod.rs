@@ -103,13 +103,14 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
         .filter_map(Series::scatter)
         .fold((0.0, 0), |(s, f), (size, free)| (s + size, f + free));
     let expected = fit.cell().noise.displacement_std();
-    let (scatter, degrees) = match free >= ENOUGH {
-        true => ((size / free as f64).sqrt(), Some(free)),
+    let (scatter, degrees) = if free >= ENOUGH {
+        ((size / free as f64).sqrt(), Some(free))
+    } else {
         // The cell's noise, if the residuals bear it out.
-        false => match noise {
+        match noise {
             Some(test) if test.agreement != Agreement::Larger => (expected, None),
             _ => (fit.solution().residual_std.unwrap_or(expected), None),
-        },
+        }
     };
     let mut out = LoadStates {
         postures: Vec::new(),
@@ -210,14 +211,11 @@ impl LoadStates {
         let real = curved.is_none() || found(&self.offset_with_curvature).is_some();
         if let Some(offset) = found(&self.offset).filter(|_| real) {
             let size = length_with_error(offset.value, offset.standard_error);
-            let meaning = match offset.value > 0.0 {
-                true => {
-                    "lost motion. Take differences against a light preload, or add the lost motion of the joints as \
+            let meaning = if offset.value > 0.0 {
+                "lost motion. Take differences against a light preload, or add the lost motion of the joints as \
                      extra terms"
-                }
-                false => {
-                    "friction that holds small loads, or forces that are read too large by a constant"
-                }
+            } else {
+                "friction that holds small loads, or forces that are read too large by a constant"
             };
             add(
                 "load-offset",

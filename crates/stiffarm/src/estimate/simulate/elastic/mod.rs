@@ -334,9 +334,10 @@ fn over_runs(all: &[&Outcome]) -> ElasticModelOutcome {
         interval_share: (0..joints).map(holds).collect(),
         prediction_rms_m: rms,
         // To first order: the error of a root is that of its square over twice the root.
-        prediction_standard_error_m: match rms > 0.0 {
-            true => standard_error(&squares) / (2.0 * rms),
-            false => 0.0,
+        prediction_standard_error_m: if rms > 0.0 {
+            standard_error(&squares) / (2.0 * rms)
+        } else {
+            0.0
         },
         band_share: share(all.iter().filter_map(|o| o.predicted.inside).collect()),
         confidence: IdentifyOptions::default().confidence,

@@ -38,15 +38,17 @@ pub(super) fn robust_fit(seen: &[Seen<'_>], reading_std: f64) -> Result<Fit> {
         floor_few: floor,
         many: 0,
         most: |count| (2 * count).div_ceil(3),
-        least: match seen.iter().all(|s| s.pairs.len() > 1) {
-            true => 3,
-            false => 4,
+        least: if seen.iter().all(|s| s.pairs.len() > 1) {
+            3
+        } else {
+            4
         },
     };
     let groups: Vec<Vec<Pair>> = seen.iter().map(|s| s.positions().collect()).collect();
-    let found = match seen.len() > FEW {
-        true => robust(&groups, agreement),
-        false => None,
+    let found = if seen.len() > FEW {
+        robust(&groups, agreement)
+    } else {
+        None
     };
     let used = found.map_or_else(
         || vec![true; seen.len()],

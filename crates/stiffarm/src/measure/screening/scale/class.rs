@@ -37,14 +37,13 @@ pub(super) fn expected_stiffness(robot: &Robot) -> Vec<f64> {
             .collect()
     };
     let alike = published(&|p| p > payload / CLASS && p < payload * CLASS);
-    let (sets, factor) = match alike.is_empty() {
-        false => (alike, 1.0),
-        true => {
-            let reach = own.and_then(CatalogueEntry::reach_m);
-            let reach = reach.unwrap_or(STANDS_IN[1]);
-            let like_first = published(&|p| p == STANDS_IN[0]);
-            (like_first, payload / STANDS_IN[0] * reach / STANDS_IN[1])
-        }
+    let (sets, factor) = if alike.is_empty() {
+        let reach = own.and_then(CatalogueEntry::reach_m);
+        let reach = reach.unwrap_or(STANDS_IN[1]);
+        let like_first = published(&|p| p == STANDS_IN[0]);
+        (like_first, payload / STANDS_IN[0] * reach / STANDS_IN[1])
+    } else {
+        (alike, 1.0)
     };
     let count = robot.spring_count();
     let mean = |j: usize| {
@@ -53,9 +52,10 @@ pub(super) fn expected_stiffness(robot: &Robot) -> Vec<f64> {
             .filter_map(|s| s.get(j))
             .map(|k| k.ln())
             .collect();
-        match logs.is_empty() {
-            true => WRIST * factor,
-            false => factor * (logs.iter().sum::<f64>() / logs.len() as f64).exp(),
+        if logs.is_empty() {
+            WRIST * factor
+        } else {
+            factor * (logs.iter().sum::<f64>() / logs.len() as f64).exp()
         }
     };
     (0..count).map(mean).collect()

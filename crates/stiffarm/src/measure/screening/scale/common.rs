@@ -123,9 +123,10 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     out.factor = Some(best.unit.factor);
     // How many times the stiffness is off, for the sentence.
     out.ratio = Some((-beside_prior.unwrap_or(beside_class)).exp());
-    out.evidence = Some(match best.file - sound.file > CONFIRMED {
-        true => Evidence::File,
-        false => Evidence::Prior,
+    out.evidence = Some(if best.file - sound.file > CONFIRMED {
+        Evidence::File
+    } else {
+        Evidence::Prior
     });
     if out.evidence == Some(Evidence::File) {
         let [load, displacement] = match best.on {

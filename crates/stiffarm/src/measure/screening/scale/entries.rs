@@ -253,22 +253,23 @@ fn pattern(sheet: &Sheet, at: (usize, usize)) -> Pattern {
     };
     let others = (0..sheet.postures.len()).filter(|p| *p != at.0);
     let others: Vec<f64> = others.filter_map(|p| of_name(&sheet.postures[p])).collect();
-    let usual = match others.len() >= PATTERN {
-        true => {
-            let middle = median(&others);
-            let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME);
-            (alike.count() * 4 > others.len() * 3).then_some(middle)
-        }
-        false => number_in(&state.name),
+    let usual = if others.len() >= PATTERN {
+        let middle = median(&others);
+        let alike = others.iter().filter(|l| (*l / middle - 1.0).abs() < SAME);
+        (alike.count() * 4 > others.len() * 3).then_some(middle)
+    } else {
+        number_in(&state.name)
     };
     let Some(factor) = usual.map(|usual| usual / load) else {
         return Pattern::Open;
     };
     let near = |f: f64| (f / factor - 1.0).abs() < SAME;
-    match near(1.0) {
-        true => Pattern::Same,
-        false if ENTRIES.iter().any(|u| near(u.factor)) => Pattern::Times(factor),
-        false => Pattern::Open,
+    if near(1.0) {
+        Pattern::Same
+    } else if ENTRIES.iter().any(|u| near(u.factor)) {
+        Pattern::Times(factor)
+    } else {
+        Pattern::Open
     }
 }
 
@@ -301,12 +302,11 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
         own.count() as f64 / at.len().max(1) as f64
     };
     let (named, unnamed) = (agreeing(&flagged), agreeing(&others));
-    let flip = match named != unnamed {
-        true => named > unnamed,
-        false => {
-            let other = fitted.common + unit.factor.ln();
-            other.abs() < fitted.common.abs()
-        }
+    let flip = if named != unnamed {
+        named > unnamed
+    } else {
+        let other = fitted.common + unit.factor.ln();
+        other.abs() < fitted.common.abs()
     };
     let inverse = ENTRIES
         .iter()

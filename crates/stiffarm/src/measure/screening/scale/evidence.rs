@@ -173,15 +173,15 @@ impl Sizes {
         }
         let plausible = |load, displacement| self.plausible(load, displacement);
         if plausible(load, displacement) - plausible(1.0, 1.0) > WORTH {
-            out.push(match load != 1.0 {
-                true if load < 1.0 => {
-                    format!("{} N, more than such a robot can carry", short(self.load))
-                }
-                true => format!("{} N, which hardly bends such a robot", short(self.load)),
-                false => format!(
+            out.push(if load < 1.0 {
+                format!("{} N, more than such a robot can carry", short(self.load))
+            } else if load > 1.0 {
+                format!("{} N, which hardly bends such a robot", short(self.load))
+            } else {
+                format!(
                     "{} mm, which no such load moves it by",
                     short(1e3 * self.displacement)
-                ),
+                )
             });
         }
         out

@@ -71,10 +71,7 @@ pub(super) fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
 /// In a table of displacements that is every one: typed in metres none would.
 pub(super) fn clear_moves(work: &Work, base_from_tracker: &Isometry3<f64>) -> Vec<Move> {
     let mut out = moves(work, base_from_tracker);
-    let least = match work.is_displacements {
-        true => 0.0,
-        false => CLEAR,
-    };
+    let least = if work.is_displacements { 0.0 } else { CLEAR };
     out.retain(|m| {
         m.shift.norm() > least * m.std * (m.shift.len() as f64).sqrt() && m.block.amax() > 0.0
     });
@@ -127,9 +124,12 @@ pub(super) fn fit(work: &Work, all: &[Move]) -> Option<Fitted> {
         let states: Vec<Scaled> = all.iter().map(|one| scaled(one, &compliance)).collect();
         weights = states
             .iter()
-            .map(|s| match s.ratio > 0.05 {
-                true => weight(s.ratio.ln(), HALF[1]),
-                false => weight(3.0, HALF[1]),
+            .map(|s| {
+                if s.ratio > 0.05 {
+                    weight(s.ratio.ln(), HALF[1])
+                } else {
+                    weight(3.0, HALF[1])
+                }
             })
             .collect();
         let misfits: Vec<f64> = states.iter().map(|s| s.misfit).collect();

@@ -14,17 +14,19 @@ pub(super) fn number(factor: f64) -> String {
         f if f >= 10.0 => format!("{f:.1}"),
         f => format!("{f:.3}"),
     };
-    match factor < 1.0 {
-        true => format!("1/{}", digits(1.0 / factor)),
-        false => digits(factor),
+    if factor < 1.0 {
+        format!("1/{}", digits(1.0 / factor))
+    } else {
+        digits(factor)
     }
 }
 
 /// How many times too small or large a stiffness is, with two digits.
 fn times(ratio: f64) -> String {
-    let (size, word) = match ratio < 1.0 {
-        true => (1.0 / ratio, "below"),
-        false => (ratio, "above"),
+    let (size, word) = if ratio < 1.0 {
+        (1.0 / ratio, "below")
+    } else {
+        (ratio, "above")
     };
     let digits = if size < 9.95 { 1 } else { 0 };
     format!("{size:.digits$} times {word}")
@@ -121,9 +123,10 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
             }
         ),
         Cause::LoadEntry => {
-            let place = match s.postures.is_empty() {
-                true => format!("State {}, in every posture", list(&s.states)),
-                false => opening.to_string(),
+            let place = if s.postures.is_empty() {
+                format!("State {}, in every posture", list(&s.states))
+            } else {
+                opening.to_string()
             };
             format!(
                 "{place}: what is typed as load looks like {}: factor {factor}. With it {}.{} Check {} there.",
@@ -179,9 +182,10 @@ pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> S
             number(1.0 / s.factor.unwrap_or(1.0))
         ),
         Cause::ExchangedLoadCases => {
-            let place = match s.postures.is_empty() {
-                true => "In the whole table".to_string(),
-                false => format!("In posture {}", list(&s.postures)),
+            let place = if s.postures.is_empty() {
+                "In the whole table".to_string()
+            } else {
+                format!("In posture {}", list(&s.postures))
             };
             format!(
                 "{place} the load cases {} are exchanged: with the names the other way {}. Correct the names in the \

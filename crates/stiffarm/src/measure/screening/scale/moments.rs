@@ -55,18 +55,20 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) -> bool {
     };
     // Forces a factor too small make moments as much too large for them.
     let of_forces = unit.typed.is_empty();
-    let (cause, factor) = match of_forces {
-        true => (Cause::LoadUnits, 1.0 / unit.factor),
-        false => (Cause::MomentUnits, unit.factor),
+    let (cause, factor) = if of_forces {
+        (Cause::LoadUnits, 1.0 / unit.factor)
+    } else {
+        (Cause::MomentUnits, unit.factor)
     };
     let mut out = Suspicion::new(cause);
     out.factor = Some(factor);
     out.evidence = Some(Evidence::Readings);
     for state in work.sheet.postures.iter_mut().flat_map(|p| &mut p.states) {
         if let Some(wrench) = &mut state.wrench {
-            match of_forces {
-                true => wrench.force /= unit.factor,
-                false => wrench.moment *= unit.factor,
+            if of_forces {
+                wrench.force /= unit.factor
+            } else {
+                wrench.moment *= unit.factor
             }
         }
     }

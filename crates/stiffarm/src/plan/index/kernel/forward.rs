@@ -15,9 +15,10 @@ pub(super) fn forward(model: &Model, batch: &mut Batch, n: usize) {
     points_and_load(model, batch, n);
     if model.has_information {
         // Equal numbers let the compiler unroll.
-        match model.springs == n {
-            true => information(model, batch, n, n),
-            false => information(model, batch, n, model.springs),
+        if model.springs == n {
+            information(model, batch, n, n)
+        } else {
+            information(model, batch, n, model.springs)
         }
     }
     if let Some(inverse_length) = model.inverse_length {

@@ -282,9 +282,10 @@ fn live(count: usize, b: usize) -> usize {
 impl Case {
     fn new(cell: &Cell, wanted: Wanted<'_>, count: usize) -> Result<Self> {
         let model = Model::new(cell, wanted)?;
-        let scene = match wanted.limits {
-            true => SceneKernel::new(cell, count)?.map(Box::new),
-            false => None,
+        let scene = if wanted.limits {
+            SceneKernel::new(cell, count)?.map(Box::new)
+        } else {
+            None
         };
         let margins = model.limit_count + scene.as_ref().map_or(0, |scene| scene.count());
         let batches = vec![Batch::new(&model, margins); count.div_ceil(WIDTH)];

@@ -152,9 +152,10 @@ impl Model {
                     .collect()
             })
             .collect();
-        let limits = match wanted.limits {
-            true => cell.limits.clone(),
-            false => Limits::default(),
+        let limits = if wanted.limits {
+            cell.limits.clone()
+        } else {
+            Limits::default()
         };
         Ok(Model {
             joints: n,

@@ -27,9 +27,10 @@ pub(super) fn reverse(model: &Model, batch: &mut Batch, n: usize) {
     }
     if model.has_information {
         // Equal numbers let the compiler unroll.
-        match model.springs == n {
-            true => information(model, batch, n, n),
-            false => information(model, batch, n, model.springs),
+        if model.springs == n {
+            information(model, batch, n, n)
+        } else {
+            information(model, batch, n, model.springs)
         }
     }
     add_axis_gradient(

@@ -166,9 +166,10 @@ impl Bounded for InformationJudge {
             return None;
         }
         // f = index², or 2n ln(index): both convex in the information.
-        let (value, factor) = match logarithmic {
-            true => (2.0 * n as f64 * log, 2.0 * n as f64),
-            false => ((2.0 * log).exp(), 2.0 * (2.0 * log).exp()),
+        let (value, factor) = if logarithmic {
+            (2.0 * n as f64 * log, 2.0 * n as f64)
+        } else {
+            ((2.0 * log).exp(), 2.0 * (2.0 * log).exp())
         };
         let adjoint = &self.criterion.adjoint;
         let score = |own: &Vec<f64>| {

@@ -156,9 +156,10 @@ pub fn select_candidates(
             ),
         ));
     }
-    let (allowed, forbidden) = match options.limits {
-        true => sorted(cell, candidates)?,
-        false => ((0..candidates.len()).collect(), Vec::new()),
+    let (allowed, forbidden) = if options.limits {
+        sorted(cell, candidates)?
+    } else {
+        ((0..candidates.len()).collect(), Vec::new())
     };
     if count > allowed.len() {
         return Err(too_few(count, candidates, &forbidden));
@@ -203,13 +204,17 @@ pub fn select_candidates(
             )
             .hint("choose more postures, or give candidates that differ more")
         })?;
-    let bound = match found.exact {
-        true => Some(value),
-        false => found.bound.map(|log| index.of_log(log)),
+    let bound = if found.exact {
+        Some(value)
+    } else {
+        found.bound.map(|log| index.of_log(log))
     };
-    let efficiency = bound.map(|bound| match index.larger_is_better() {
-        true => value / bound,
-        false => bound / value,
+    let efficiency = bound.map(|bound| {
+        if index.larger_is_better() {
+            value / bound
+        } else {
+            bound / value
+        }
     });
     Ok(CandidateSelection {
         index,
@@ -221,9 +226,10 @@ pub fn select_candidates(
         bound,
         efficiency,
         groups_compared: found.compared,
-        termination: match control.stopped() {
-            true => Termination::Interrupted,
-            false => Termination::Converged,
+        termination: if control.stopped() {
+            Termination::Interrupted
+        } else {
+            Termination::Converged
         },
     })
 }
@@ -277,9 +283,10 @@ fn prediction_model(
             (sizes, Some(source))
         }
     };
-    let model = match cell.tasks.is_empty() {
-        true => PredictionModel::at_candidates(cell, &sizes, candidates)?,
-        false => PredictionModel::new(cell, &sizes)?,
+    let model = if cell.tasks.is_empty() {
+        PredictionModel::at_candidates(cell, &sizes, candidates)?
+    } else {
+        PredictionModel::new(cell, &sizes)?
     };
     Ok(model.with_source(source))
 }

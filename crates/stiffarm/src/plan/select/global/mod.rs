@@ -227,9 +227,10 @@ impl<'a> Global<'a> {
                 } else {
                     self.gather();
                 }
-                return Ok(match control.stopped() {
-                    true => Termination::Interrupted,
-                    false => Termination::TimeLimit,
+                return Ok(if control.stopped() {
+                    Termination::Interrupted
+                } else {
+                    Termination::TimeLimit
                 });
             }
             self.gather();
@@ -349,9 +350,10 @@ impl<'a> Global<'a> {
         if self.options.load.is_empty() && self.completed > 0 {
             let rough = plan.clone();
             let (polished, solution) = polish::polish(self.cell, self.index, plan, n, given)?;
-            plan = match self.chains[0].local.accepts(&polished.x) {
-                true => polished,
-                false => rough,
+            plan = if self.chains[0].local.accepts(&polished.x) {
+                polished
+            } else {
+                rough
             };
             if let Some(solution) = solution {
                 evaluations += solution.evaluations;

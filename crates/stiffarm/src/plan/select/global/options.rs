@@ -65,17 +65,18 @@ impl Schedule {
             (false, false) => (3, 40, 8),
             (false, true) => (1, 20, 8),
         };
-        match has_scene {
-            true => Schedule {
+        if has_scene {
+            Schedule {
                 tries,
                 rounds: rounds / 4,
                 patience: patience / 2,
-            },
-            false => Schedule {
+            }
+        } else {
+            Schedule {
                 tries,
                 rounds,
                 patience,
-            },
+            }
         }
     }
 }

@@ -118,9 +118,10 @@ impl Pool {
 
     /// Information of one candidate, packed; empty where the index has none.
     pub fn information(&self, at: usize) -> &[f64] {
-        match self.information.is_empty() {
-            true => &[],
-            false => &self.information[at * self.triangle..(at + 1) * self.triangle],
+        if self.information.is_empty() {
+            &[]
+        } else {
+            &self.information[at * self.triangle..(at + 1) * self.triangle]
         }
     }
 
