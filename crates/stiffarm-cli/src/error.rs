@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn a_field_of_the_library_is_an_option_of_the_command() {
-        let wrong = Error::new(Code::InvalidValue, "Wrong `axes`.").hint("give `near_deg`");
+        let wrong = Error::invalid("Wrong `axes`.").hint("give `near_deg`");
         let key = |e: &Error| e.place().key.clone();
         let usage = of_usage(wrong.clone().key("near_deg"), &["near_deg"]);
         assert_eq!(key(&usage).as_deref(), Some("--near-deg"));

@@ -8,7 +8,6 @@ use crate::session::Session;
 use std::path::Path;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::process::ForceAxes;
 use stiffarm::work::along::PathOptions;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::Source;
@@ -17,7 +16,7 @@ impl PathArgs {
     /// The options of the library, which the result holds.
     pub fn options(&self) -> PathOptions {
         PathOptions {
-            axes: self.axes.map(ForceAxes::from),
+            axes: self.axes,
             force_n: self.force_n,
             moment_nm: self.moment_nm,
             load_uncertainty_percent: self.load_uncertainty_percent,

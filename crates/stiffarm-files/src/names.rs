@@ -1,7 +1,7 @@
 //! Names that may stand in files: read, written and read again they are the
 //! same, and they are text wherever they are shown.
 
-use stiffarm::error::{Code, Error, Result};
+use stiffarm::error::{Error, Result};
 use stiffarm::findings::is_hidden;
 
 /// Characters of a name.
@@ -53,7 +53,7 @@ pub fn check_name(name: &str) -> Result<()> {
         fault_of(name)
     };
     match wrong {
-        Some(wrong) => Err(Error::new(Code::InvalidValue, wrong)),
+        Some(wrong) => Err(Error::invalid(wrong)),
         None => Ok(()),
     }
 }

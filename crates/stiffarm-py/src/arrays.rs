@@ -29,7 +29,7 @@ pub fn check_radians(angles: &[f64]) -> stiffarm::Result<()> {
         Some(angle) => {
             let degrees = angle.to_degrees();
             let message = format!("An angle is {angle} rad, which is {degrees:.0}°.");
-            Err(Error::new(Code::InvalidValue, message)
+            Err(Error::invalid(message)
                 .hint("degrees=True, if the angles are in degrees; numpy.radians(...) where there is no such option"))
         }
     }

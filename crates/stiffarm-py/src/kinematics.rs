@@ -37,7 +37,7 @@ fn pose(matrix: &PyReadonlyArray2<'_, f64>) -> Result<Isometry3<f64>> {
     if !is_turn {
         let message =
             "The upper left 3 × 3 part of a pose must be a rotation, its last row 0, 0, 0, 1.";
-        return Err(Error::new(Code::InvalidValue, message));
+        return Err(Error::invalid(message));
     }
     let shift = Vector3::new(m[(0, 3)], m[(1, 3)], m[(2, 3)]);
     let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(turn));
@@ -185,7 +185,7 @@ pub fn axes_table(
                     .ok_or_else(|| {
                         let message =
                             "A joint axis needs finite numbers and a direction that is not zero.";
-                        Error::new(Code::InvalidValue, message)
+                        Error::invalid(message)
                     })
             })
             .collect();

@@ -105,7 +105,7 @@ impl Objective {
         self.check(py, &q)?;
         if !(sharpness.is_finite() && sharpness > 0.0) {
             let message = format!("The sharpness must be above zero, got {sharpness}.");
-            return Err(to_python(py, &Error::new(Code::InvalidValue, message)));
+            return Err(to_python(py, &Error::invalid(message)));
         }
         let mut gradient = vec![0.0; self.size];
         let found = self

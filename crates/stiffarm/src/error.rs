@@ -272,6 +272,11 @@ impl Error {
         }))
     }
 
+    /// A value that cannot be meant ([`Code::InvalidValue`]), with a full sentence.
+    pub fn invalid(message: impl Into<String>) -> Self {
+        Error::new(Code::InvalidValue, message)
+    }
+
     /// Adds what the user can do.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {

@@ -46,6 +46,21 @@ impl Finding {
             sentence: sentence.into(),
         }
     }
+
+    /// What is good to know.
+    pub fn note(code: &str, subject: impl Into<String>, sentence: impl Into<String>) -> Self {
+        Finding::new(code, Severity::Note, subject, sentence)
+    }
+
+    /// What to look at before relying on the result.
+    pub fn caution(code: &str, subject: impl Into<String>, sentence: impl Into<String>) -> Self {
+        Finding::new(code, Severity::Caution, subject, sentence)
+    }
+
+    /// Why the result, or the set-up, cannot be used as it is.
+    pub fn serious(code: &str, subject: impl Into<String>, sentence: impl Into<String>) -> Self {
+        Finding::new(code, Severity::Serious, subject, sentence)
+    }
 }
 
 /// A list in words: `a, b and c`.

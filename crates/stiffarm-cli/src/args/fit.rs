@@ -1,7 +1,7 @@
 //! How the joint stiffness is estimated.
 
-use super::values::{number, one_of};
-use clap::{Args, ValueEnum};
+use super::values::{Choice, choice, number, one_of};
+use clap::Args;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
 use stiffarm::model::observation::ExtraTerm;
@@ -20,17 +20,17 @@ pub struct FitArgs {
     pub extra: Vec<String>,
     /// What gives way: joints and base in all directions as far as the data show, or the joint
     /// axes alone [default: mixed, axes with another estimator, noise or extra terms]
-    #[arg(long, value_name = "MODEL")]
-    pub elastic: Option<ElasticArg>,
+    #[arg(long, value_name = "MODEL", value_parser = choice(ELASTIC))]
+    pub elastic: Option<ElasticChoice>,
     /// Relative weight of single displacements [default: readings]
-    #[arg(long, value_name = "FROM")]
-    pub weights: Option<WeightsChoice>,
+    #[arg(long, value_name = "FROM", value_parser = choice(WEIGHTS))]
+    pub weights: Option<Weights>,
     /// Standard deviation of the cell's prior stiffness, for --estimator prior [%] [default: 30]
     #[arg(long, value_name = "X", value_parser = number("percent"))]
     pub prior_std_percent: Option<f64>,
     /// Size of the noise: from the residuals, the cell, or repeated readings [default: estimated]
-    #[arg(long, value_name = "SOURCE")]
-    pub noise: Option<NoiseChoice>,
+    #[arg(long, value_name = "SOURCE", value_parser = choice(NOISE))]
+    pub noise: Option<NoiseSource>,
     /// Confidence of the bands [default: 0.95]
     #[arg(long, value_name = "P")]
     pub confidence: Option<f64>,
@@ -50,11 +50,6 @@ impl FitArgs {
         ]
         .into_iter()
         .find_map(|(name, given)| given.then_some(name))
-    }
-
-    /// What gives way, where that is said.
-    pub fn elastic(&self) -> Option<ElasticChoice> {
-        self.elastic.map(Into::into)
     }
 
     /// The options for this robot.
@@ -83,9 +78,9 @@ impl FitArgs {
         };
         let mut options = IdentifyOptions::default();
         options.estimator = self.estimator.unwrap_or(default.estimator);
-        options.weights = self.weights.map_or(default.weights, Into::into);
+        options.weights = self.weights.unwrap_or(default.weights);
         options.prior_std = prior_std;
-        options.noise = self.noise.map_or(default.noise, Into::into);
+        options.noise = self.noise.unwrap_or(default.noise);
         options.confidence = confidence;
         options.extra = extra;
         Ok(options)
@@ -113,58 +108,36 @@ fn check_confidence(confidence: f64) -> Result<()> {
 }
 
 /// What gives way.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ElasticArg {
-    /// The joint axes alone
-    Axes,
-    /// Joints and base in all directions, as far as the data show
-    Mixed,
-}
-
-impl From<ElasticArg> for ElasticChoice {
-    fn from(choice: ElasticArg) -> Self {
-        match choice {
-            ElasticArg::Axes => ElasticChoice::Axes,
-            ElasticArg::Mixed => ElasticChoice::Mixed,
-        }
-    }
-}
+pub const ELASTIC: &[Choice<ElasticChoice>] = &[
+    ("axes", "The joint axes alone", ElasticChoice::Axes),
+    (
+        "mixed",
+        "Joints and base in all directions, as far as the data show",
+        ElasticChoice::Mixed,
+    ),
+];
 
 /// Where the size of the noise comes from.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum NoiseChoice {
-    /// From the residuals
-    Estimated,
-    /// From the cell's [noise]
-    Known,
-    /// From readings that were repeated
-    Repeats,
-}
-
-impl From<NoiseChoice> for NoiseSource {
-    fn from(choice: NoiseChoice) -> Self {
-        match choice {
-            NoiseChoice::Estimated => NoiseSource::Estimated,
-            NoiseChoice::Known => NoiseSource::Known,
-            NoiseChoice::Repeats => NoiseSource::Repeats,
-        }
-    }
-}
+const NOISE: &[Choice<NoiseSource>] = &[
+    ("estimated", "From the residuals", NoiseSource::Estimated),
+    ("known", "From the cell's [noise]", NoiseSource::Known),
+    (
+        "repeats",
+        "From readings that were repeated",
+        NoiseSource::Repeats,
+    ),
+];
 
 /// Where the relative weight of single displacements comes from.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum WeightsChoice {
-    /// All readings alike, each as often as it was taken
-    Readings,
-    /// The tracker's range and angle model, [tracker] of the cell
-    Tracker,
-}
-
-impl From<WeightsChoice> for Weights {
-    fn from(choice: WeightsChoice) -> Self {
-        match choice {
-            WeightsChoice::Readings => Weights::Readings,
-            WeightsChoice::Tracker => Weights::Tracker,
-        }
-    }
-}
+const WEIGHTS: &[Choice<Weights>] = &[
+    (
+        "readings",
+        "All readings alike, each as often as it was taken",
+        Weights::Readings,
+    ),
+    (
+        "tracker",
+        "The tracker's range and angle model, [tracker] of the cell",
+        Weights::Tracker,
+    ),
+];

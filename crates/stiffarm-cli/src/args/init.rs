@@ -1,7 +1,7 @@
 //! Options of `init`.
 
-use clap::{Args, ValueEnum, ValueHint};
-use serde::Serialize;
+use super::values::{Choice, choice};
+use clap::{Args, ValueHint};
 use std::path::PathBuf;
 use stiffarm::model::robot::DhConvention;
 
@@ -35,8 +35,8 @@ pub struct InitArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "ROWS.csv")]
     pub dh: Option<String>,
     /// Convention of these rows
-    #[arg(long, value_name = "NAME", default_value = "modified", requires = "dh")]
-    pub dh_convention: DhChoice,
+    #[arg(long, value_name = "NAME", default_value = "modified", value_parser = choice(DH), requires = "dh")]
+    pub dh_convention: DhConvention,
     /// Folder to write to; it is made if missing
     #[arg(long, value_name = "DIR", default_value = ".")]
     pub output_dir: PathBuf,
@@ -46,20 +46,15 @@ pub struct InitArgs {
 }
 
 /// Conventions of Denavit–Hartenberg rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum DhChoice {
-    /// Craig: turn about x, shift along x, turn about z, shift along z
-    Modified,
-    /// Turn about z, shift along z, shift along x, turn about x
-    Standard,
-}
-
-impl From<DhChoice> for DhConvention {
-    fn from(choice: DhChoice) -> Self {
-        match choice {
-            DhChoice::Modified => DhConvention::Modified,
-            DhChoice::Standard => DhConvention::Standard,
-        }
-    }
-}
+const DH: &[Choice<DhConvention>] = &[
+    (
+        "modified",
+        "Craig: turn about x, shift along x, turn about z, shift along z",
+        DhConvention::Modified,
+    ),
+    (
+        "standard",
+        "Turn about z, shift along z, shift along x, turn about x",
+        DhConvention::Standard,
+    ),
+];

@@ -2,8 +2,8 @@
 
 use super::PageArgs;
 use super::fit::FitArgs;
-use super::values::{above_zero, count, number, seed};
-use clap::{Args, ValueEnum, ValueHint};
+use super::values::{Choice, above_zero, choice, count, number, seed};
+use clap::{Args, ValueHint};
 use stiffarm::estimate::validate::Model;
 use stiffarm::estimate::validated::Folds;
 
@@ -100,8 +100,8 @@ pub struct ValidateArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
     /// How displacements are calculated
-    #[arg(long, default_value = "linear")]
-    pub model: ModelChoice,
+    #[arg(long, default_value = "linear", value_parser = choice(MODEL))]
+    pub model: Model,
     /// Largest deviation allowed [mm]; beyond it the exit code is 1
     #[arg(long, value_name = "X", value_parser = number("tolerance_mm"))]
     pub tolerance_mm: Option<f64>,
@@ -137,19 +137,11 @@ fn folds(text: &str) -> Result<Folds, String> {
 }
 
 /// How displacements are calculated.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum ModelChoice {
-    /// Linear in the load
-    Linear,
-    /// Exact static equilibrium
-    Equilibrium,
-}
-
-impl From<ModelChoice> for Model {
-    fn from(choice: ModelChoice) -> Self {
-        match choice {
-            ModelChoice::Linear => Model::Linear,
-            ModelChoice::Equilibrium => Model::Equilibrium,
-        }
-    }
-}
+pub const MODEL: &[Choice<Model>] = &[
+    ("linear", "Linear in the load", Model::Linear),
+    (
+        "equilibrium",
+        "Exact static equilibrium",
+        Model::Equilibrium,
+    ),
+];

@@ -22,7 +22,7 @@ pub use capsules::{CapsulesArgs, MeshUnit};
 pub use coverage::CoverageArgs;
 pub use export::{ControllerArgs, ExportArgs};
 pub use groups::grouped;
-pub use init::{DhChoice, InitArgs};
+pub use init::InitArgs;
 pub use measure::{Goal, MeasureArgs};
 pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
@@ -40,7 +40,9 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
+use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::plan::zones::STEPS;
+use values::choice;
 use values::{count_or_none, number, seed, within};
 
 /// Which postures to measure, what joint stiffness the measurements give and
@@ -198,8 +200,8 @@ pub struct StudyArgs {
     pub initial_groups: usize,
     /// Also simulate groups on an arm that gives way beyond its joint axes, as simulate --elastic
     /// does, in at most 40 runs each [default: axes]
-    #[arg(long, value_name = "MODEL")]
-    pub elastic: Option<fit::ElasticArg>,
+    #[arg(long, value_name = "MODEL", value_parser = choice(fit::ELASTIC))]
+    pub elastic: Option<ElasticChoice>,
     /// Also show every table and all findings
     #[arg(long)]
     pub details: bool,

@@ -1,18 +1,20 @@
 //! Commands that work on paths of the tool tip.
 
 use super::PageArgs;
-use super::measured::ModelChoice;
-use super::values::{number, triple, within};
-use super::work::{AxesChoice, Triple};
+use super::measured::MODEL;
+use super::values::{choice, number, triple, within};
+use super::work::{AXES, Triple};
 use clap::{Args, ValueEnum, ValueHint};
+use stiffarm::estimate::validate::Model;
+use stiffarm::model::process::ForceAxes;
 use stiffarm_files::program::Language;
 
 /// The path, its loads and its postures.
 #[derive(Debug, Clone, Args)]
 pub struct PathArgs {
     /// Axes of the forces in the path, where it has no column axes, and of --force-n
-    #[arg(long, value_name = "AXES")]
-    pub axes: Option<AxesChoice>,
+    #[arg(long, value_name = "AXES", value_parser = choice(AXES))]
+    pub axes: Option<ForceAxes>,
     /// Force on the robot's tip [N] where the path has none [default: the cell's [work]]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple("force_n"), allow_hyphen_values = true)]
     pub force_n: Option<Triple>,
@@ -81,8 +83,8 @@ pub struct PredictArgs {
     #[arg(long, value_name = "NAME", requires = "cell_load")]
     pub load_case: Option<String>,
     /// How the deflection is calculated
-    #[arg(long, default_value = "equilibrium")]
-    pub model: ModelChoice,
+    #[arg(long, default_value = "equilibrium", value_parser = choice(MODEL))]
+    pub model: Model,
     /// Also the Cartesian stiffness matrix, with and without K_C, and its principal axes
     #[arg(long)]
     pub matrix: bool,

@@ -1,8 +1,8 @@
 //! Options of `stiffarm simulate`.
 
 use super::PageArgs;
-use super::fit::ElasticArg;
-use super::values::{count, number, pause, seed};
+use super::fit::ELASTIC;
+use super::values::{choice, count, number, pause, seed};
 use crate::numbers::to_usize;
 use clap::{Args, ValueHint};
 use std::time::Duration;
@@ -33,8 +33,8 @@ pub struct SimulateArgs {
     /// What gives way: the joint axes alone, or joints and base in all directions, with the
     /// cell's [elastic] or typical sizes; then each run is identified with the axes alone and
     /// with the mixed model [default: axes]
-    #[arg(long, value_name = "MODEL")]
-    pub elastic: Option<ElasticArg>,
+    #[arg(long, value_name = "MODEL", value_parser = choice(ELASTIC))]
+    pub elastic: Option<ElasticChoice>,
     /// Seed of the random numbers
     #[arg(long, default_value_t = 1, value_parser = seed())]
     pub seed: u64,
@@ -65,7 +65,7 @@ pub struct SimulateArgs {
 impl SimulateArgs {
     /// What gives way.
     pub fn elastic(&self) -> ElasticChoice {
-        self.elastic.map_or(ElasticChoice::Axes, Into::into)
+        self.elastic.unwrap_or(ElasticChoice::Axes)
     }
 
     /// What is asked for, as the library takes it.

@@ -49,6 +49,21 @@ pub fn one_of<T: Copy + Send + Sync + 'static>(
     })
 }
 
+/// A value's name, what is said of it, and the value.
+pub type Choice<T> = (&'static str, &'static str, T);
+
+/// One of these values by its name.
+pub fn choice<T: Copy + Send + Sync + 'static>(
+    all: &'static [Choice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let names = all.iter();
+    let names = names.map(|(name, about, _)| PossibleValue::new(name).help(about));
+    PossibleValuesParser::new(names).try_map(move |name| {
+        let found = all.iter().find(|(own, ..)| *own == name);
+        found.map(|row| row.2).ok_or("it is none of these")
+    })
+}
+
 /// A number in a unit, which is the end of its option's name.
 pub fn number(unit: &'static str) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| one(text, unit)

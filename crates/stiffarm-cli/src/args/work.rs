@@ -1,8 +1,8 @@
 //! Commands about the robot at work.
 
 use super::PageArgs;
-use super::values::{number, triple, within};
-use clap::{Args, ValueEnum, ValueHint};
+use super::values::{Choice, choice, number, triple, within};
+use clap::{Args, ValueHint};
 use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
 use stiffarm::work::map::MOST_TURNS;
@@ -107,8 +107,8 @@ pub struct PlaceArgs {
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "PATH.csv")]
     pub place: Option<String>,
     /// Axes of the path's forces, where its rows do not say
-    #[arg(long, value_name = "AXES", requires = "place")]
-    pub axes: Option<AxesChoice>,
+    #[arg(long, value_name = "AXES", value_parser = choice(AXES), requires = "place")]
+    pub axes: Option<ForceAxes>,
     /// Turns of the workpiece about the base's z to try [deg]
     #[arg(
         long,
@@ -130,28 +130,24 @@ pub struct PlaceArgs {
 pub type Triple = [f64; 3];
 
 /// Axes of a path's forces.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum AxesChoice {
-    /// The robot's base
-    Base,
-    /// The tip frame; its z is the tool axis
-    Tool,
-    /// The workpiece frame of the cell
-    Workpiece,
-    /// The path: z the tool axis, x the feed direction across it
-    Path,
-}
-
-impl From<AxesChoice> for ForceAxes {
-    fn from(choice: AxesChoice) -> Self {
-        match choice {
-            AxesChoice::Base => ForceAxes::Base,
-            AxesChoice::Tool => ForceAxes::Tool,
-            AxesChoice::Workpiece => ForceAxes::Workpiece,
-            AxesChoice::Path => ForceAxes::Path,
-        }
-    }
-}
+pub const AXES: &[Choice<ForceAxes>] = &[
+    ("base", "The robot's base", ForceAxes::Base),
+    (
+        "tool",
+        "The tip frame; its z is the tool axis",
+        ForceAxes::Tool,
+    ),
+    (
+        "workpiece",
+        "The workpiece frame of the cell",
+        ForceAxes::Workpiece,
+    ),
+    (
+        "path",
+        "The path: z the tool axis, x the feed direction across it",
+        ForceAxes::Path,
+    ),
+];
 
 fn plane(text: &str) -> Result<Plane, String> {
     let wanted = "x, y or z with a coordinate in mm is needed, as in z=800";

@@ -4,6 +4,7 @@ use super::{capsules, check, coverage, export, route, study, zones};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use stiffarm::Result;
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
@@ -26,110 +27,38 @@ use stiffarm_files::envelope::{Written, to_json};
 ///
 /// # Errors
 /// A schema that cannot be written.
-pub fn generated() -> Result<BTreeMap<&'static str, String>> {
+pub fn generated() -> Result<BTreeMap<String, String>> {
     let schemas = [
-        ("cell", cell_schema()),
-        ("result-check", of::<check::Options, CellCheck>("check")),
-        (
-            "result-evaluate",
-            of::<EvaluatedOptions, Evaluated>("evaluate"),
-        ),
-        (
-            "result-select",
-            of::<planned::PlanOptions, planned::Plan>("select"),
-        ),
-        (
-            "result-select-drop",
-            of::<planned::DropOptions, planned::DropResult>("select --drop"),
-        ),
-        (
-            "result-select-curve",
-            of::<planned::CurveOptions, planned::Curve>("select --curve"),
-        ),
-        (
-            "result-select-space-filling",
-            of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling"),
-        ),
-        (
-            "result-select-candidates",
-            of::<planned::ChosenOptions, planned::Chosen>("select --candidates"),
-        ),
-        (
-            "result-simulate",
-            of::<simulated::Options, Simulation>("simulate"),
-        ),
-        (
-            "result-simulate-elastic",
-            of::<simulated::ElasticOptions, ElasticSimulation>("simulate --elastic"),
-        ),
-        (
-            "result-coverage",
-            of::<coverage::Options, Coverage>("coverage"),
-        ),
-        (
-            "result-register",
-            of::<registered::Options, RegistrationRecord>("register"),
-        ),
-        (
-            "result-identify",
-            of::<identified::Options, identified::Identified>("identify"),
-        ),
-        (
-            "result-identify-clamped",
-            of::<clamped::Options, ClampedIdentification>("identify --clamped"),
-        ),
-        (
-            "result-validate",
-            of::<validated::Options, validated::Validated>("validate"),
-        ),
-        (
-            "result-predict",
-            of::<predicted::Options, predicted::Predicted>("predict"),
-        ),
-        (
-            "result-compensate",
-            of::<compensated::Options, compensated::Compensated>("compensate"),
-        ),
-        ("result-map", of::<mapped::Options, StiffnessMap>("map")),
-        (
-            "result-map-place",
-            of::<placed::Options, Placement>("map --place"),
-        ),
-        ("result-zones", of::<zones::Options, Zones>("zones")),
-        (
-            "result-capsules",
-            of::<capsules::Options, capsules::Fitted>("capsules"),
-        ),
-        (
-            "result-measure",
-            of::<judged::Options, judged::Judgement>("measure"),
-        ),
-        ("result-pose", of::<poses::Options, poses::Poses>("pose")),
-        (
-            "result-pose-poses",
-            of::<poses::Options, poses::Found>("pose --poses"),
-        ),
-        (
-            "result-report",
-            of::<super::report::Options, super::report::Reported>("report"),
-        ),
-        ("result-route", of::<route::Options, route::Routed>("route")),
-        (
-            "result-export",
-            of::<export::Options, export::Exported>("export"),
-        ),
-        (
-            "result-export-compare",
-            of::<export::Options, export::compare::Compared>("export --compare"),
-        ),
-        (
-            "result-study-measured",
-            of::<study::measured::Options, study::measured::Written>("study --measured"),
-        ),
-        (
-            "result-study",
-            of::<study::Options, study::Written>("study"),
-        ),
+        ("cell".to_string(), cell_schema()),
+        of::<check::Options, CellCheck>("check"),
+        of::<EvaluatedOptions, Evaluated>("evaluate"),
+        of::<planned::PlanOptions, planned::Plan>("select"),
+        of::<planned::DropOptions, planned::DropResult>("select --drop"),
+        of::<planned::CurveOptions, planned::Curve>("select --curve"),
+        of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling"),
+        of::<planned::ChosenOptions, planned::Chosen>("select --candidates"),
+        of::<simulated::Options, Simulation>("simulate"),
+        of::<simulated::ElasticOptions, ElasticSimulation>("simulate --elastic"),
+        of::<coverage::Options, Coverage>("coverage"),
+        of::<registered::Options, RegistrationRecord>("register"),
+        of::<identified::Options, identified::Identified>("identify"),
+        of::<clamped::Options, ClampedIdentification>("identify --clamped"),
+        of::<validated::Options, validated::Validated>("validate"),
+        of::<predicted::Options, predicted::Predicted>("predict"),
+        of::<compensated::Options, compensated::Compensated>("compensate"),
+        of::<mapped::Options, StiffnessMap>("map"),
+        of::<placed::Options, Placement>("map --place"),
+        of::<zones::Options, Zones>("zones"),
+        of::<capsules::Options, capsules::Fitted>("capsules"),
+        of::<judged::Options, judged::Judgement>("measure"),
+        of::<poses::Options, poses::Poses>("pose"),
+        of::<poses::Options, poses::Found>("pose --poses"),
+        of::<super::report::Options, super::report::Reported>("report"),
+        of::<route::Options, route::Routed>("route"),
+        of::<export::Options, export::Exported>("export"),
+        of::<export::Options, export::compare::Compared>("export --compare"),
+        of::<study::measured::Options, study::measured::Written>("study --measured"),
+        of::<study::Options, study::Written>("study"),
     ];
     let texts = schemas
         .into_iter()
@@ -137,18 +66,33 @@ pub fn generated() -> Result<BTreeMap<&'static str, String>> {
     texts.collect()
 }
 
-/// Schema of what a command prints with `--json`.
-fn of<O: JsonSchema, R: JsonSchema>(command: &str) -> Schema {
+/// Name and schema of what a command prints with `--json`.
+fn of<O: JsonSchema, R: JsonSchema>(command: &str) -> (String, Schema) {
     // `double` and `uint64` are names of Rust's types, not of JSON Schema's formats.
     let drop_format = RecursiveTransform(|schema: &mut Schema| {
         schema.remove("format");
     });
+    // Angles are radians in memory, and degrees where a key says so.
+    let in_degrees = RecursiveTransform(|schema: &mut Schema| {
+        let properties = schema.get_mut("properties").and_then(Value::as_object_mut);
+        let angles = properties
+            .into_iter()
+            .flatten()
+            .filter(|(key, _)| key.ends_with("_deg"));
+        for (_, property) in angles {
+            if let Some(Value::String(text)) = property.get_mut("description") {
+                *text = text.replace("[rad", "[deg");
+            }
+        }
+    });
     let mut schema = SchemaSettings::draft2020_12()
         .for_serialize()
         .with_transform(drop_format)
+        .with_transform(in_degrees)
         .into_generator()
         .into_root_schema_for::<Written<O, R>>();
     let title = format!("Output of stiffarm {command} --json");
     schema.insert("title".to_string(), title.into());
-    schema
+    let name = command.replace(" --", "-").replace(' ', "-");
+    (format!("result-{name}"), schema)
 }

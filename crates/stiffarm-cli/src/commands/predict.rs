@@ -25,7 +25,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
     let request = Request {
         path: args.along.options(),
-        model: args.model.into(),
+        model: args.model,
         matrix: args.matrix,
         cell_load: args.cell_load,
         load_case: args.load_case.clone(),

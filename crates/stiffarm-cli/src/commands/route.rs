@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
@@ -117,12 +117,7 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
         if let Some(why) = forbidden(cell, &stop.q)? {
             let subject = format!("posture {}", stop.name);
             let sentence = format!("posture {} {why}.", stop.name);
-            findings.push(Finding::new(
-                "posture-forbidden",
-                Severity::Serious,
-                subject,
-                sentence,
-            ));
+            findings.push(Finding::serious("posture-forbidden", subject, sentence));
         }
     }
     Ok(findings)
@@ -132,18 +127,16 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
 fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>> {
     let mut findings = route_findings(cell, stops, route)?;
     if !route.checked.contains(&LimitKind::Shapes) {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "moves-not-checked",
-            Severity::Caution,
             "moves",
             "the cell has no shapes, so nothing says whether the arm touches something on the way. Give [[robot.shape]], \
              [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first time.",
         ));
     }
     if cell.route.joint_speeds.is_none() {
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "joint-speeds-unknown",
-            Severity::Note,
             "route.joint_speeds_deg_s",
             "joint speeds are not known: all joints count as equally fast, and no time is given.",
         ));

@@ -19,7 +19,7 @@ use stiffarm_files::source::{NamedCell, Source};
 /// Validates.
 pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
     let request = Request {
-        model: args.model.into(),
+        model: args.model,
         tolerance_mm: args.tolerance_mm,
         only: args.only.clone(),
     };
@@ -91,7 +91,7 @@ fn cross(
     let fit = args.fit.options(&named.cell.setup.robot)?;
     let measured = measured(session, args, request, from, &named.cell)?;
     let progress = Progress::new(session, "predicting each posture");
-    let asked = args.fit.elastic();
+    let asked = args.fit.elastic;
     let (result, described) = Fit::watched(&named.cell, measured, &fit, progress.shared())
         .and_then(|fit| request.by_folds(&fit, asked, folds))
         .map_err(|e| match e.code() {

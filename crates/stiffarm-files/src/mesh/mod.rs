@@ -51,10 +51,7 @@ pub fn parse_mesh(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> 
 
 fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
     if !(scale.is_finite() && scale > 0.0) {
-        return Err(Error::new(
-            Code::InvalidValue,
-            "The unit of a mesh must be above zero.",
-        ));
+        return Err(Error::invalid("The unit of a mesh must be above zero."));
     }
     let ending = Path::new(name).extension().and_then(|e| e.to_str());
     let kind = match ending.map(str::to_ascii_lowercase).as_deref() {
@@ -87,13 +84,10 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
         })?;
     let across = mesh.extent().amax();
     if scale == 1.0 && across > LARGEST {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "The mesh is {} m across: probably its unit is mm.",
-                grouped(across)
-            ),
-        )
+        return Err(Error::invalid(format!(
+            "The mesh is {} m across: probably its unit is mm.",
+            grouped(across)
+        ))
         .hint("give `unit = \"mm\"`"));
     }
     Ok(mesh)

@@ -50,7 +50,7 @@ impl ProgramOptions {
             return Ok(());
         }
         let message = format!("The axes must be the numbers 1 to {joints}, each once.");
-        Err(Error::new(Code::InvalidValue, message).key("controller_axes"))
+        Err(Error::invalid(message).key("controller_axes"))
     }
 
     fn check_pulses(&self, dialect: &Dialect, joints: usize) -> Result<()> {
@@ -112,6 +112,6 @@ impl ProgramOptions {
             return Ok(());
         }
         let message = format!("The tool of {title} {message}.");
-        Err(Error::new(Code::InvalidValue, message).key("tool"))
+        Err(Error::invalid(message).key("tool"))
     }
 }

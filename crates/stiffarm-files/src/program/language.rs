@@ -190,7 +190,6 @@ impl Language {
             "The name \"{name}\" of the program {wrong} in {}.",
             self.title()
         );
-        Err(Error::new(Code::InvalidValue, message)
-            .hint(format!("for example {}", self.name_for(name))))
+        Err(Error::invalid(message).hint(format!("for example {}", self.name_for(name))))
     }
 }

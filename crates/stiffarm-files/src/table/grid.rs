@@ -10,7 +10,7 @@ use std::collections::hash_map::Entry;
 use std::fmt::Display;
 use std::hash::Hash;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::findings::{Finding, list};
 use stiffarm::measure::MERGED_CELLS;
 use stiffarm::model::cell::Columns;
 use stiffarm::units::{LARGEST_NUMBER, Sense};
@@ -136,7 +136,7 @@ impl<'a> Table<'a> {
             "Cells are merged in {}: each of their rows has the value of the first.",
             list(&self.merged)
         );
-        let remark = Finding::new(MERGED_CELLS, Severity::Note, "readings", sentence);
+        let remark = Finding::note(MERGED_CELLS, "readings", sentence);
         (!self.merged.is_empty()).then_some(remark)
     }
 

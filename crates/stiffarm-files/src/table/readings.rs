@@ -6,7 +6,7 @@ use super::loads;
 use super::values::Values;
 use std::collections::{BTreeMap, HashMap};
 use stiffarm::error::{Code, Error, Result, did_you_mean};
-use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::findings::{Finding, list};
 use stiffarm::measure::LOADS_FROM_NAMES;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
@@ -140,7 +140,7 @@ fn loads_from_names(named: &BTreeMap<String, f64>) -> Option<Finding> {
         list(&Vec::from_iter(named.keys())),
         each.join(", ")
     );
-    let remark = Finding::new(LOADS_FROM_NAMES, Severity::Note, "load", sentence);
+    let remark = Finding::note(LOADS_FROM_NAMES, "load", sentence);
     (!named.is_empty()).then_some(remark)
 }
 

@@ -249,12 +249,8 @@ impl<'c> Builder<'c> {
             length(distance),
             rad_to_deg(angle)
         );
-        self.frames.push(Finding::new(
-            "program-frame",
-            Severity::Serious,
-            "work",
-            sentence,
-        ));
+        self.frames
+            .push(Finding::serious("program-frame", "work", sentence));
     }
 
     /// All that is to be known, what matters most first.

@@ -63,11 +63,10 @@ pub fn write_moves(
     language.check_name(&options.name)?;
     if !(options.speed_mm_s.is_finite() && options.speed_mm_s > 0.0) {
         let speed = options.speed_mm_s;
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!("The speed must be above 0 mm/s, got {speed}."),
-        )
-        .key("speed_mm_s"));
+        return Err(
+            Error::invalid(format!("The speed must be above 0 mm/s, got {speed}."))
+                .key("speed_mm_s"),
+        );
     }
     let moves = &poses.moves;
     if points.len() > moves.most {

@@ -2,7 +2,7 @@
 
 use super::{CollisionGeometry, CollisionShape, UrdfRobot};
 use nalgebra::{Isometry3, Vector3};
-use stiffarm::error::{Code, Error, Result};
+use stiffarm::error::{Error, Result};
 use stiffarm::model::robot::LinkCapsule;
 use stiffarm::model::shape::{Capsule, Solid, TriangleMesh, capsules_around, capsules_of_mesh};
 
@@ -101,5 +101,5 @@ fn check_size(shape: &CollisionShape, size: f64) -> Result<()> {
         "A shape of the link \"{}\" is {size:.0} m across: probably its unit is mm.",
         shape.urdf_link
     );
-    Err(Error::new(Code::InvalidValue, message).hint("a URDF gives all lengths in m"))
+    Err(Error::invalid(message).hint("a URDF gives all lengths in m"))
 }

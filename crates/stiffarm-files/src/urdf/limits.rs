@@ -4,7 +4,7 @@ use super::robot::{Joint, JointKind};
 use super::source::Source;
 use std::f64::consts::TAU;
 use stiffarm::error::{Code, Result};
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::units::{Sense, deg_to_rad, rad_to_deg};
 
 /// Limits of a joint \[rad\]: full turns for one without end.
@@ -83,7 +83,7 @@ pub(super) fn endless(joint: &Joint) -> Option<Finding> {
             "The joint is of the type continuous, so that its limits, {low:.1}° to {high:.1}°, do not count; ±360° \
              stand for them. Set limits_deg in the cell if they hold.",
         );
-        Finding::new("urdf-limits", Severity::Caution, joint.name.as_str(), sentence)
+        Finding::caution("urdf-limits", joint.name.as_str(), sentence)
     })
 }
 

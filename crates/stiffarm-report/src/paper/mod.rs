@@ -9,7 +9,7 @@ use crate::figure::layout::Layout;
 use crate::figure::svg::{render_drawing_with, render_svg_with};
 use names::stems;
 use stiffarm::findings::visible;
-use stiffarm::{Code, Error, Result};
+use stiffarm::{Error, Result};
 
 /// Widths of pictures \[mm\].
 const WIDTHS_MM: [f64; 2] = [20.0, 500.0];
@@ -81,14 +81,11 @@ impl PaperOptions {
         let family = &self.font_family;
         if !family.chars().all(is_known) || family.chars().count() > FAMILY_LENGTH {
             let message = format!("{} is no font family.", visible(family));
-            return Err(Error::new(Code::InvalidValue, message)
+            return Err(Error::invalid(message)
                 .hint("give the name of one family, for example Times New Roman"));
         }
         if self.formats.is_empty() {
-            Err(
-                Error::new(Code::InvalidValue, "There is no format to write.")
-                    .hint("choose svg, csv or both"),
-            )
+            Err(Error::invalid("There is no format to write.").hint("choose svg, csv or both"))
         } else {
             Ok(())
         }
@@ -175,9 +172,8 @@ fn within(what: &str, value: f64, [least, most]: [f64; 2], unit: &str) -> Result
     if (least..=most).contains(&value) {
         Ok(())
     } else {
-        Err(Error::new(
-            Code::InvalidValue,
-            format!("The {what} of pictures must be {least} to {most} {unit}, got {value}."),
-        ))
+        Err(Error::invalid(format!(
+            "The {what} of pictures must be {least} to {most} {unit}, got {value}."
+        )))
     }
 }

@@ -188,7 +188,7 @@ fn stopped(saved: &SavedResult) -> Option<Finding> {
     );
     let is_known = |f: &Finding| STOPPED.contains(&f.code.as_str());
     let known = saved.findings().iter().any(is_known);
-    (!known).then(|| Finding::new(STOPPED[0], Severity::Caution, &saved.command, sentence))
+    (!known).then(|| Finding::caution(STOPPED[0], &saved.command, sentence))
 }
 
 /// Whether some part of a result says that it ended early because the user wanted so.

@@ -261,7 +261,7 @@ impl Told {
 
     /// The same with one more thing to look at, where there is one.
     pub(crate) fn caution(mut self, command: &str, sentence: Option<&str>) -> Self {
-        let finding = sentence.map(|s| Finding::new("page", Severity::Caution, command, s));
+        let finding = sentence.map(|s| Finding::caution("page", command, s));
         self.add_findings(finding);
         self
     }

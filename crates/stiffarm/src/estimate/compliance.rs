@@ -83,7 +83,7 @@ fn doubt(finding: &Finding) -> Finding {
     let sentence = format!(
         "The stiffness cannot be used as it is, its readings have a serious fault ({first}): correct them and identify again."
     );
-    Finding::new(DOUBTFUL, Severity::Serious, "stiffness", sentence)
+    Finding::serious(DOUBTFUL, "stiffness", sentence)
 }
 
 /// What springs that are no ordinary ones mean for whatever is calculated with them.

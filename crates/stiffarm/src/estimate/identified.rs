@@ -293,7 +293,7 @@ impl Identified {
             let code = "stiffness-unfinished";
             found
                 .doubts
-                .push(Finding::new(code, Severity::Caution, "stiffness", sentence));
+                .push(Finding::caution(code, "stiffness", sentence));
         }
         let measured = fit.measured();
         let mut scales = measured.screening.iter().flat_map(|s| s.scales());

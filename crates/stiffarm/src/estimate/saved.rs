@@ -4,7 +4,7 @@
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{implausible_stiffness, quantile};
-use crate::findings::{Finding, Severity, length};
+use crate::findings::{Finding, length};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use nalgebra::{DMatrix, Vector3};
@@ -186,6 +186,6 @@ impl Saved {
     pub fn of_another_cell(&self, cell: Option<&str>) -> Option<Finding> {
         let is_other = self.cell.is_some() && self.cell.as_deref() != cell;
         let sentence = "The stiffness was identified with another version of this cell.";
-        is_other.then(|| Finding::new("other-cell", Severity::Caution, "stiffness", sentence))
+        is_other.then(|| Finding::caution("other-cell", "stiffness", sentence))
     }
 }

@@ -174,7 +174,7 @@ fn check_not_negative(key: &str, values: &[f64]) -> Result<()> {
     match values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
         Some(v) => {
             let message = format!("Each value must be 0 or more, got {v}.");
-            Err(Error::new(Code::InvalidValue, message).key(key))
+            Err(Error::invalid(message).key(key))
         }
         None => Ok(()),
     }

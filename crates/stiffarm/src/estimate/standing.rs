@@ -13,7 +13,7 @@ use super::mixed::MixedFit;
 use super::next_posture::{NextPosture, PlannedErrors};
 use super::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::error::{Code, Result};
-use crate::findings::{Finding, Severity, percent};
+use crate::findings::{Finding, percent};
 use crate::numerics::half_width::Level;
 use crate::plan::check::determinable;
 use serde::{Deserialize, Serialize};
@@ -176,7 +176,7 @@ impl<'f> SoFar<'f> {
              nothing does, and the goal counts as not reached."
         );
         (self.missing_postures(left) > 0)
-            .then(|| Finding::new("too-few-postures", Severity::Note, "goal", sentence))
+            .then(|| Finding::note("too-few-postures", "goal", sentence))
     }
 }
 
@@ -287,7 +287,7 @@ fn out_of_reach(
         percent(quantile * scale.size),
         percent(goal)
     );
-    let finding = Finding::new("goal-out-of-reach", Severity::Caution, "goal", sentence);
+    let finding = Finding::caution("goal-out-of-reach", "goal", sentence);
     Ok(Some(finding))
 }
 

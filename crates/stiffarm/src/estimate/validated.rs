@@ -10,7 +10,7 @@ use crate::estimate::saved::Saved;
 use crate::estimate::validate::{
     Model, Validation, cross_validate, cross_validate_mixed, validate_with,
 };
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -102,8 +102,7 @@ impl Request {
     /// A tolerance that is negative or not finite (key `tolerance_mm`).
     pub fn check(&self) -> Result<()> {
         match self.tolerance_mm {
-            Some(tolerance) if !(tolerance.is_finite() && tolerance >= 0.0) => Err(Error::new(
-                Code::InvalidValue,
+            Some(tolerance) if !(tolerance.is_finite() && tolerance >= 0.0) => Err(Error::invalid(
                 format!("The tolerance must be 0 mm or more, got {tolerance}."),
             )
             .key("tolerance_mm")),
@@ -252,10 +251,5 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
         "{verb} {} took part in the identification: {them} say little.",
         list(&seen)
     );
-    Some(Finding::new(
-        "seen-postures",
-        Severity::Caution,
-        "stiffness",
-        sentence,
-    ))
+    Some(Finding::caution("seen-postures", "stiffness", sentence))
 }

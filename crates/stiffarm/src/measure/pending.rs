@@ -1,7 +1,7 @@
 //! What is said of a table itself: what of it is not measured yet, what was taken for granted.
 
 use crate::error::{Code, Error};
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::measurement::{PendingReading, ReadingTable};
 
 /// Postures that the sentence names one by one.
@@ -63,9 +63,8 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
             shortened(names)
         ),
     };
-    Some(Finding::new(
+    Some(Finding::note(
         NOT_MEASURED_YET,
-        Severity::Note,
         "readings",
         format!(
             "Not measured yet: {} {}; {filled} of {rows} rows are filled in.{left_out}",

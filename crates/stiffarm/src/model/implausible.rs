@@ -1,7 +1,7 @@
 //! Loads and cuts that are possible and yet hardly meant for this robot: results that
 //! rest on them are printed, with a serious finding.
 
-use crate::findings::{Finding, Severity, more};
+use crate::findings::{Finding, more};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::path::PathPoint;
@@ -81,9 +81,8 @@ pub fn load<'a>(
         ),
         None => format!("no process pushes an industrial robot with more than {FORCE} N"),
     };
-    Some(Finding::new(
+    Some(Finding::serious(
         "implausible-load",
-        Severity::Serious,
         place,
         format!("A load of {load} can hardly be meant: {beside}. Check its unit (N, N·m)."),
     ))
@@ -141,9 +140,8 @@ pub fn chips(work: &Work, points: &[PathPoint]) -> Option<Finding> {
          the unit of the feed.",
         first.name
     );
-    Some(Finding::new(
+    Some(Finding::serious(
         "implausible-cut",
-        Severity::Serious,
         "work.milling.spindle_rpm",
         sentence,
     ))
@@ -152,12 +150,7 @@ pub fn chips(work: &Work, points: &[PathPoint]) -> Option<Finding> {
 fn milling(cut: &Milling, table: &str, out: &mut Vec<Finding>) {
     let mut add = |key: &str, sentence: String| {
         let key = format!("{table}.milling.{key}");
-        out.push(Finding::new(
-            "implausible-cut",
-            Severity::Serious,
-            key,
-            sentence,
-        ));
+        out.push(Finding::serious("implausible-cut", key, sentence));
     };
     let coefficient = cut.coefficients.k_tc;
     if !(COEFFICIENT[0]..=COEFFICIENT[1]).contains(&coefficient) {

@@ -1,6 +1,6 @@
 //! Force sensor and tracker, and the uncertainty of errors of the whole experiment.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::load::Wrench;
 use nalgebra::{Isometry3, Matrix3, Vector3};
@@ -65,12 +65,9 @@ impl TrackerAccuracy {
     pub fn covariance(&self, position: &Vector3<f64>) -> Result<Matrix3<f64>> {
         let beam = position - self.station;
         let distance = beam.norm();
-        let along = beam.try_normalize(1e-6).ok_or_else(|| {
-            Error::new(
-                Code::InvalidValue,
-                "A reading lies at the tracker's station itself.",
-            )
-        })?;
+        let along = beam
+            .try_normalize(1e-6)
+            .ok_or_else(|| Error::invalid("A reading lies at the tracker's station itself."))?;
         let projector = along * along.transpose();
         let range = self.range + self.range_per_metre * distance;
         let across = self.angle * distance;

@@ -1,6 +1,6 @@
 //! Loads and the wrench they put on the loading point.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::kinematics::Frames;
 use nalgebra::Vector3;
 
@@ -230,12 +230,10 @@ impl Load {
         let found = self.cases().iter().position(|case| case.is_of(state));
         found.or((!self.has_cases()).then_some(0)).ok_or_else(|| {
             let message = format!("The state \"{state}\" belongs to no load case of the cell.");
-            Error::new(Code::InvalidValue, message)
-                .key("state")
-                .hint(format!(
-                    "name states after the load cases, with -2 and so on where one is taken again: {}",
-                    self.case_names()
-                ))
+            Error::invalid(message).key("state").hint(format!(
+                "name states after the load cases, with -2 and so on where one is taken again: {}",
+                self.case_names()
+            ))
         })
     }
 

@@ -59,13 +59,10 @@ pub fn joint_compliance(robot: &Robot, stiffness: &[f64]) -> Result<DMatrix<f64>
         ));
     }
     if let Some(j) = stiffness.iter().position(|k| !(k.is_finite() && *k > 0.0)) {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "The stiffness of {} must be a finite number above zero.",
-                robot.spring_names()[j]
-            ),
-        ));
+        return Err(Error::invalid(format!(
+            "The stiffness of {} must be a finite number above zero.",
+            robot.spring_names()[j]
+        )));
     }
     let springs: Vec<f64> = stiffness.iter().map(|k| 1.0 / k).collect();
     Ok(compliance_of_springs(robot, &springs))
@@ -180,12 +177,7 @@ pub(crate) fn corrected(
     (DMatrix::identity(n, n) - compliance * correction)
         .lu()
         .solve(compliance)
-        .ok_or_else(|| {
-            Error::new(
-                Code::InvalidValue,
-                "K_θ − K_C is singular: the load would buckle the arm.",
-            )
-        })
+        .ok_or_else(|| Error::invalid("K_θ − K_C is singular: the load would buckle the arm."))
 }
 
 /// Displacement of a point fixed to the flange by the linear model, Eq. (7),
@@ -306,11 +298,10 @@ fn iterate(
             });
         }
     }
-    Err(Error::new(
-        Code::InvalidValue,
-        "The loaded arm has no stable equilibrium near this posture.",
+    Err(
+        Error::invalid("The loaded arm has no stable equilibrium near this posture.")
+            .hint("check the load's magnitude and the unit of the joint stiffness (N·m/rad)"),
     )
-    .hint("check the load's magnitude and the unit of the joint stiffness (N·m/rad)"))
 }
 
 /// Displacement of a flange-fixed point by the exact equilibrium: difference

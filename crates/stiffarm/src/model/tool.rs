@@ -36,8 +36,7 @@ impl SeriesCompliance {
     ) -> Result<Self> {
         let stiffness = [translational, rotational].concat();
         if stiffness.iter().any(|k| k.is_nan() || *k <= 0.0) {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "Each stiffness of the series compliance must be above zero.",
             ));
         }
@@ -103,8 +102,7 @@ impl Tool {
                 .any(|p| p.name == measuring_points[i].name)
         };
         if measuring_points.is_empty() || (0..measuring_points.len()).any(twice) {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "A tool needs at least one measuring point, and each a name of its own.",
             ));
         }

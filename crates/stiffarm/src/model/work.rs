@@ -1,7 +1,7 @@
 //! What the robot works with: the tool tip, the workpiece and the process.
 
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::path::PathPoint;
 use crate::model::process::Process;
 use crate::model::tool::Tool;
@@ -119,9 +119,8 @@ impl Work {
             "{first} {} of the cell {are} not in the path: no point has that load or tolerance.",
             list(&missing)
         );
-        Ok(Some(Finding::new(
+        Ok(Some(Finding::caution(
             "feature-not-in-path",
-            Severity::Caution,
             "work.feature",
             sentence,
         )))
@@ -141,11 +140,6 @@ impl Work {
              elsewhere, say so with tip_mm in [work].",
             self.tip_point(tool)?
         );
-        Some(Finding::new(
-            "tip-assumed",
-            Severity::Note,
-            "work",
-            sentence,
-        ))
+        Some(Finding::note("tip-assumed", "work", sentence))
     }
 }

@@ -1,6 +1,6 @@
 //! How far a normal quantity may lie from a value that is not its mean.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 /// Steps of Newton's method; a handful settle all digits.
@@ -25,7 +25,7 @@ impl Level {
         let normal = Normal::new(0.0, 1.0).ok().filter(|_| inside);
         let Some(normal) = normal else {
             let message = format!("The confidence is {confidence}; it must lie between 0 and 1.");
-            return Err(Error::new(Code::InvalidValue, message));
+            return Err(Error::invalid(message));
         };
         Ok(Level {
             confidence,

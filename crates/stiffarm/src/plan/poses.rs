@@ -1,7 +1,7 @@
 //! Poses as pendants show them, and the postures of a pose, as `pose` gives them.
 
 use crate::error::{Code, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::inverse::InverseKinematics;
 use crate::model::kinematics::Frames;
@@ -215,9 +215,8 @@ impl Request {
                  the cell's: z on the pendant is smaller by that.",
                 m_to_mm(height)
             );
-            findings.push(Finding::new(
+            findings.push(Finding::caution(
                 "pendant-height",
-                Severity::Caution,
                 "robot.controller",
                 sentence,
             ));
@@ -300,9 +299,8 @@ impl Request {
             let held = match held_postures(&inverse, &flange) {
                 Ok(held) => held,
                 Err(e) if [Code::Unreachable, Code::OutsideLimits].contains(&e.code()) => {
-                    result.findings.push(Finding::new(
+                    result.findings.push(Finding::serious(
                         "pose-without-posture",
-                        Severity::Serious,
                         format!("pose {}", named.name),
                         e.message(),
                     ));

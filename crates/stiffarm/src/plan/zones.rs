@@ -74,27 +74,15 @@ pub struct Zone {
     pub posture_count: usize,
     /// Smallest and largest q2 \[rad\].
     #[serde(rename = "q2_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "[f64; 2]", description = "Smallest and largest q2 \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     pub q2: [f64; 2],
     /// Smallest and largest q3 \[rad\].
     #[serde(rename = "q3_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "[f64; 2]", description = "Smallest and largest q3 \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     pub q3: [f64; 2],
     /// Its most dexterous posture, controller angles of all joints \[rad\].
     #[serde(rename = "best_q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<f64>",
-            description = "Its most dexterous posture, controller angles of all joints \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub best_q: Vec<f64>,
     /// 1/k(J_N) there.
     pub inverse_condition: f64,
@@ -112,27 +100,15 @@ pub struct Zones {
     pub joints: [String; 2],
     /// Controller angles of all joints \[rad\]; `null` for the two that are mapped.
     #[serde(rename = "held_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Option<f64>>",
-            description = "Controller angles of all joints \\[deg\\]; `null` for the two that are mapped."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Option<f64>>"))]
     pub held: Vec<Option<f64>>,
     /// Angles q2, ascending \[rad\].
     #[serde(rename = "q2_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Angles q2, ascending \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub q2: Vec<f64>,
     /// Angles q3, ascending \[rad\].
     #[serde(rename = "q3_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Angles q3, ascending \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub q3: Vec<f64>,
     /// 1/k(J_N) at the TCP, 0 to 1: rows by q3, columns by q2; `null` where the
     /// posture violates a limit of the cell or is singular.
@@ -199,13 +175,10 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
     let mut q = held(cell, options)?;
     let steps = options.steps;
     if !(STEPS[0]..=STEPS[1]).contains(&steps) {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "A map has {} to {} steps per axis, not {steps}.",
-                STEPS[0], STEPS[1]
-            ),
-        )
+        return Err(Error::invalid(format!(
+            "A map has {} to {} steps per axis, not {steps}.",
+            STEPS[0], STEPS[1]
+        ))
         .key("steps"));
     }
     let [q2, q3] = MAPPED.map(|joint| axis(cell.bounds[joint], steps));

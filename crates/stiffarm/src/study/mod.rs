@@ -15,7 +15,7 @@ use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::estimate::simulate::{ElasticSimulation, Simulation, SimulationOptions, simulate};
 use crate::estimate::validate::{Model, Validation, simulate_measurements, validate};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
@@ -96,13 +96,7 @@ pub struct StudyGroup {
     pub evaluation: GroupEvaluation,
     /// Its postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "Its postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub postures: Vec<Vec<f64>>,
     /// Points of the arm per posture, base to TCP, base frame \[m\].
     pub arms_m: Vec<Vec<[f64; 3]>>,
@@ -206,9 +200,8 @@ pub fn study(
     // Section III.B: Groups 2 and 3 start from Group 1; so do the further indices.
     let indices = study_indices(cell);
     if cell.setup.robot.limits_are_unknown() {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "unknown-limits",
-            Severity::Caution,
             "robot.limits_deg",
             "The machine's limits are not known and ±360° stand in: compare the postures with the machine before driving \
              them.",
@@ -238,9 +231,8 @@ pub fn study(
                 named.push((Some(selection), group));
             }
             // One index without a result leaves the others to be compared.
-            Err(error) if !error.code().is_internal() => findings.push(Finding::new(
+            Err(error) if !error.code().is_internal() => findings.push(Finding::serious(
                 "no-selection",
-                Severity::Serious,
                 index.as_str(),
                 format!(
                     "Under the {} index no group was found: {}",

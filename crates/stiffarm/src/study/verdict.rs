@@ -52,9 +52,8 @@ fn missing(study: &Study) -> Vec<String> {
 pub(super) fn conclude(study: &mut Study) {
     let mut findings = std::mem::take(&mut study.findings);
     if study.interrupted {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "interrupted",
-            Severity::Caution,
             "study",
             format!(
                 "The study was stopped before its end. Missing: {}.",
@@ -66,9 +65,8 @@ pub(super) fn conclude(study: &mut Study) {
     for group in &study.groups {
         let lost = &group.evaluation.undetermined_joints;
         if !lost.is_empty() {
-            findings.push(Finding::new(
+            findings.push(Finding::serious(
                 "undetermined-joints",
-                Severity::Serious,
                 &group.name,
                 format!("{} cannot determine {}.", group.name, list(lost)),
             ));
@@ -83,18 +81,16 @@ pub(super) fn conclude(study: &mut Study) {
         findings.extend(study.starts.kinds.iter().map(other_starts));
         study.recommended = recommended;
     } else {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "no-noise",
-            Severity::Caution,
             "noise.variance_mm2",
             "The cell has no measurement noise, so every expected deviation is zero and nothing can be recommended.",
         ));
     }
 
     if let Some(elastic) = &study.elastic {
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "beyond-axes",
-            Severity::Note,
             "elastic",
             format!(
                 "Arms that give way beyond their joint axes were simulated with {}. {}",
@@ -117,9 +113,8 @@ pub(super) fn conclude(study: &mut Study) {
                 percent(q[2])
             )
         });
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "classical-q1",
-            Severity::Caution,
             STUDY_INDICES[0].1,
             format!(
                 "k(J_N) ignores q1, so the classical group is a range: with q1 of its postures drawn anew ({} draws \
@@ -135,9 +130,8 @@ pub(super) fn conclude(study: &mut Study) {
             .map(|j| study.joints[j].as_str())
             .collect();
         if !flagged.is_empty() {
-            findings.push(Finding::new(
+            findings.push(Finding::caution(
                 "beyond-first-order",
-                Severity::Caution,
                 &study.simulation.groups[g].name,
                 format!(
                     "{}: the relative standard error of {} passes 10 % at some noise level; the mean of |k̂ − k|/k is \
@@ -158,9 +152,8 @@ pub(super) fn conclude(study: &mut Study) {
     if !looseness.is_empty() {
         let low = looseness.iter().copied().fold(f64::INFINITY, f64::min);
         let high = looseness.iter().copied().fold(0.0, f64::max);
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "error-bound",
-            Severity::Note,
             "Eq. (19)",
             format!(
                 "The bound of Eq. (19) is {low:.0} to {high:.0} times the expected relative error of the compliance \
@@ -211,9 +204,8 @@ pub(super) fn conclude(study: &mut Study) {
             .iter()
             .map(|(n, v)| format!("{n} {:.4} mm", 1e3 * v))
             .collect();
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "validation-limit",
-            Severity::Note,
             "Eq. (22)",
             format!(
                 "With tracker noise as the only error, the mean deviation at the validation postures is {}; noise \
@@ -357,9 +349,8 @@ fn first_order_means(study: &Study) -> Option<Finding> {
         })
         .collect();
     (!named.is_empty()).then(|| {
-        Finding::new(
+        Finding::caution(
             "first-order-means",
-            Severity::Caution,
             "expected deviation",
             format!(
                 "The mean expected deviation is a first-order figure; where a relative standard error passes 10 % it \
@@ -395,9 +386,8 @@ fn other_starts(kind: &StartsOfKind) -> Finding {
             kind.count
         )
     });
-    Finding::new(
+    Finding::note(
         "other-starts",
-        Severity::Note,
         &kind.kind,
         format!(
             "Over {} ({}), median start {start}, each index improves on its start: {}.{order}",

@@ -1,6 +1,6 @@
 //! Loads and postures along a path, as predictions and compensations are asked for.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
 use crate::model::inverse::InverseKinematics;
@@ -161,5 +161,5 @@ impl PathOptions {
 }
 
 fn wrong(key: &str, message: String) -> Error {
-    Error::new(Code::InvalidValue, message).key(key)
+    Error::invalid(message).key(key)
 }

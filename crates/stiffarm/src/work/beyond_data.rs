@@ -1,6 +1,6 @@
 //! What goes beyond the displacements and forces that an identification has seen.
 
-use crate::findings::{Finding, Severity, length, percent};
+use crate::findings::{Finding, length, percent};
 
 /// Codes of the findings about it.
 pub(crate) const BEYOND: [&str; 2] = ["beyond-measured", "beyond-load"];
@@ -27,7 +27,7 @@ pub(crate) fn beyond_data(subject: &str, points: &[(f64, f64)], seen: Seen) -> V
         let share = percent(beyond as f64 / points.len() as f64);
         let sentence =
             format!("{share} of the points {what}: the model is trusted beyond its data there.");
-        out.push(Finding::new(code, Severity::Caution, subject, sentence));
+        out.push(Finding::caution(code, subject, sentence));
     };
     let slack = |seen: f64| seen * (1.0 + ROUNDING);
     if let Some(seen) = seen.displacement.map(slack) {

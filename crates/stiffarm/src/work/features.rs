@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::findings::{Finding, Severity, length, length_with_error};
+use crate::findings::{Finding, length, length_with_error};
 use crate::model::cell::Cell;
 use crate::model::path::{LoadedPosture, feed_axes};
 use crate::work::predict::LoadedArm;
@@ -214,7 +214,7 @@ fn judged(features: &[Feature]) -> Option<Finding> {
                 "The"
             };
             let sentence = format!("{words} path keeps to its {tolerance}.");
-            return Some(Finding::new("tolerance", Severity::Note, "path", sentence));
+            return Some(Finding::note("tolerance", "path", sentence));
         }
         (1, 1) => format!(
             "It does not surely keep to its tolerance: {}.",
@@ -225,12 +225,7 @@ fn judged(features: &[Feature]) -> Option<Finding> {
             named.join("; ")
         ),
     };
-    Some(Finding::new(
-        "tolerance",
-        Severity::Caution,
-        "path",
-        sentence,
-    ))
+    Some(Finding::caution("tolerance", "path", sentence))
 }
 
 impl Feature {

@@ -70,10 +70,7 @@ pub struct Planned {
     pub name: String,
     /// Its controller angles \[rad\].
     #[serde(rename = "posture_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
 }
 

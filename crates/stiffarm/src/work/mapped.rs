@@ -1,6 +1,6 @@
 //! What is asked of a map of stiffness: where, how the tool is held, under which load.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::process::ForceAxes;
@@ -79,7 +79,7 @@ impl Request {
                 UnitVector3::try_new(Vector3::from(direction), f64::MIN_POSITIVE).ok_or_else(
                     || {
                         let message = "The direction must not have length zero.";
-                        Error::new(Code::InvalidValue, message).key("direction")
+                        Error::invalid(message).key("direction")
                     },
                 )?,
             ),

@@ -1,6 +1,6 @@
 //! What is asked of the search for the best place of a workpiece.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::units::deg_to_rad;
 use crate::work::map::PlaceOptions;
@@ -59,7 +59,7 @@ impl Request {
         match self.yaw_deg.iter().find(|yaw| !yaw.is_finite()) {
             Some(yaw) => {
                 let message = format!("The turn must be a finite number, got {yaw}.");
-                Err(Error::new(Code::InvalidValue, message).key("yaw_deg"))
+                Err(Error::invalid(message).key("yaw_deg"))
             }
             None => Ok(()),
         }

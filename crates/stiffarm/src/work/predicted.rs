@@ -99,7 +99,7 @@ impl Request {
                 let names = cell.setup.load.case_names();
                 let message =
                     "The cell has several load cases, and postures bend under one at a time.";
-                Err(Error::new(Code::InvalidValue, message)
+                Err(Error::invalid(message)
                     .key("cell_load")
                     .hint(format!("add `load_case` with one of them: {names}")))
             }

@@ -1,6 +1,6 @@
 //! The part of the workspace that a map or a search for a place is about.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::units::mm_to_m;
@@ -111,16 +111,15 @@ fn corners(cell: &Cell, asked: &RegionRequest) -> Result<([f64; 3], [f64; 3])> {
                 "A plane's axis is 0, 1 or 2 for x, y, z; got {}.",
                 plane.axis
             );
-            return Err(Error::new(Code::InvalidValue, message).key("plane"));
+            return Err(Error::invalid(message).key("plane"));
         }
         (lower[plane.axis], upper[plane.axis]) = (mm_to_m(plane.mm), mm_to_m(plane.mm));
     }
     for (axis, name) in ["x", "y", "z"].iter().enumerate() {
         if lower[axis] > upper[axis] {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!("Along {name}, `from_mm` must not be above `to_mm`."),
-            )
+            return Err(Error::invalid(format!(
+                "Along {name}, `from_mm` must not be above `to_mm`."
+            ))
             .key("from_mm")
             .hint("give the lower corner with `from_mm` and the upper one with `to_mm`"));
         }

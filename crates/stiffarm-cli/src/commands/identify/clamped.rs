@@ -20,7 +20,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
     let options = args.fit.options(&named.cell.setup.robot)?;
-    if args.fit.elastic() == Some(ElasticChoice::Mixed) {
+    if args.fit.elastic == Some(ElasticChoice::Mixed) {
         let message =
             "With the flange fixed only the joint axes can be told: angles show nothing else.";
         return Err(Error::new(Code::Unsupported, message)

@@ -36,7 +36,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let wanted = {
         let mut wanted = Wanted::default();
         wanted.bootstrap = args.bootstrap;
-        wanted.elastic = args.fit.elastic();
+        wanted.elastic = args.fit.elastic;
         wanted.seed = args.seed;
         wanted.brief = args.brief;
         wanted

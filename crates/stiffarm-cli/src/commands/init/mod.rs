@@ -12,7 +12,7 @@ use crate::session::Session;
 use robot::{Chain, Options, start};
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::findings::{Finding, list};
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::units::rad_to_shortest_deg;
 use stiffarm_files::cell::{
@@ -49,12 +49,7 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
             "bounds.q_deg end {BOUNDS_MARGIN_DEG}° before the machine's limits of {}.",
             list(&kept)
         );
-        findings.push(Finding::new(
-            "bounds-margin",
-            Severity::Note,
-            "bounds.q_deg",
-            sentence,
-        ));
+        findings.push(Finding::note("bounds-margin", "bounds.q_deg", sentence));
     }
     let files = [
         ("cell.toml", text),

@@ -2,12 +2,13 @@
 
 use super::shapes::link_capsules;
 use super::xacro;
-use crate::args::{DhChoice, InitArgs};
+use crate::args::InitArgs;
 use crate::commands::robots::entry_of;
 use crate::session::Session;
 use serde::Serialize;
 use std::path::PathBuf;
-use stiffarm::findings::{Finding, Severity, list};
+use stiffarm::findings::{Finding, list};
+use stiffarm::model::robot::DhConvention;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::cell::{template, template_of, template_with_shapes};
 use stiffarm_files::check_name;
@@ -46,7 +47,7 @@ pub struct Options<'a> {
     robot: Option<&'a str>,
     urdf: Option<&'a str>,
     dh: Option<&'a str>,
-    dh_convention: Option<DhChoice>,
+    dh_convention: Option<DhConvention>,
 }
 
 impl<'a> Options<'a> {
@@ -79,14 +80,14 @@ pub fn start(session: &Session, args: &InitArgs) -> Result<Start> {
     }
 }
 
-fn of_rows(session: &Session, from: &str, convention: DhChoice) -> Result<Start> {
+fn of_rows(session: &Session, from: &str, convention: DhConvention) -> Result<Start> {
     let (file, bytes) = session.read("dh", from)?;
     let name = group_name(from);
     let name = match check_name(&name) {
         Ok(()) => name,
         Err(_) => "robot".to_string(),
     };
-    let robot = read_dh_rows(&bytes, &file, &name, convention.into())?;
+    let robot = read_dh_rows(&bytes, &file, &name, convention)?;
     let origin = format!(
         "The robot is that of the rows in {}; base frame: frame 0 of the rows. Angles count as \
          the table has them. Compare a pose with the pendant (`stiffarm pose`).",
@@ -125,24 +126,14 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         if !read.left_out.is_empty() {
             let sentence = "These links move beside the chain; their shapes are left out.";
             let links = list(&read.left_out);
-            findings.push(Finding::new(
-                "urdf-left-out",
-                Severity::Note,
-                links,
-                sentence,
-            ));
+            findings.push(Finding::note("urdf-left-out", links, sentence));
         }
     }
     if read.robot.suspected_coupling()?.is_some() {
         let sentence = "The pendant may couple joint 3 to joint 2 where the URDF does not. [robot] in cell.toml says what to \
                         look at; until it names the controller, nothing goes to one.";
         let joint = read.robot.joint_names[2].clone();
-        findings.push(Finding::new(
-            "urdf-coupling",
-            Severity::Caution,
-            joint,
-            sentence,
-        ));
+        findings.push(Finding::caution("urdf-coupling", joint, sentence));
     }
     let origin = format!(
         "The robot is from {}: the base frame is the link {}, the flange the link {}. Angles are those of \

@@ -35,7 +35,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         check_folder(session, folder, FILES, args.force)?;
     }
     let saved = read_stiffness(session, &args.stiffness, cell)?;
-    let axes = args.place.axes.map(Into::into);
+    let axes = args.place.axes;
     let NamedPath {
         table,
         name,

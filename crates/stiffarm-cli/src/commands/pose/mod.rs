@@ -25,9 +25,9 @@ struct Job<'a> {
 pub fn run(session: &Session, args: &PoseArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let request = Request {
-        frame: args.frame.into(),
-        point: args.point.into(),
-        ..Request::new(&named.cell, args.convention.map(Into::into))?
+        frame: args.frame,
+        point: args.point,
+        ..Request::new(&named.cell, args.convention)?
     };
     let job = Job {
         session,

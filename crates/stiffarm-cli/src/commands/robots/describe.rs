@@ -16,7 +16,7 @@ pub(super) struct Robot {
     pub(super) reach_source: Option<&'static str>,
     pub(super) joint_count: usize,
     /// `modified` (Craig) or `standard`.
-    pub(super) dh_convention: &'static str,
+    pub(super) dh_convention: DhConvention,
     /// α, a, d, offset.
     pub(super) dh_deg_mm_mm_deg: Vec<[f64; 4]>,
     /// C of θ = offset + C q.
@@ -106,10 +106,7 @@ pub(super) fn describe(entry: &CatalogueEntry) -> Result<Robot> {
         reach_mm: entry.reach_m().map(m_to_shortest_mm),
         reach_source: entry.reach.map(|(_, source)| source),
         joint_count: robot.joint_count(),
-        dh_convention: match entry.convention {
-            DhConvention::Modified => "modified",
-            DhConvention::Standard => "standard",
-        },
+        dh_convention: entry.convention,
         dh_deg_mm_mm_deg: rows.collect(),
         theta_from_q: coupling.map(|row| row.iter().copied().collect()).collect(),
         base_mm_deg: six(&entry.base()),

@@ -11,6 +11,7 @@ use crate::table::{Align, Table, title, yellow};
 use describe::{Robot, describe};
 use serde::Serialize;
 use stiffarm::Result;
+use stiffarm::model::robot::DhConvention;
 use stiffarm::model::robot::{CatalogueEntry, catalogue, find_in_catalogue};
 
 #[derive(Serialize)]
@@ -170,8 +171,8 @@ fn kinematics(robot: &Robot) -> String {
         &format!(
             "{} Denavit-Hartenberg rows; theta = offset + C q, q are the pendant's angles.",
             match robot.dh_convention {
-                "modified" => "Modified (Craig)",
-                _ => "Standard",
+                DhConvention::Modified => "Modified (Craig)",
+                DhConvention::Standard => "Standard",
             }
         ),
         columns(),

@@ -69,7 +69,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
             options
         };
         own.starts = args.initial_groups;
-        own.elastic = args.elastic.map_or(ElasticChoice::Axes, Into::into);
+        own.elastic = args.elastic.unwrap_or(ElasticChoice::Axes);
         own
     };
     if args.runs == 0 {

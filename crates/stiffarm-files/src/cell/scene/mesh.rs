@@ -79,7 +79,7 @@ fn around(bytes: &[u8], file: &str, unit: f64, carrier: Carrier) -> Result<Vec<S
             "The mesh is {:.2} mm across: probably its unit is m.",
             across * 1e3
         );
-        return Err(Error::new(Code::InvalidValue, message).hint("give `unit = \"m\"`"));
+        return Err(Error::invalid(message).hint("give `unit = \"m\"`"));
     }
     Ok(match carrier {
         Carrier::World => solids_around(&mesh.vertices, &mesh.triangles, BOXES.0, BOXES.1),

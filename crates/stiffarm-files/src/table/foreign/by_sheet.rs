@@ -4,7 +4,7 @@ use crate::table::grid::{Field, Heading, Row, Rows, Table};
 use crate::table::heading::stem;
 use crate::table::naming::NAME;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::measure::NAMES_BY_SHEET;
 
 /// The columns that a sheet leaves to the readings.
@@ -86,12 +86,7 @@ pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Res
         "{files} has no names: {name} says row by row what its {} readings are of.",
         readings.len()
     );
-    table.named_by = Some(Finding::new(
-        NAMES_BY_SHEET,
-        Severity::Note,
-        "readings",
-        sentence,
-    ));
+    table.named_by = Some(Finding::note(NAMES_BY_SHEET, "readings", sentence));
     table.rows = out;
     let headings = added.iter().map(|at| sheet.headings[*at].clone());
     table.headings.extend(headings.collect::<Vec<_>>());

@@ -78,12 +78,7 @@ pub(super) fn of_joints(found: &Estimates) -> Vec<Finding> {
         let sentence = format!(
             "These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason."
         );
-        out.push(Finding::new(
-            "undetermined",
-            Severity::Serious,
-            names,
-            sentence,
-        ));
+        out.push(Finding::serious("undetermined", names, sentence));
     }
     let of = |verdict: Verdict| {
         let all = found.joints.iter().chain(&found.extra_springs);
@@ -124,7 +119,7 @@ fn together(found: &Estimates) -> Vec<Finding> {
             "These measurements hardly tell {names} apart: their columns are nearly collinear, {determined} determined. \
              Their single values mean nothing; other postures or loads would separate them."
         );
-        Finding::new("nearly-collinear", Severity::Caution, names, sentence)
+        Finding::caution("nearly-collinear", names, sentence)
     });
     said.collect()
 }
@@ -145,7 +140,7 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
         "The command was stopped before it was done: {} {verb} not computed. The estimates and their intervals by the scatter of the readings are complete.",
         list(&names)
     );
-    (!names.is_empty()).then(|| Finding::new("stopped", Severity::Caution, "identify", sentence))
+    (!names.is_empty()).then(|| Finding::caution("stopped", "identify", sentence))
 }
 
 /// Whether only estimates and residuals were asked for.
@@ -169,12 +164,7 @@ fn no_systematic(given: &Given<'_>, found: &Identified) -> Option<Finding> {
          more than its ±{rest}."
     );
     let code = "no-systematic-errors";
-    Some(Finding::new(
-        code,
-        Severity::Caution,
-        "systematic_errors",
-        sentence,
-    ))
+    Some(Finding::caution(code, "systematic_errors", sentence))
 }
 
 /// What mostly follows from a wrong scale, folded away.

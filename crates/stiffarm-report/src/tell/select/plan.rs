@@ -7,7 +7,7 @@ use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, wor
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Told};
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::Plan;
@@ -83,7 +83,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         told.add_findings(cell.setup.robot.limits_are_unknown().then(|| {
             let sentence = "The machine's limits are not known (±360° stand in): compare the postures with the machine \
                             before driving them.";
-            Finding::new("unknown-limits", Severity::Caution, "robot.limits_deg", sentence)
+            Finding::caution("unknown-limits", "robot.limits_deg", sentence)
         }));
     }
     let sizes = plan.evaluation.indices.prediction_sizes;

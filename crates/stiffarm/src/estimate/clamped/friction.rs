@@ -1,7 +1,7 @@
 //! Friction of the gears, from loads that go up and down.
 
 use super::{ClampedPosture, LoopClosure, give_per_spring};
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::estimate::identify::{MeasuredSystem, rms};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
@@ -62,7 +62,7 @@ pub(super) fn friction(
     let springs = system.springs;
     // From controller angles to turns of the springs: E C.
     let turn = give_per_spring(robot)?.try_inverse();
-    let turn = turn.ok_or_else(|| Error::new(Code::InvalidValue, "C or E is singular."))?;
+    let turn = turn.ok_or_else(|| Error::invalid("C or E is singular."))?;
     let residual = &system.delta - &system.psi * values;
     let gap = |m: usize| {
         let label = system.labels.iter().find(|label| label.measured == m);

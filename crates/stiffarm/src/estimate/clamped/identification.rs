@@ -13,7 +13,7 @@ use crate::estimate::identify::{
     Solution, Verdict, Weights, check, prior_knowledge, rms,
 };
 use crate::estimate::saved::{Sealed, flange_of, once};
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::numerics::order::sort_by_number;
 use serde::{Deserialize, Serialize};
@@ -42,13 +42,7 @@ pub struct ClampedResidual {
         default,
         skip_serializing_if = "Vec::is_empty"
     )]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<f64>",
-            description = "The posture's controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
 }
 
@@ -169,8 +163,7 @@ fn assumptions(
     options: &IdentifyOptions,
 ) -> Result<Assumptions> {
     if angle_std.is_some_and(|s| !(s.is_finite() && s > 0.0)) {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "The standard deviation of the angles must be above zero.",
         ));
     }
@@ -238,9 +231,8 @@ fn findings(
     out.extend(noise(result));
     out.extend(friction_findings(&result.friction));
     let rigid = clamped.iter().any(|c| c.fixture_motion.is_none());
-    out.push(Finding::new(
+    out.push(Finding::note(
         "clamped-errors",
-        Severity::Note,
         "measurements",
         if rigid {
             "A fixture that gives way makes joints seem softer, and friction of the gears makes them seem softer with \
@@ -262,9 +254,8 @@ fn sign(estimates: &Estimates) -> Option<Finding> {
     if !known.iter().any(|j| faulty(j.verdict)) || 2 * negative <= known.len() {
         return None;
     }
-    Some(Finding::new(
+    Some(Finding::serious(
         "wrench-sign",
-        Severity::Serious,
         "measurements",
         format!(
             "The compliance of {negative} of {} joints comes out negative: a sign or model fault. The wrench seems to \
@@ -292,9 +283,8 @@ fn near_singular(clamped: &[ClampedPosture], closures: &[LoopClosure]) -> Option
         1 => format!("Posture {} is", names[0]),
         _ => format!("Postures {} are", list(&names)),
     };
-    Some(Finding::new(
+    Some(Finding::caution(
         "near-singular",
-        Severity::Caution,
         list(&names),
         format!(
             "{said} near a singularity: the flange does not hold all joints there, and what it does not hold is left \
@@ -309,9 +299,8 @@ fn noise(result: &ClampedIdentification) -> Option<Finding> {
     // Scatter of a standard deviation estimated from this many degrees of freedom.
     let scatter = 3.0 / (2.0 * result.estimates.degrees_of_freedom as f64).sqrt();
     (ratio > MORE_THAN_NOISE.max(1.0 + scatter)).then(|| {
-        Finding::new(
+        Finding::caution(
             "residuals-above-noise",
-            Severity::Caution,
             "measurements",
             format!(
                 "The residuals are {ratio:.1} times the errors of the angles: friction, the fixture, the wrench or \
@@ -327,9 +316,8 @@ fn friction_findings(friction: &[JointFriction]) -> Vec<Finding> {
         .filter_map(|f| {
             let torque = f.torque_nm?;
             (f.load_rms_nm > 0.0 && torque > FRICTION_SHARE * f.load_rms_nm).then(|| {
-                Finding::new(
+                Finding::caution(
                     "friction",
-                    Severity::Caution,
                     f.joint.clone(),
                     format!(
                         "{}: loads going up and down differ by ±{torque:.0} N·m, {:.0} % of its torque (RMS). Only \

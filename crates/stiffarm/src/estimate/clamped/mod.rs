@@ -220,7 +220,7 @@ fn give_per_spring(robot: &Robot) -> Result<DMatrix<f64>> {
         .coupling()
         .clone()
         .try_inverse()
-        .ok_or_else(|| Error::new(Code::InvalidValue, "C (theta_from_q) is singular."))?;
+        .ok_or_else(|| Error::invalid("C (theta_from_q) is singular."))?;
     Ok(match robot.spring_mixing() {
         None => inverse,
         Some(mixing) => inverse * mixing,

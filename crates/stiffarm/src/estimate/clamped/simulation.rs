@@ -69,8 +69,7 @@ pub fn simulate_clamped(
     if !noise.iter().all(|s| s.is_finite() && *s >= 0.0)
         || simulation.fixture_compliance.iter().any(|v| !v.is_finite())
     {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "Standard deviations must be 0 or above, and the fixture's compliance finite.",
         ));
     }

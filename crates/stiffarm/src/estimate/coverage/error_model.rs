@@ -196,7 +196,7 @@ impl<'a> Scene<'a> {
                 .ok_or_else(|| {
                     let message =
                         "The tracker's accuracy must be above zero along the beam and across.";
-                    Error::new(Code::InvalidValue, message).key("tracker")
+                    Error::invalid(message).key("tracker")
                 })?
                 .unpack()
         } else {
@@ -306,7 +306,7 @@ fn gap(terms: &PostureTerms, angle: f64) -> DVector<f64> {
 }
 
 fn check(world: &ErrorModel, springs: usize) -> Result<()> {
-    let invalid = |message: &str| Err(Error::new(Code::InvalidValue, message));
+    let invalid = |message: &str| Err(Error::invalid(message));
     let loads = &world.load_states;
     if loads.is_empty() || loads.iter().any(|s| !s.is_finite() || *s == 0.0) {
         return invalid("An experiment needs load states, each a fraction that is not zero.");

@@ -179,7 +179,7 @@ pub fn coverage(
 ) -> Result<Coverage> {
     if case.experiments == 0 || case.experiments > MAX_EXPERIMENTS {
         let message = format!("Coverage is counted in 1 to {MAX_EXPERIMENTS} experiments.");
-        return Err(Error::new(Code::InvalidValue, message));
+        return Err(Error::invalid(message));
     }
     let options = &case.options;
     crate::estimate::identify::check(options)?;

@@ -23,7 +23,7 @@ pub use terms::{TermTrial, TermTrials, try_terms};
 
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use serde::{Deserialize, Serialize};
 
 /// A posture is named when the estimate of an unknown moves by more standard
@@ -139,12 +139,7 @@ fn influence_findings(influence: &LeaveOneOut, unknowns: &[String]) -> Vec<Findi
                 "Without posture {name} the others do not determine {}.",
                 list(&posture.lost)
             );
-            out.push(Finding::new(
-                "posture-needed",
-                Severity::Caution,
-                name,
-                message,
-            ));
+            out.push(Finding::caution("posture-needed", name, message));
         }
         let moved: Vec<String> = unknowns
             .iter()
@@ -159,12 +154,7 @@ fn influence_findings(influence: &LeaveOneOut, unknowns: &[String]) -> Vec<Findi
                  measure more like it.",
                 list(&moved)
             );
-            out.push(Finding::new(
-                "posture-influence",
-                Severity::Note,
-                name,
-                message,
-            ));
+            out.push(Finding::note("posture-influence", name, message));
         }
     }
     out

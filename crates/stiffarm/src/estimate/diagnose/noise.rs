@@ -157,10 +157,5 @@ pub(super) fn untested(cell: &Cell) -> Finding {
     } else {
         "The cell states no measurement noise, so the residuals cannot be compared with it."
     };
-    Finding::new(
-        "residuals-untested",
-        Severity::Caution,
-        "residuals",
-        message,
-    )
+    Finding::caution("residuals-untested", "residuals", message)
 }

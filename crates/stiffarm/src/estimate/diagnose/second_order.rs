@@ -84,7 +84,7 @@ pub(super) fn watched_shares(
 pub(super) fn unstable() -> Finding {
     let sentence = "With joints as soft as these the arm has no stable equilibrium under its load: something is off by a \
                     factor. Check the units of displacements and forces.";
-    Finding::new("no-equilibrium", Severity::Serious, "model", sentence)
+    Finding::serious("no-equilibrium", "model", sentence)
 }
 
 /// Whether the linear model is enough, at displacements with noise `sigma` \[m\].

@@ -3,7 +3,7 @@
 
 use super::Agreement;
 use crate::estimate::identify::{Fit, Identification, NO_LOAD, rms};
-use crate::findings::{Finding, Severity, length, list, percent};
+use crate::findings::{Finding, length, list, percent};
 use crate::numerics::order::sort_by_number;
 use serde::{Deserialize, Serialize};
 
@@ -123,9 +123,8 @@ pub(super) fn findings(
             (true, None) => "More leverage of the load about its axis would help most.",
             (false, _) => "Postures in which its give moves the measuring points more would help.",
         };
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "weak-joint",
-            Severity::Caution,
             name,
             format!(
                 "The loads put {:.0} N·m RMS on {name}{others}. It moves the measuring points by {} RMS, less than the \
@@ -152,9 +151,8 @@ fn unloaded(signals: &[JointSignal]) -> impl Iterator<Item = Finding> {
                 t if t < 1e-9 * most.torque_rms_nm => "no torque".to_string(),
                 t => format!("{t:.1e} N·m RMS"),
             };
-            Finding::new(
+            Finding::caution(
                 "unloaded-joint",
-                Severity::Caution,
                 &signal.name,
                 format!(
                     "The loads put {torque} on {}, beside {:.0} N·m on {}: it carries no load here and is not \
@@ -211,11 +209,6 @@ impl CorrelatedPair {
              other.",
             self.correlation
         );
-        Finding::new(
-            "correlated",
-            Severity::Caution,
-            format!("{a}, {b}"),
-            message,
-        )
+        Finding::caution("correlated", format!("{a}, {b}"), message)
     }
 }

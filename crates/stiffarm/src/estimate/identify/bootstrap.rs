@@ -117,7 +117,7 @@ pub(crate) fn resampled(
             "Intervals of {} % need from {least} to {MAX_RESAMPLES} resamples, not {resamples}.",
             100.0 * confidence
         );
-        return Err(Error::new(Code::InvalidValue, message));
+        return Err(Error::invalid(message));
     }
     let white = prepared.whitened().whiten(delta);
     let numbers: Vec<usize> = (0..resamples).collect();

@@ -210,7 +210,7 @@ const MANY_DEGREES: usize = 10_000;
 pub fn quantile(degrees_of_freedom: Option<usize>, confidence: f64) -> Result<f64> {
     if !(confidence > 0.0 && confidence < 1.0) {
         let message = format!("The confidence is {confidence}; it must lie between 0 and 1.");
-        return Err(Error::new(Code::InvalidValue, message));
+        return Err(Error::invalid(message));
     }
     let p = 0.5 + 0.5 * confidence;
     let failed = || Error::new(Code::Internal, "A quantile could not be computed.");

@@ -6,7 +6,7 @@ use super::others::Others;
 use super::rms;
 use super::solve::{Prepared, Solution};
 use super::system::MeasuredSystem;
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::numerics::control::Control;
 use crate::numerics::information::ZERO_COLUMN;
 use crate::numerics::jobs::in_order_watched;
@@ -64,10 +64,9 @@ pub(super) fn folds(
 ) -> Result<Vec<Fold>> {
     let count = prepared.whitened().block_count();
     if folds < 2 || folds > count {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!("{count} postures cannot be left out in {folds} folds."),
-        )
+        return Err(Error::invalid(format!(
+            "{count} postures cannot be left out in {folds} folds."
+        ))
         .hint(format!(
             "give a number of folds from 2 to the number of postures, {count}"
         )));

@@ -236,17 +236,13 @@ pub(crate) fn prior_knowledge(
 
 pub(crate) fn check(options: &IdentifyOptions) -> Result<()> {
     if !(CONFIDENCE[0]..=CONFIDENCE[1]).contains(&options.confidence) {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "The confidence must lie between {} and {}.",
-                CONFIDENCE[0], CONFIDENCE[1]
-            ),
-        ));
+        return Err(Error::invalid(format!(
+            "The confidence must lie between {} and {}.",
+            CONFIDENCE[0], CONFIDENCE[1]
+        )));
     }
     if !(options.prior_std.is_finite() && options.prior_std > 0.0) {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "The relative standard deviation of the prior must be above zero.",
         ));
     }

@@ -2,7 +2,7 @@
 //! as values that no industrial robot has.
 
 use super::Identification;
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::cell::Cell;
 
 /// Ratio to the prior, for all joints alike, beyond which a unit is suspected.
@@ -85,10 +85,5 @@ fn suspicious(
     let cause = cause(middle > 1.0);
     let sentence =
         format!("The joint stiffness is {factor:.0} times {word} than {against}. {cause}");
-    Some(Finding::new(
-        "implausible-stiffness",
-        Severity::Serious,
-        subject,
-        sentence,
-    ))
+    Some(Finding::serious("implausible-stiffness", subject, sentence))
 }

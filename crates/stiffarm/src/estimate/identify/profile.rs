@@ -22,7 +22,7 @@ use super::fit::Fit;
 use super::restricted::{Restricted, Sums};
 
 use crate::error::Result;
-use crate::findings::{Finding, Severity, percent};
+use crate::findings::{Finding, percent};
 use crate::numerics::jobs::in_order;
 use crate::numerics::scalar::{minimum, zero};
 use serde::{Deserialize, Serialize};
@@ -244,7 +244,7 @@ fn finding(joints: &[JointProfile]) -> Finding {
              take the wider of the two.",
             differing.join("; ")
         );
-        return Finding::new("profile-differs", Severity::Caution, "intervals", message);
+        return Finding::caution("profile-differs", "intervals", message);
     }
     let message = match largest {
         Some(largest) if largest < 1e-6 => {
@@ -258,5 +258,5 @@ fn finding(joints: &[JointProfile]) -> Finding {
             "No joint has an interval that a profile of the likelihood could check.".to_string()
         }
     };
-    Finding::new("profile-agrees", Severity::Note, "intervals", message)
+    Finding::note("profile-agrees", "intervals", message)
 }

@@ -30,10 +30,7 @@ pub struct PostureResidual {
         default,
         skip_serializing_if = "Vec::is_empty"
     )]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
     /// Measured force and moment on the robot at the loading point, base axes \[N; N·m\];
     /// `None` where the cell's load gives them.

@@ -79,7 +79,7 @@ impl Whitening {
 
 fn not_positive() -> Error {
     let message = "The covariance of a posture's readings is not positive definite.";
-    Error::new(Code::InvalidValue, message)
+    Error::invalid(message)
 }
 
 /// Whitened rows of one posture.

@@ -1,6 +1,6 @@
 //! The load that measured forces look like at a posture not yet measured.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::model::load::{Axes, Load, Wrench};
 use crate::model::measurement::MeasuredPosture;
@@ -53,10 +53,7 @@ pub(super) fn assumed_load(
         }
     }
     let no_load = || {
-        Error::new(
-            Code::InvalidValue,
-            "The measured forces neither meet in a point nor point alike: no load can be assumed at another posture.",
-        )
+        Error::invalid("The measured forces neither meet in a point nor point alike: no load can be assumed at another posture.")
         .hint("set load.kind to what will load the robot, and use `select --given`")
     };
     if lines.is_empty() {

@@ -41,10 +41,7 @@ use serde::{Deserialize, Serialize};
 pub struct NextPosture {
     /// Its controller angles \[rad\].
     #[serde(rename = "posture_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
     /// Relative standard error of each joint's stiffness by the scatter of the readings (fraction), in the model that
     /// predicts; `None` where the joint is not determined.
@@ -266,7 +263,7 @@ fn root(fit: &Fit, cell: &Cell, block: &Block, gamma: f64, plain: bool) -> Resul
     }
     let root = variance.cholesky().ok_or_else(|| {
         let message = "The covariance of a posture's readings is not positive definite.";
-        Error::new(Code::InvalidValue, message)
+        Error::invalid(message)
     })?;
     let mut white = lay;
     root.l_dirty().solve_lower_triangular_mut(&mut white);

@@ -96,13 +96,7 @@ pub struct GroupSimulation {
     pub posture_names: Vec<String>,
     /// Its postures, controller angles \[rad\].
     #[serde(default, rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "Its postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub postures: Vec<Vec<f64>>,
     /// Its noise levels.
     pub levels: Vec<LevelResult>,
@@ -200,7 +194,7 @@ fn check_amount(runs: usize, variance_factors: &[f64]) -> Result<()> {
     } else {
         return Ok(());
     };
-    Err(Error::new(Code::InvalidValue, message))
+    Err(Error::invalid(message))
 }
 
 /// Refuses a group that leaves joints undetermined.

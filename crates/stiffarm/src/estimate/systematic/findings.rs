@@ -105,7 +105,7 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
             percent(force.size)
         );
         let code = "force-scale";
-        out.push(Finding::new(code, Severity::Note, "uncertainty", message));
+        out.push(Finding::note(code, "uncertainty", message));
     }
     out.extend(
         systematic
@@ -123,7 +123,7 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
                 source.remedy(base)
             );
             let code = "largest-common-error";
-            out.push(Finding::new(code, Severity::Note, &source.name, message));
+            out.push(Finding::note(code, &source.name, message));
         }
     }
     for (j, name) in systematic.joints.iter().enumerate() {
@@ -135,7 +135,7 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
                 source.remedy(base)
             );
             let code = "common-error-explains-all";
-            out.push(Finding::new(code, Severity::Caution, name, message));
+            out.push(Finding::caution(code, name, message));
         }
     }
     out.extend(dominating(systematic, base));
@@ -147,7 +147,7 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
             list(&assumed)
         );
         let code = "assumed-uncertainty";
-        out.push(Finding::new(code, Severity::Note, "uncertainty", message));
+        out.push(Finding::note(code, "uncertainty", message));
     }
     out
 }
@@ -157,7 +157,7 @@ pub(super) fn reached_from_load() -> Finding {
     let message = "Each posture is taken as reached from the side of its load ([route] approach_deg): no reading shows lost \
                    motion, and none bounds it. Take the key out if they were not.";
     let code = "reached-from-load";
-    Finding::new(code, Severity::Note, "route.approach_deg", message)
+    Finding::note(code, "route.approach_deg", message)
 }
 
 /// What the readings say of a size.
@@ -238,10 +238,5 @@ fn dominating(systematic: &SystematicErrors, base: BaseSeen) -> Option<Finding> 
         first.remedy(base)
     );
     let code = "common-error-dominates";
-    Some(Finding::new(
-        code,
-        Severity::Caution,
-        "uncertainty",
-        message,
-    ))
+    Some(Finding::caution(code, "uncertainty", message))
 }

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SpreadQuantiles;
 use crate::estimate::identify::{Block, MeasuredSystem, RowLabel};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -160,9 +160,8 @@ pub(super) fn findings(result: &Validation) -> Vec<Finding> {
         100.0 * p
     );
     if inside < p - FAR * scatter {
-        return vec![Finding::new(
+        return vec![Finding::caution(
             "outside-bands",
-            Severity::Caution,
             "measurements",
             format!(
                 "Only {said}: these postures err by more than estimates and noise explain. They lie outside what the \
@@ -173,9 +172,8 @@ pub(super) fn findings(result: &Validation) -> Vec<Finding> {
     }
     // So many postures inside without exception are less likely than this.
     if band.inside == band.components && p.powf(independent) < 1e-3 {
-        return vec![Finding::new(
+        return vec![Finding::note(
             "bands-too-wide",
-            Severity::Note,
             "measurements",
             format!("{said}, all of them: the bands are wider than these readings need."),
         )];

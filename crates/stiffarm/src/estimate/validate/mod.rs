@@ -62,10 +62,7 @@ pub struct ValidatedPosture {
     pub state: String,
     /// Its controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Its controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
     /// Measured force and moment on the robot at the loading point, base axes \[N; N·m\];
     /// `None` where the cell's load gives them.
@@ -314,10 +311,7 @@ impl ValidatedPosture {
 
 fn check_tolerance(tolerance_m: Option<f64>) -> Result<()> {
     if tolerance_m.is_some_and(|t| t.is_nan() || t < 0.0) {
-        Err(Error::new(
-            Code::InvalidValue,
-            "The tolerance must be 0 or above.",
-        ))
+        Err(Error::invalid("The tolerance must be 0 or above."))
     } else {
         Ok(())
     }

@@ -351,7 +351,7 @@ pub fn experiment(
 
 fn check(cell: &Cell, options: &Experiment) -> Result<()> {
     let n = cell.setup.robot.joint_count();
-    let invalid = |message: String| Err(Error::new(Code::InvalidValue, message));
+    let invalid = |message: String| Err(Error::invalid(message));
     if options.states.is_empty() {
         return invalid("An experiment needs at least one load state.".to_string());
     }

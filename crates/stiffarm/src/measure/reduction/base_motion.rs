@@ -266,9 +266,8 @@ pub(super) fn findings(
             .map(|r| posture.base[r].0.as_str())
             .collect();
         if !missing.is_empty() {
-            out.push(Finding::new(
+            out.push(Finding::caution(
                 "base-reflector-incomplete",
-                Severity::Caution,
                 posture.name(),
                 format!(
                     "Posture {} has readings of {} in some states only: left out in this posture, because a \
@@ -283,9 +282,8 @@ pub(super) fn findings(
         }
     }
     if !without.is_empty() {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "base-motion-unknown",
-            Severity::Caution,
             "base",
             format!(
                 "{}: no base reflector was read in every state, so the motion of the base stays in the \
@@ -334,9 +332,8 @@ pub(super) fn findings(
             Some(_) => "",
             None => " This experiment cannot tell the motion itself from noise.",
         };
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "base-turn-noise",
-            Severity::Caution,
             "base",
             format!(
                 "Taking back the turn of the base adds noise of {} to each displacement component, common to the points \

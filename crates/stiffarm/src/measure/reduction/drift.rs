@@ -135,9 +135,8 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
         .map(PostureSeries::name)
         .collect();
     if !mixed.is_empty() {
-        out.push(Finding::new(
+        out.push(Finding::note(
             "times-incomplete",
-            Severity::Note,
             "time_s",
             format!(
                 "{}: some readings have no time, so the order of the states stands for the times.",
@@ -153,9 +152,8 @@ pub(super) fn findings(postures: &[PostureSeries<'_>], drift: Option<&Drift>) ->
         .map(PostureSeries::name)
         .collect();
     if !open.is_empty() {
-        out.push(Finding::new(
+        out.push(Finding::note(
             "drift-unknown",
-            Severity::Note,
             "drift",
             format!(
                 "{}: not every loaded reading has reference readings before and after it, so drift between them \

@@ -347,9 +347,8 @@ fn incomplete(cell: &Cell, series: &[PostureSeries<'_>], findings: &mut Vec<Find
         let missing = cell.setup.load.cases().iter().filter(taken);
         let missing: Vec<&str> = missing.map(|case| case.name.as_str()).collect();
         if !missing.is_empty() {
-            findings.push(Finding::new(
+            findings.push(Finding::caution(
                 "load-case-not-measured",
-                Severity::Caution,
                 posture.name(),
                 format!(
                     "Posture {}: not measured under {}, which the plan counted.",
@@ -366,9 +365,8 @@ fn incomplete(cell: &Cell, series: &[PostureSeries<'_>], findings: &mut Vec<Find
             .collect();
         if !lost.is_empty() {
             let names: Vec<&str> = lost.into_iter().collect();
-            findings.push(Finding::new(
+            findings.push(Finding::caution(
                 "point-without-reference",
-                Severity::Caution,
                 posture.name(),
                 format!(
                     "Posture {}: point {} was read under load but not {}; it gives no displacement there.",

@@ -2,7 +2,7 @@
 
 use super::messages::length;
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
@@ -85,9 +85,8 @@ pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Findin
             1 => ("1 reading".to_string(), "repeats"),
             n => (format!("{n} readings"), "repeat"),
         };
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "identical-readings",
-            Severity::Caution,
             "repeatability",
             format!(
                 "{readings} {repeat} another of the same state to the last digit. Copied rows? They make the \
@@ -108,9 +107,8 @@ pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Findin
         length(expected)
     );
     if above < SIGNIFICANCE / 2.0 {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "repeats-worse-than-noise",
-            Severity::Caution,
             "noise.variance_mm2",
             format!(
                 "{measured}: intervals from the cell's noise would be too narrow. Set noise.variance_mm2 = {:.3e} in \
@@ -119,9 +117,8 @@ pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Findin
             ),
         ));
     } else if below < SIGNIFICANCE / 2.0 {
-        out.push(Finding::new(
+        out.push(Finding::note(
             "repeats-better-than-noise",
-            Severity::Note,
             "noise.variance_mm2",
             format!(
                 "{measured}. Repeats taken at once share what makes readings differ over hours; trust them for the \

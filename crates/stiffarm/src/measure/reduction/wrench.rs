@@ -2,7 +2,7 @@
 
 use super::messages::postures_first;
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use crate::model::instruments::Mount;
@@ -236,9 +236,8 @@ pub(super) fn findings(
         .map(PostureSeries::name)
         .collect();
     if on_flange && !without.is_empty() {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "no-unloaded-force",
-            Severity::Caution,
             "sensor",
             format!(
                 "{}: the sensor on the flange has no unloaded reading, so the weight of the tool stays in the wrench \
@@ -248,9 +247,8 @@ pub(super) fn findings(
         ));
     }
     if columns == WrenchColumns::Force && cell.setup.load.has_moment() {
-        out.push(Finding::new(
+        out.push(Finding::serious(
             "moment-not-read",
-            Severity::Serious,
             "load",
             "The cell's load has a moment, but the table has forces only: they are taken as pure forces through the \
              loading point. Add mx_nm, my_nm, mz_nm.",

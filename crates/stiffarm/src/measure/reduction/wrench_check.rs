@@ -223,9 +223,8 @@ fn direction_findings(cell: &Cell, directions: &[ForceDirection], out: &mut Vec<
         ),
     };
     if typical > 0.8 * PI {
-        out.push(Finding::new(
+        out.push(Finding::serious(
             "force-sign",
-            Severity::Serious,
             subject,
             format!(
                 "The measured forces point away from {what}, by {:.0}° in the median. {cure}",
@@ -321,9 +320,8 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
         .collect();
     odd.dedup();
     if !odd.is_empty() {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "force-magnitude",
-            Severity::Caution,
             odd.join(", "),
             format!(
                 "In {} the measured force differs from that of the load by more than {:.0} %.",
@@ -348,9 +346,8 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
         } else {
             ""
         };
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "loading-point",
-            Severity::Caution,
             "tool.loading_point_mm",
             format!(
                 "By its moment the measured force acts {} ± {} (standard error) beside the stated loading point, \
@@ -362,9 +359,8 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
     }
     let arm = point.residual_moment_rms_nm / point.force_rms_n;
     if arm > UNEXPLAINED_ARM {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "unexplained-moment",
-            Severity::Caution,
             "load",
             format!(
                 "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is not \

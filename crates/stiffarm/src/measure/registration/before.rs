@@ -29,8 +29,7 @@ const COMPARED: usize = 200;
 pub(super) fn check_options(pairs: &[PointPair], options: &RegisterOptions) -> Result<()> {
     let positive = |v: f64| v.is_finite() && v > 0.0;
     if options.std.is_some_and(|std| !positive(std)) {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "The standard deviation of the pairs must be above zero.",
         ));
     }
@@ -43,11 +42,10 @@ pub(super) fn check_options(pairs: &[PointPair], options: &RegisterOptions) -> R
         return Err(Error::new(Code::Dimension, message));
     }
     if options.weights.iter().any(|w| !positive(*w)) {
-        return Err(Error::new(
-            Code::InvalidValue,
-            "The weight of a point pair must be above zero.",
-        )
-        .hint("leave out a pair that is not to count"));
+        return Err(
+            Error::invalid("The weight of a point pair must be above zero.")
+                .hint("leave out a pair that is not to count"),
+        );
     }
     Ok(())
 }

@@ -23,13 +23,7 @@ pub struct RegistrationRecord {
     /// The rotation as roll, pitch, yaw: turns about the base's x, then y, then z
     /// axis \[rad\].
     #[serde(rename = "rpy_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "[f64; 3]",
-            description = "The rotation as roll, pitch, yaw: turns about the base's x, then y, then z axis \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     pub roll_pitch_yaw: [f64; 3],
     /// Names of the pairs.
     pub pairs: Vec<String>,

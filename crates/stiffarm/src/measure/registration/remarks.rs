@@ -3,7 +3,7 @@
 use super::fit::{RigidFit, Sample};
 use super::suspects::{Suspicion, chi_squared_tail, f_tail, mm};
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 
 /// Chance at which residuals contradict a known variance, or tell a scale.
 const SIGNIFICANCE: f64 = 1e-3;
@@ -35,9 +35,8 @@ pub(super) fn remarks(
     if let Some(std) = known {
         let too_large = chi_squared_tail(fit.rss / std.powi(2), degrees_of_freedom) < SIGNIFICANCE;
         findings.extend((too_large && !fit.is_exact()).then(|| {
-            Finding::new(
+            Finding::caution(
                 "residuals-exceed-noise",
-                Severity::Caution,
                 "std",
                 format!(
                     "The residuals are {:.1} times the standard deviation that is given ({} mm per coordinate): the \
@@ -50,16 +49,14 @@ pub(super) fn remarks(
     }
     findings.extend(turn(fit, known.unwrap_or(residual_std))?);
     if samples.len() == 3 {
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "few-pairs",
-            Severity::Note,
             "pairs",
             "Three pairs cannot tell which of them is wrong, nor whether a frame is mirrored: measure five or more.",
         ));
     } else if !suspicion.hand_is_known() {
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "hand-unknown",
-            Severity::Note,
             "pairs",
             format!(
                 "The points lie in a plane (to {} mm RMS), so a mirrored frame would fit as well: make sure that both \
@@ -77,9 +74,8 @@ fn not_rigid(fit: &RigidFit) -> Option<Finding> {
     let size = (a.powi(2) + b.powi(2) + c.powi(2)).sqrt();
     (fit.rss.sqrt() > NOT_RIGID * size).then(|| {
         let root = fit.weight.sqrt();
-        Finding::new(
+        Finding::serious(
             "not-rigid",
-            Severity::Serious,
             "pairs",
             format!(
                 "The two sets do not have the same shape: the residual RMS is {} mm in a set of {} mm about its \
@@ -108,9 +104,8 @@ fn scale(samples: &[Sample], fit: &RigidFit, degrees_of_freedom: usize) -> Optio
     }
     let error = (rest / freedom as f64 / square).sqrt();
     let more = if stretch > 0.0 { "longer" } else { "shorter" };
-    Some(Finding::new(
+    Some(Finding::caution(
         "scale",
-        Severity::Caution,
         "pairs",
         format!(
             "Distances between the points are {:.4} % {more} in base axes than in tracker axes (standard error {:.4} \
@@ -143,9 +138,8 @@ fn turn(fit: &RigidFit, std: f64) -> Result<Option<Finding>> {
         return Err(Error::new(Code::Registration, message)
             .hint(format!("{extent}: add a point well off the line")));
     }
-    Ok(Some(Finding::new(
+    Ok(Some(Finding::caution(
         "uncertain-turn",
-        Severity::Caution,
         "pairs",
         format!(
             "The turn about the line through the points is uncertain by {uncertain}: {extent}. Spread the points wider."

@@ -208,7 +208,7 @@ impl Cell {
         }
         let message = format!("The cell has no load case \"{name}\".");
         Err(
-            Error::new(Code::InvalidValue, message).hint(if self.setup.load.has_cases() {
+            Error::invalid(message).hint(if self.setup.load.has_cases() {
                 format!("its load cases: {}", self.setup.load.case_names())
             } else {
                 "it has a single load: leave the name out".to_string()

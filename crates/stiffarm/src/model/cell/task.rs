@@ -112,8 +112,7 @@ pub fn task_matrix(cell: &Cell) -> Result<DMatrix<f64>> {
     if matrix.trace() > 0.0 {
         return Ok(matrix);
     }
-    Err(Error::new(
-        Code::InvalidValue,
+    Err(Error::invalid(
         "The loads of the tasks put torque on no joint, so there is no deflection to predict.",
     )
     .key("task")

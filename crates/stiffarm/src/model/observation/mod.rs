@@ -136,7 +136,7 @@ impl PostureTerms {
         if wrench.is_none() && rope.is_some_and(|length| length < SHORTEST_ROPE) {
             let message = "The rope's anchor lies on the loading point at a posture, so that the rope has no direction \
                            and pulls with nothing.";
-            return Err(Error::new(Code::InvalidValue, message)
+            return Err(Error::invalid(message)
                 .key("load.anchor_mm")
                 .hint("give the rope's fixed end in the base frame: it is not the loading point, which is in flange axes"));
         }
@@ -315,8 +315,7 @@ pub fn observation_matrix<Q: AsRef<[f64]>>(
     if let Rows::FullPose { length } = rows
         && !(length.is_finite() && length > 0.0)
     {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "The length that weighs rotations against translations must be above zero.",
         ));
     }

@@ -1,7 +1,7 @@
 //! Loads of a path in base axes.
 
 use super::PathPoint;
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::load::Wrench;
 use crate::model::process::{ForceAxes, ProcessLoad};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Vector3};
@@ -114,6 +114,6 @@ fn no_feed(point: &PathPoint) -> Error {
         "The load at point {} is given in the axes of the path, but there the path does not move across the tool axis.",
         point.name
     );
-    let error = Error::new(Code::InvalidValue, message);
+    let error = Error::invalid(message);
     point.at(error.hint("give that point's force in base, tool or workpiece axes"))
 }

@@ -2,7 +2,7 @@
 
 use super::{PathPoint, PathTarget};
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::process::{ForceAxes, Process, TipLoad};
@@ -127,7 +127,7 @@ impl LoadLog {
             "The log gives {count} of {all} points their load, each the mean over half the way to its neighbours: its \
              largest value is {recorded:.0} {unit}, the largest force at a point {largest:.0} N."
         );
-        let mut out = vec![Finding::new("log", Severity::Note, "log", sentence)];
+        let mut out = vec![Finding::note("log", "log", sentence)];
         if last > end * (1.0 + SLACK[1]) {
             let sentence = format!(
                 "The log goes on to {}, and the path ends at {}: are they of the same run, and do both begin at the \
@@ -135,12 +135,7 @@ impl LoadLog {
                 self.shown(last),
                 self.shown(end)
             );
-            out.push(Finding::new(
-                "log-longer",
-                Severity::Caution,
-                "log",
-                sentence,
-            ));
+            out.push(Finding::caution("log-longer", "log", sentence));
         }
         out
     }

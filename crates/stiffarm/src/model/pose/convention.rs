@@ -180,8 +180,9 @@ impl Convention {
                 if angle > TAU + ROUNDED {
                     let message =
                         format!("A rotation vector of {angle:.4} rad is more than a turn.");
-                    return Err(Error::new(Code::InvalidValue, message)
-                        .hint("give it in radians, as the pendant shows it"));
+                    return Err(
+                        Error::invalid(message).hint("give it in radians, as the pendant shows it")
+                    );
                 }
                 UnitQuaternion::from_scaled_axis(vector)
             }
@@ -237,8 +238,9 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> Result<UnitQuaternion<f64>> {
     let length = quaternion.norm();
     if (length - 1.0).abs() > ROUNDED {
         let message = format!("The quaternion has length {length:.4}; it must be 1.");
-        return Err(Error::new(Code::InvalidValue, message)
-            .hint("q1 is the scalar; look for a number in a wrong column"));
+        return Err(
+            Error::invalid(message).hint("q1 is the scalar; look for a number in a wrong column")
+        );
     }
     Ok(UnitQuaternion::new_normalize(quaternion))
 }
@@ -251,7 +253,7 @@ fn matrix(matrix: &Matrix3<f64>) -> Result<UnitQuaternion<f64>> {
         } else {
             "The matrix is no rotation: its axes are left-handed."
         };
-        return Err(Error::new(Code::InvalidValue, message)
+        return Err(Error::invalid(message)
             .hint("r11, r12, r13 are the first row; the columns are the axes of the frame"));
     }
     let x = matrix.column(0).normalize();

@@ -2,9 +2,11 @@
 
 use crate::error::{Code, Error, Result};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use serde::Serialize;
 
 /// Which Denavit–Hartenberg convention the rows follow.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum DhConvention {
     /// Modified (Craig): T = RotX(α) TransX(a) RotZ(θ) TransZ(d).
     #[default]

@@ -82,10 +82,7 @@ impl Robot {
         base: Isometry3<f64>,
     ) -> Result<Self> {
         if rows.is_empty() {
-            return Err(Error::new(
-                Code::InvalidValue,
-                "A robot needs at least one joint.",
-            ));
+            return Err(Error::invalid("A robot needs at least one joint."));
         }
         let (placements, flange) = dh::chain(convention, rows, base)?;
         let joints = placements
@@ -175,13 +172,10 @@ impl Robot {
         for (joint, limit) in self.joints.iter_mut().zip(limits) {
             // NaN is not below anything either.
             if limit[0].partial_cmp(&limit[1]) != Some(std::cmp::Ordering::Less) {
-                return Err(Error::new(
-                    Code::InvalidValue,
-                    format!(
-                        "The lower limit of {} is not below the upper one.",
-                        joint.name
-                    ),
-                ));
+                return Err(Error::invalid(format!(
+                    "The lower limit of {} is not below the upper one.",
+                    joint.name
+                )));
             }
             joint.limits = *limit;
         }
@@ -198,12 +192,8 @@ impl Robot {
         let unit = direction
             .try_normalize(1e-12)
             .filter(|u| u.iter().all(|v| v.is_finite()));
-        self.gravity_direction = unit.ok_or_else(|| {
-            Error::new(
-                Code::InvalidValue,
-                "The direction of gravity must not have length zero.",
-            )
-        })?;
+        self.gravity_direction = unit
+            .ok_or_else(|| Error::invalid("The direction of gravity must not have length zero."))?;
         Ok(self)
     }
 
@@ -305,7 +295,7 @@ impl Robot {
             .filter(|inverse| {
                 inverse.iter().all(|v| v.is_finite()) && inverse.amax() * scale < 1e12
             })
-            .ok_or_else(|| Error::new(Code::InvalidValue, format!("{what} is singular.")))
+            .ok_or_else(|| Error::invalid(format!("{what} is singular.")))
     }
 
     /// Name of the robot.

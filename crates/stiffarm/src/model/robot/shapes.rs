@@ -1,7 +1,7 @@
 //! The space that a robot's links take, as capsules.
 
 use super::Robot;
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::shape::Capsule;
 use nalgebra::{Isometry3, Vector3};
 
@@ -56,16 +56,14 @@ impl Robot {
         let n = self.joint_count();
         let pairs = ignored.iter().flat_map(|(i, j)| [*i, *j]);
         if let Some(link) = (capsules.iter().map(|c| c.link).chain(pairs)).find(|link| *link > n) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!("There is no link {link}: the links of {n} joints are 0 to {n}."),
-            ));
+            return Err(Error::invalid(format!(
+                "There is no link {link}: the links of {n} joints are 0 to {n}."
+            )));
         }
         if let Some((link, _)) = ignored.iter().find(|(i, j)| i == j) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!("Link {link} and itself are no pair."),
-            ));
+            return Err(Error::invalid(format!(
+                "Link {link} and itself are no pair."
+            )));
         }
         for own in &capsules {
             let Capsule { a, b, radius } = own.capsule;

@@ -1,6 +1,6 @@
 //! Capsules.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use nalgebra::{Isometry3, Vector3};
 
 /// All points within `radius` of the segment from `a` to `b` \[m\].
@@ -22,8 +22,7 @@ impl Capsule {
     pub fn new(a: Vector3<f64>, b: Vector3<f64>, radius: f64) -> Result<Self> {
         if a.iter().chain(b.iter()).any(|v| !v.is_finite()) || !(radius.is_finite() && radius > 0.0)
         {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "A capsule needs two finite end points and a radius above zero.",
             ));
         }

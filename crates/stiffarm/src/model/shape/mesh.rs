@@ -26,13 +26,10 @@ impl TriangleMesh {
             return Err(Error::new(Code::TooFewData, "The mesh has no triangles."));
         }
         if let Some(at) = triangles.iter().flatten().find(|v| **v >= vertices.len()) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!(
-                    "A triangle has corner {at}, but there are {} corners, counted from 0.",
-                    vertices.len()
-                ),
-            ));
+            return Err(Error::invalid(format!(
+                "A triangle has corner {at}, but there are {} corners, counted from 0.",
+                vertices.len()
+            )));
         }
         if vertices.iter().flatten().any(|v| !v.is_finite()) {
             return Err(Error::new(
@@ -42,10 +39,9 @@ impl TriangleMesh {
         }
         let farthest = vertices.iter().map(|v| v.amax()).fold(0.0, f64::max);
         if farthest > FARTHEST {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!("The mesh has a coordinate of {farthest:.1e} m, which cannot be meant."),
-            ));
+            return Err(Error::invalid(format!(
+                "The mesh has a coordinate of {farthest:.1e} m, which cannot be meant."
+            )));
         }
         Ok(TriangleMesh {
             vertices,

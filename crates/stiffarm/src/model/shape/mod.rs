@@ -25,7 +25,7 @@ pub use mesh_distance::{MeshBody, hull_volume};
 pub(crate) use nearest::nearest_within;
 pub use nearest::{Nearest, nearest};
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 
 /// A convex solid in some frame \[m\].
@@ -65,10 +65,7 @@ impl Solid {
     /// A side that is not above zero.
     pub fn block(pose: Isometry3<f64>, size: Vector3<f64>) -> Result<Self> {
         if size.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                "Each side of a box must be above zero.",
-            ));
+            return Err(Error::invalid("Each side of a box must be above zero."));
         }
         Ok(Solid::Block {
             pose,
@@ -81,15 +78,10 @@ impl Solid {
     /// # Errors
     /// Both ends are one point, or the radius is not above zero.
     pub fn cylinder(from: Vector3<f64>, to: Vector3<f64>, radius: f64) -> Result<Self> {
-        let along = Unit::try_new(to - from, 1e-9).ok_or_else(|| {
-            Error::new(
-                Code::InvalidValue,
-                "Both ends of a cylinder are the same point.",
-            )
-        })?;
+        let along = Unit::try_new(to - from, 1e-9)
+            .ok_or_else(|| Error::invalid("Both ends of a cylinder are the same point."))?;
         if !(radius.is_finite() && radius > 0.0) {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "The radius of a cylinder must be above zero.",
             ));
         }

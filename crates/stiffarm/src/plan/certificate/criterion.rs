@@ -59,7 +59,7 @@ impl Criterion {
                 unknowns,
             });
         };
-        let invalid = |message: String| Error::new(Code::InvalidValue, message);
+        let invalid = |message: String| Error::invalid(message);
         if q.shape() != (unknowns, unknowns) {
             return Err(Error::new(
                 Code::Dimension,

@@ -93,10 +93,7 @@ impl Default for CertificateOptions {
 pub struct SupportPosture {
     /// Controller angles \[rad\].
     #[serde(rename = "angles_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub angles: Vec<f64>,
     /// Its share of the measurements; the shares sum to 1.
     pub weight: f64,
@@ -389,10 +386,7 @@ impl<'a> Plan<'a> {
         }
         starts.extend(space.samples(STARTS));
         if starts.is_empty() {
-            return Err(Error::new(
-                Code::InvalidValue,
-                "No sampled posture within the bounds meets the cell's limits, so there is no bound.",
-            )
+            return Err(Error::invalid("No sampled posture within the bounds meets the cell's limits, so there is no bound.")
             .key("limits")
             .hint("check the limits' frame (robot base) and unit (mm)"));
         }

@@ -63,8 +63,7 @@ impl<'a> PostureSpace<'a> {
         let plain = vec![1.0; robot.spring_count()];
         let prior = cell.prior.as_deref().unwrap_or(&plain);
         if samples == 0 || searches == 0 {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "A bound needs at least one sample and one search.",
             ));
         }
@@ -75,20 +74,14 @@ impl<'a> PostureSpace<'a> {
             ));
         }
         if prior.iter().any(|k| !(k.is_finite() && *k > 0.0)) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                "A prior stiffness must be above zero.",
-            ));
+            return Err(Error::invalid("A prior stiffness must be above zero."));
         }
         let bad = |b: &[f64; 2]| !(b[0].is_finite() && b[1].is_finite() && b[0] <= b[1]);
         if let Some(j) = cell.bounds.iter().position(bad) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                format!(
-                    "The bounds of {} are reversed or not finite.",
-                    robot.joints()[j].name
-                ),
-            ));
+            return Err(Error::invalid(format!(
+                "The bounds of {} are reversed or not finite.",
+                robot.joints()[j].name
+            )));
         }
         let prior_compliance: Vec<f64> = prior.iter().map(|k| 1.0 / k).collect();
         let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());

@@ -125,9 +125,8 @@ fn blind_points(
         for (j, joint) in cell.setup.robot.joints().iter().enumerate() {
             let blind = terms.iter().all(|t| t.columns[a * n + j].norm() <= near);
             if blind && !undetermined.contains(&j) {
-                findings.push(Finding::new(
+                findings.push(Finding::note(
                     "blind-point",
-                    Severity::Note,
                     format!("tool.measuring_point[{}].position_mm", a + 1),
                     format!(
                         "Measuring point \"{}\" lies on the axis of {} and tells nothing about it; the other \
@@ -153,9 +152,8 @@ fn weak_joints(
         if undetermined.contains(&j) || *moved >= VISIBLE * std {
             continue;
         }
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "weak-joint",
-            Severity::Caution,
             &names[j],
             format!(
                 "By the prior stiffness {} moves no measuring point by more than {:.4} mm, and the noise of a \

@@ -114,7 +114,7 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
              theta_from_q of this cell counts it otherwise. Look at the pendant (docs/robots.md) before the arm is driven.",
             controller.title()
         );
-        Finding::new("robot-doubt", Severity::Caution, "robot.theta_from_q", sentence)
+        Finding::caution("robot-doubt", "robot.theta_from_q", sentence)
     });
     doubts
         .filter(|doubt| doubt.about != DoubtAbout::Source)
@@ -124,7 +124,7 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
                 DoubtAbout::Angles => "robot.theta_from_q",
                 _ => "robot.catalogue",
             };
-            Finding::new("robot-doubt", Severity::Caution, subject, doubt.sentence)
+            Finding::caution("robot-doubt", subject, doubt.sentence)
         })
         .chain(coupling)
         .collect()
@@ -133,9 +133,8 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
 /// Says where limits of ±360° only stand in for unknown ones.
 fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
     if cell.setup.robot.limits_are_unknown() {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "unknown-limits",
-            Severity::Caution,
             "robot.limits_deg",
             "The machine's limits are not known: -360° to 360° stand in for them. Give robot.limits_deg, or bounds that \
              the machine can reach, before a plan is driven.",
@@ -180,9 +179,8 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
 fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> {
     if cell.is_unlimited() {
         if cell.setup.load != Load::Measured {
-            findings.push(Finding::new(
+            findings.push(Finding::caution(
                 "no-limits",
-                Severity::Caution,
                 "limits",
                 "There are no limits on where the tool may be: a selection may bring it below the floor, \
                  into the robot's own column or onto the load's anchor.",
@@ -196,19 +194,13 @@ fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> 
     // What a selection says that finds nothing.
     let found = obstruction_among(cell, SAMPLES)?.words();
     if within == 0 {
-        findings.push(Finding::new(
+        findings.push(Finding::serious(
             "unreachable-limits",
-            Severity::Serious,
             "limits",
             format!("{found} Check the limits' frame (robot base) and unit (mm)."),
         ));
     } else {
-        findings.push(Finding::new(
-            "cramped-limits",
-            Severity::Caution,
-            "limits",
-            found,
-        ));
+        findings.push(Finding::caution("cramped-limits", "limits", found));
     }
     Ok(())
 }
@@ -230,9 +222,8 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
         if let Some((j, angle)) = cell.outside_machine_limits(&posture.q) {
             let joint = &setup.robot.joints()[j];
             let [low, high] = joint.limits.map(rad_to_shortest_deg);
-            findings.push(Finding::new(
+            findings.push(Finding::serious(
                 "validation-outside-machine-limits",
-                Severity::Serious,
                 "validation.posture",
                 format!(
                     "Validation posture {} has {} at {}°, outside the machine's limits, {low}° to {high}°.",
@@ -245,9 +236,8 @@ fn validation(cell: &Cell, findings: &mut Vec<Finding>) {
         }
         let smallest = margins.smallest(&posture.q).unwrap_or(None);
         if let Some(margin) = smallest.filter(LimitMargin::is_violated) {
-            findings.push(Finding::new(
+            findings.push(Finding::caution(
                 "validation-outside-limits",
-                Severity::Caution,
                 "validation.posture",
                 format!(
                     "Validation posture {} {}.",
@@ -268,9 +258,8 @@ fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
         .collect();
     if !dropped.is_empty() {
         let dropped: Vec<&str> = dropped.iter().map(String::as_str).collect();
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "pairs-left-out",
-            Severity::Note,
             "clearance.shapes_mm",
             format!(
                 "These come nearer than {:.0} mm in every posture, because their shapes are drawn large, and are not kept \
@@ -282,9 +271,8 @@ fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
     }
     let known = !cell.setup.robot.link_capsules().is_empty();
     if !cell.scene.parts().is_empty() && !known {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "no-link-shapes",
-            Severity::Caution,
             "robot.shape",
             "The robot's links have no shapes: only tool, rope and beams are kept away from what stands in the cell. Give \
              [[robot.shape]]; stiffarm capsules makes them from meshes.",
@@ -296,27 +284,24 @@ fn shapes(cell: &Cell, findings: &mut Vec<Finding>) {
 fn setup(cell: &Cell, findings: &mut Vec<Finding>) {
     let tool = &cell.setup.tool;
     if tool.has_sensor && tool.series_compliance.is_none() {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "sensor-compliance",
-            Severity::Caution,
             "tool.series_compliance",
             "A force sensor sits between flange and reflectors, but its compliance is not given: what the \
              sensor yields is taken for the joints' (10 to 20 % on the wrist joints for a usual sensor).",
         ));
     }
     if cell.prior.is_none() {
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "no-prior",
-            Severity::Note,
             "stiffness.prior_nm_per_rad",
             "There is no prior joint stiffness: expected errors, the indices built on them and the \
              simulation are not available. Orders of magnitude suffice.",
         ));
     }
     if cell.noise.readings_per_displacement == 1 {
-        findings.push(Finding::new(
+        findings.push(Finding::note(
             "one-reading",
-            Severity::Note,
             "noise.readings_per_displacement",
             "One reading is counted per displacement, as the paper does. A displacement is the difference of \
              a loaded and an unloaded reading: unless the variance is already that of a displacement, give 2.",
@@ -329,9 +314,8 @@ fn setup(cell: &Cell, findings: &mut Vec<Finding>) {
         .enumerate()
     {
         if bounds[0] < joint.limits[0] - 1e-9 || bounds[1] > joint.limits[1] + 1e-9 {
-            findings.push(Finding::new(
+            findings.push(Finding::serious(
                 "bounds-outside-machine-limits",
-                Severity::Serious,
                 format!("bounds.q_deg[{}]", j + 1),
                 format!(
                     "The bounds of {} reach beyond the machine's limits.",

@@ -3,7 +3,7 @@
 
 use super::reason::{drop_rounding, reason};
 use super::robot_doubts;
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
@@ -48,7 +48,7 @@ pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
             "No posture within the bounds determines {name} under the load of this cell: {why}. Plans and what they \
              promise leave it out, as if it were rigid."
         );
-        Finding::new(LEFT_OUT, Severity::Caution, name, sentence)
+        Finding::caution(LEFT_OUT, name, sentence)
     };
     let findings = left_out.iter().map(finding).collect();
     let kept: Vec<usize> = (0..count).filter(|j| !left_out.contains(j)).collect();

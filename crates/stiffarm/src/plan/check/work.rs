@@ -1,6 +1,6 @@
 //! Tasks, process and workpiece that can hardly be meant.
 
-use crate::findings::{Finding, Severity};
+use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::implausible;
 use crate::units::m_to_mm;
@@ -30,9 +30,8 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
     } else {
         return;
     };
-    findings.push(Finding::new(
+    findings.push(Finding::serious(
         "implausible-place",
-        Severity::Serious,
         "work.workpiece_mm",
         sentence,
     ));

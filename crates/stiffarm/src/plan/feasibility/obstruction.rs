@@ -1,6 +1,6 @@
 //! Which limits leave no posture, or few.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::findings::list;
 use crate::model::cell::{Cell, LimitKind};
 use sobol_burley::sample;
@@ -192,7 +192,5 @@ pub(crate) fn nothing_meets(cell: &Cell, tried: usize) -> Error {
         "relax what stands in the way: check frames (base, flange) and units (mm) of limits, shapes and stations, \
                   or move anchor, station or obstacle"
     };
-    Error::new(Code::InvalidValue, message)
-        .key("limits")
-        .hint(hint)
+    Error::invalid(message).key("limits").hint(hint)
 }

@@ -1,7 +1,7 @@
 //! Which postures of a plan sit on a limit.
 
 use super::PostureLimits;
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::posture::Posture;
 use crate::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
@@ -42,12 +42,7 @@ pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
                 rad_to_shortest_deg(limit),
             );
             let subject = format!("bounds.q_deg[{}]", j + 1);
-            findings.push(Finding::new(
-                ON_MACHINE_LIMIT,
-                Severity::Caution,
-                subject,
-                sentence,
-            ));
+            findings.push(Finding::caution(ON_MACHINE_LIMIT, subject, sentence));
         }
     }
     findings
@@ -72,12 +67,7 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
             have(&tight, postures.len()),
             m_to_mm(TO_SPARE),
         );
-        findings.push(Finding::new(
-            NO_ROOM_TO_SPARE,
-            Severity::Note,
-            "clearance",
-            sentence,
-        ));
+        findings.push(Finding::note(NO_ROOM_TO_SPARE, "clearance", sentence));
     }
     findings
 }

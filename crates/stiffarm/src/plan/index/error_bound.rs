@@ -1,6 +1,6 @@
 //! The bound of Eq. (19) on the relative error of the compliance vector.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 /// Eq. (19) evaluated: an upper bound, valid only while `validity` < 1.
@@ -41,8 +41,7 @@ pub fn error_bound(
         .iter()
         .all(|v| v.is_finite());
     if !finite || condition_psi < 1.0 || relative_omega < 0.0 || relative_lambda < 0.0 {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "Eq. (19) needs a condition number of at least 1 and relative errors of at least 0.",
         ));
     }

@@ -2,7 +2,7 @@
 
 use super::evaluate::{GroupEvaluation, evaluate};
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::model::posture::{Posture, PostureGroup};
 use crate::plan::check::determinable;
@@ -20,13 +20,7 @@ pub struct EvaluatedGroup {
     pub posture_names: Vec<String>,
     /// The postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "The postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub postures: Vec<Vec<f64>>,
 }
 
@@ -118,7 +112,7 @@ fn findings(cell: &Cell, groups: &[PostureGroup], evaluated: &[EvaluatedGroup]) 
                 list(&evaluation.undetermined_joints)
             );
             let code = "undetermined-joints";
-            findings.push(Finding::new(code, Severity::Serious, &group.name, sentence));
+            findings.push(Finding::serious(code, &group.name, sentence));
         }
         let outside = cell.posture_findings(&group.postures);
         let on_limits = on_machine_limits(cell, &group.postures);
@@ -129,7 +123,7 @@ fn findings(cell: &Cell, groups: &[PostureGroup], evaluated: &[EvaluatedGroup]) 
         }
     }
     let mut lacks = |code: &str, sentence: &str| {
-        findings.push(Finding::new(code, Severity::Note, "cell", sentence));
+        findings.push(Finding::note(code, "cell", sentence));
     };
     if cell.prior.is_none() {
         lacks(

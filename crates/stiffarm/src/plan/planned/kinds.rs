@@ -1,6 +1,6 @@
 //! What all ways to work have in common.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::plan::select::RoundReport;
@@ -23,7 +23,7 @@ pub(super) fn check_count(postures: usize) -> Result<()> {
         1..=MOST_POSTURES => Ok(()),
         _ => {
             let message = format!("A plan has 1 to {MOST_POSTURES} postures, not {postures}.");
-            Err(Error::new(Code::InvalidValue, message).key("postures"))
+            Err(Error::invalid(message).key("postures"))
         }
     }
 }

@@ -65,13 +65,7 @@ pub struct SpaceFillingPlan {
     pub joints: Vec<String>,
     /// Selected postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "Selected postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub postures: Vec<Vec<f64>>,
     /// Names of the selected postures, in the order of `postures_deg`.
     pub posture_names: Vec<String>,

@@ -28,13 +28,7 @@ pub struct Route {
     pub order: Vec<usize>,
     /// The stops, controller angles \[rad\]: the plan's postures or equivalents of them.
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "The stops, controller angles \\[deg\\]: the plan's postures or equivalents of them."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub postures: Vec<Vec<f64>>,
     /// Groups of stops that measure the same, also in different equivalents: what is measured more than once.
     pub repeats: Vec<Vec<usize>>,
@@ -47,13 +41,7 @@ pub struct Route {
     pub travel_s: Option<f64>,
     /// Sum over all moves of the largest turn of a joint \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "f64",
-            description = "Sum over all moves of the largest turn of a joint \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub turn: f64,
     /// What moves are kept clear of.
     pub checked: Vec<LimitKind>,
@@ -71,13 +59,7 @@ pub struct RouteMove {
     pub to: Option<usize>,
     /// Via postures, controller angles \[rad\].
     #[serde(rename = "via_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "Via postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub via: Vec<Vec<f64>>,
     /// Joints, counted from 0, that the last leg leaves on the side to which the load turns them: of a cell that has
     /// `[route] approach_deg`.
@@ -88,13 +70,7 @@ pub struct RouteMove {
     pub time_s: Option<f64>,
     /// Largest turn of a joint, summed over its legs \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "f64",
-            description = "Largest turn of a joint, summed over its legs \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub turn: f64,
     /// What comes nearest on the way; `None` where there is nothing to touch.
     pub nearest: Option<NearestOnTheWay>,

@@ -3,7 +3,7 @@
 use super::found::{Route, RouteMove};
 use super::moves::can_be_touched;
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, list};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::load::Load;
 use crate::model::posture::Posture;
@@ -63,9 +63,8 @@ fn blocked_move(stops: &[Posture], each: &RouteMove) -> Finding {
         };
         format!(" on the straight joint move {near}")
     });
-    Finding::new(
+    Finding::serious(
         MOVE_BLOCKED,
-        Severity::Serious,
         format!("move {}", each.name(stops)),
         format!(
             "no free way was found:{what}. Drive it by hand over via postures of your own, or move what is in the way."
@@ -111,6 +110,6 @@ pub fn not_approached(cell: &Cell, stops: &[Posture], route: &Route) -> Result<O
         )
     };
     let code = "not-approached";
-    let finding = Finding::new(code, Severity::Caution, "route.approach_deg", message);
+    let finding = Finding::caution(code, "route.approach_deg", message);
     Ok(Some(finding))
 }

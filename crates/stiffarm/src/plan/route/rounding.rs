@@ -1,6 +1,6 @@
 //! Angles that one can type.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::{Cell, PostureMargins, Slopes};
 use crate::numerics::order::sort_by_number;
 use crate::units::{deg_to_rad, rad_to_deg};
@@ -59,8 +59,7 @@ impl<'a> Rounding<'a> {
     pub fn new(cell: &'a Cell, step_deg: f64) -> Result<Self> {
         if !(step_deg > 0.0 && step_deg.is_finite()) {
             let message = format!("Angles cannot be rounded to steps of {step_deg}°.");
-            return Err(Error::new(Code::InvalidValue, message)
-                .hint("give a step above zero, such as 0.01"));
+            return Err(Error::invalid(message).hint("give a step above zero, such as 0.01"));
         }
         Ok(Rounding {
             cell,

@@ -111,16 +111,14 @@ impl LoadDesign {
             let sound =
                 (0..3).all(|i| low[i].is_finite() && high[i].is_finite() && low[i] <= high[i]);
             if !sound {
-                return Err(Error::new(
-                    Code::InvalidValue,
-                    format!("The box for the {what} is reversed or not finite."),
-                )
+                return Err(Error::invalid(format!(
+                    "The box for the {what} is reversed or not finite."
+                ))
                 .hint("give the lowest corner first: x, y, z, then the highest: x, y, z"));
             }
         }
         if self.anchor.is_some() && !matches!(cell.setup.load, Load::Rope { .. }) {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "Only a rope or a cylinder has an anchor that could be moved.",
             )
             .hint(
@@ -129,16 +127,10 @@ impl LoadDesign {
         }
         if let Some(wanted) = self.magnitude {
             if !(wanted.is_finite() && wanted > 0.0) {
-                return Err(Error::new(
-                    Code::InvalidValue,
-                    "The largest load must be above zero.",
-                ));
+                return Err(Error::invalid("The largest load must be above zero."));
             }
             cell.setup.load = cell.setup.load.with_size(wanted).ok_or_else(|| {
-                Error::new(
-                    Code::InvalidValue,
-                    "Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.",
-                )
+                Error::invalid("Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.")
             })?;
         }
         let start = self.start(&cell);

@@ -32,13 +32,7 @@ pub struct Selection {
     pub evaluation: GroupEvaluation,
     /// Selected postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "Selected postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub group: Vec<Vec<f64>>,
     /// Number of postures that were given and stay as they are; `value` and
     /// `indices` are those of given and selected postures together.
@@ -189,13 +183,10 @@ pub(super) fn check_bounds(cell: &Cell) -> Result<()> {
     let reversed = |b: &[f64; 2]| b[0].is_nan() || b[1].is_nan() || b[0] > b[1];
     match cell.bounds.iter().position(reversed) {
         None => Ok(()),
-        Some(j) => Err(Error::new(
-            Code::InvalidValue,
-            format!(
-                "The bounds of {} are reversed.",
-                cell.setup.robot.joints()[j].name
-            ),
-        )),
+        Some(j) => Err(Error::invalid(format!(
+            "The bounds of {} are reversed.",
+            cell.setup.robot.joints()[j].name
+        ))),
     }
 }
 
@@ -289,10 +280,7 @@ pub(super) fn no_result(
         .hint("give more postures, or choose expected_error");
     }
     if index.uses_dexterity() && at.k_jn.iter().any(Option::is_none) {
-        return Error::new(
-            Code::InvalidValue,
-            "k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.",
-        )
+        return Error::invalid("k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.")
         .hint("start from other postures, for example with the wrist bent");
     }
     let limits = if cell.is_unlimited() {
@@ -300,12 +288,9 @@ pub(super) fn no_result(
     } else {
         "the cell's limits"
     };
-    Error::new(
-        Code::InvalidValue,
-        format!(
-            "No group of {} postures that meets {limits} was found from this start.",
-            at.posture_count
-        ),
-    )
+    Error::invalid(format!(
+        "No group of {} postures that meets {limits} was found from this start.",
+        at.posture_count
+    ))
     .hint("start from postures inside the limits, or relax [limits] and [bounds]")
 }

@@ -15,7 +15,7 @@
 //! mostly near the borders of what is feasible. It knows nothing of the load:
 //! whether it determines all joints well is for [`evaluate`](crate::plan::index::evaluate) to say.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::group_rng;
@@ -78,10 +78,9 @@ pub fn space_filling(
     control: Control<'_>,
 ) -> Result<SpaceFilling> {
     if count == 0 || count > MOST {
-        return Err(Error::new(
-            Code::InvalidValue,
-            format!("A space-filling group has 1 to {MOST} postures, not {count}."),
-        ));
+        return Err(Error::invalid(format!(
+            "A space-filling group has 1 to {MOST} postures, not {count}."
+        )));
     }
     let candidates = candidates(cell, count, seed, control)?;
     let chosen = farthest_first(&cell.bounds, &candidates, count, control)?;
@@ -90,8 +89,7 @@ pub fn space_filling(
     let chosen = spread.chosen.iter();
     let postures: Vec<Vec<f64>> = chosen.map(|c| candidates[*c].clone()).collect();
     if smallest_distance(&cell.bounds, &postures) == Some(0.0) {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "The bounds leave room for fewer different postures than wanted.",
         )
         .key("bounds.q_deg"));
@@ -151,7 +149,7 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
             "The bounds of {} are reversed or not finite.",
             setup.robot.joints()[j].name
         );
-        return Err(Error::new(Code::InvalidValue, message).key("bounds.q_deg"));
+        return Err(Error::invalid(message).key("bounds.q_deg"));
     }
     let wanted = (CANDIDATES_EACH * count).clamp(CANDIDATES[0], CANDIDATES[1]);
     let mut margins = cell.posture_margins()?;
@@ -182,7 +180,7 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
         "Only {} of {MAX_DRAWS} random postures within the bounds meet the cell's limits, and {count} are wanted.",
         found.len()
     );
-    Err(Error::new(Code::InvalidValue, message)
+    Err(Error::invalid(message)
         .key("limits")
         .hint("ask for fewer postures, or check the limits' frame (robot base) and unit (mm)"))
 }

@@ -110,8 +110,7 @@ impl<'a> Setting<'a> {
         let pool = options.pool.unwrap_or((7 * count).div_ceil(10));
         let most = options.counts.iter().copied().max().unwrap_or(0);
         if options.splits == 0 || most == 0 || options.counts.contains(&0) {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "The study needs at least one split and numbers of postures above zero.",
             ));
         }
@@ -126,8 +125,7 @@ impl<'a> Setting<'a> {
             .hint("choose fewer, or make the pool smaller than the experiment"));
         }
         if !(options.size_factor > 0.0 && options.size_factor.is_finite()) {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "The factor of the sizes must be above zero.",
             ));
         }

@@ -101,10 +101,7 @@ fn reach(
         *theta += &*inverse * error;
         arm.move_to(theta, terms, wrench)?;
     }
-    Err(Error::new(
-        Code::InvalidValue,
-        "This posture is singular, and the arm cannot make up for what gives way beyond its joints.",
-    )
+    Err(Error::invalid("This posture is singular, and the arm cannot make up for what gives way beyond its joints.")
     .hint("choose another posture for this point, or leave the turn about the tool axis free"))
 }
 

@@ -50,13 +50,7 @@ pub struct PointCompensation {
     pub point: Arc<str>,
     /// Nominal controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<f64>",
-            description = "Nominal controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub nominal: Vec<f64>,
     /// Position of the nominal tip, base frame \[m\].
     pub tip_m: [f64; 3],
@@ -66,13 +60,7 @@ pub struct PointCompensation {
     pub moment_nm: [f64; 3],
     /// Controller angles to command \[rad\].
     #[serde(rename = "command_q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<f64>",
-            description = "Controller angles to command \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub command: Vec<f64>,
     /// Shift of the command's unloaded tip from the nominal one, base axes \[m\].
     pub correction_m: [f64; 3],
@@ -289,26 +277,23 @@ fn findings(result: &Compensation, options: &CompensateOptions) -> Vec<Finding> 
     let mut out = Vec::new();
     let count = result.loaded();
     match result.beyond_uncertainty {
-        None => out.push(Finding::new(
+        None => out.push(Finding::caution(
             "no-band",
-            Severity::Caution,
             "stiffness",
             "The joint stiffness comes without covariance: nothing says whether this compensation helps or harms.",
         )),
         Some(beyond) if beyond < count => {
             let within = count - beyond;
-            out.push(Finding::new(
+            out.push(Finding::caution(
                 "correction-within-uncertainty",
-                Severity::Caution,
                 "correction",
                 format!(
                     "At {within} of {count} points the correction is smaller than its own uncertainty: there it may as well harm."
                 ),
             ));
         }
-        Some(_) => out.push(Finding::new(
+        Some(_) => out.push(Finding::note(
             "correction-beyond-uncertainty",
-            Severity::Note,
             "correction",
             format!(
                 "At all {count} points the correction, up to {}, is larger than its own uncertainty.",

@@ -16,23 +16,11 @@ use serde::{Deserialize, Serialize};
 pub struct NodeValues {
     /// The posture that bends least, controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<f64>",
-            description = "The posture that bends least, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub q: Vec<f64>,
     /// Turn about the tool axis where that is free \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Option<f64>",
-            description = "Turn about the tool axis where that is free \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub turn: Option<f64>,
     /// Force per shift along the map's direction, the tip being free to turn
     /// \[N/m\]; `None` where it does not give way.

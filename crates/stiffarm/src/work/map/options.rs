@@ -1,6 +1,6 @@
 //! What is mapped.
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::load::Wrench;
 use nalgebra::{UnitQuaternion, UnitVector3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -54,11 +54,7 @@ impl MapOptions {
         let axes = grid(self.lower, self.upper, self.steps)?;
         let force = self.wrench.force.norm();
         if !(force > 0.0 && force.is_finite() && self.wrench.moment.norm().is_finite()) {
-            return Err(Error::new(
-                Code::InvalidValue,
-                "A map needs a force: finite, and not zero.",
-            )
-            .key("force"));
+            return Err(Error::invalid("A map needs a force: finite, and not zero.").key("force"));
         }
         if let Some(turns) = self.free_turn {
             check_turns(turns)?;
@@ -90,10 +86,9 @@ pub(super) fn check_turns(turns: usize) -> Result<()> {
     if (1..=MOST_TURNS).contains(&turns) {
         Ok(())
     } else {
-        Err(Error::new(
-            Code::InvalidValue,
-            format!("1 to {MOST_TURNS} turns about the tool axis can be tried, not {turns}."),
-        )
+        Err(Error::invalid(format!(
+            "1 to {MOST_TURNS} turns about the tool axis can be tried, not {turns}."
+        ))
         .key("free_turn"))
     }
 }
@@ -104,7 +99,7 @@ pub(super) fn check_turns(turns: usize) -> Result<()> {
 /// Corners that are not finite or upside down, steps along nothing, no or too
 /// many nodes.
 pub(super) fn grid(lower: [f64; 3], upper: [f64; 3], steps: [usize; 3]) -> Result<[Vec<f64>; 3]> {
-    let fault = |message: String, key: &str| Err(Error::new(Code::InvalidValue, message).key(key));
+    let fault = |message: String, key: &str| Err(Error::invalid(message).key(key));
     for (axis, name) in AXES.iter().enumerate() {
         let (low, high, count) = (lower[axis], upper[axis], steps[axis]);
         if !(low.is_finite() && high.is_finite()) {

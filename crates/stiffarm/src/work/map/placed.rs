@@ -45,13 +45,7 @@ pub struct PlacementCandidate {
     pub position_m: [f64; 3],
     /// Turn about the base's z, added to the given orientation \[rad\].
     #[serde(rename = "yaw_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "f64",
-            description = "Turn about the base's z, added to the given orientation \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub yaw: f64,
     /// Whether the arm can go along the path there.
     pub status: Status,
@@ -73,33 +67,15 @@ pub struct Placed {
     pub position_m: [f64; 3],
     /// Its orientation: turns about x, then y, then z of the base \[rad\].
     #[serde(rename = "rpy_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "[f64; 3]",
-            description = "Its orientation: turns about x, then y, then z of the base \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     pub roll_pitch_yaw: [f64; 3],
     /// Turn about the base's z, added to the given orientation \[rad\].
     #[serde(rename = "yaw_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "f64",
-            description = "Turn about the base's z, added to the given orientation \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub yaw: f64,
     /// Turn about the tool axis, where the path leaves it free \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Option<f64>",
-            description = "Turn about the tool axis, where the path leaves it free \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub turn: Option<f64>,
     /// Whether the arm can go along the path.
     pub status: Status,
@@ -115,13 +91,7 @@ pub struct Placed {
     pub deflection_max_point: Option<String>,
     /// Posture at the first point, controller angles \[rad\].
     #[serde(rename = "start_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Option<Vec<f64>>",
-            description = "Posture at the first point, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
     pub start: Option<Vec<f64>>,
     /// The path there at the points that the search looks at, and where it bends most; empty where the arm
     /// cannot go along.
@@ -136,10 +106,7 @@ pub struct PlacedPoint {
     pub point: String,
     /// Controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub q: Vec<f64>,
     /// Position of the unloaded tip, base frame \[m\].
     pub tip_m: [f64; 3],

@@ -8,7 +8,7 @@ use super::search::{Part, Place, Search};
 use super::status::Status;
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::findings::{Finding, Severity, length};
+use crate::findings::{Finding, length};
 use crate::model::cell::Cell;
 use crate::model::implausible;
 use crate::model::load::Wrench;
@@ -77,8 +77,7 @@ pub fn place(
         return Err(Error::new(Code::TooFewData, "The path has no points."));
     }
     if options.yaws.is_empty() || options.yaws.iter().any(|yaw| !yaw.is_finite()) {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "The turns of the workpiece must be finite numbers, at least one.",
         )
         .key("yaws"));
@@ -251,9 +250,8 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
     }
     let given = &result.given;
     if let (Some(reason), Some(point)) = (&given.reason, &given.point) {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "given-place-fails",
-            Severity::Caution,
             "workpiece",
             format!(
                 "At the given place the arm cannot go along the path: at point {point}, {reason}."
@@ -277,12 +275,7 @@ fn findings(cell: &Cell, predictor: &IdentifiedCompliance, result: &Placement) -
                 ),
                 _ => format!("At {place} the path bends the arm by {size} (RMS)."),
             };
-            out.push(Finding::new(
-                "best-place",
-                Severity::Note,
-                "workpiece",
-                sentence,
-            ));
+            out.push(Finding::note("best-place", "workpiece", sentence));
         }
     }
     if predictor.spread.is_none() && predictor.common.is_empty() {
@@ -311,9 +304,8 @@ fn nowhere(result: &Placement) -> Finding {
         .map_or_else(String::new, |(place, point, reason)| {
             format!(" At {place}, for one, point {point}: {reason}.")
         });
-    Finding::new(
+    Finding::serious(
         "nowhere",
-        Severity::Serious,
         "workpiece",
         format!("At no place of the grid can the arm go along the path.{why}"),
     )

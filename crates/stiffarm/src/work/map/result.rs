@@ -4,7 +4,7 @@ use super::node::MapNode;
 use super::options::{AXES, MapOptions};
 use super::reach::first_smallest;
 use super::status::Status;
-use crate::findings::{Finding, Severity, length, percent};
+use crate::findings::{Finding, length, percent};
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;
 use crate::work::predict::PrincipalAxis;
@@ -204,9 +204,8 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
     if let Some(MapExtremes { best, worst, .. }) = map.extremes {
         let (best, worst) = (&map.nodes[best], &map.nodes[worst]);
         let size = |node: &MapNode| node.values.as_ref().map_or(0.0, |v| v.deflection_m);
-        out.push(Finding::new(
+        out.push(Finding::note(
             "spread",
-            Severity::Note,
             "deflection",
             format!(
                 "The same force bends the tip {:.1} times as far at {} ({}) as at {} ({}).",
@@ -224,9 +223,8 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
     };
     let poor = map.nodes.iter().filter(poor).count();
     if poor > 0 {
-        out.push(Finding::new(
+        out.push(Finding::note(
             "near-singular",
-            Severity::Note,
             "posture",
             format!(
                 "At {} of the reachable nodes k(J_N) is above {NEAR_SINGULAR}: a small way of the tip swings joints far there.",
@@ -245,14 +243,13 @@ fn findings(cell: &Cell, map: &StiffnessMap) -> Vec<Finding> {
 
 /// The user did not wait for the end.
 pub(super) fn stopped(sentence: String) -> Finding {
-    Finding::new("stopped", Severity::Caution, "region", sentence)
+    Finding::caution("stopped", "region", sentence)
 }
 
 /// Nothing says how sure the deflections are.
 pub(super) fn no_band() -> Finding {
-    Finding::new(
+    Finding::caution(
         "no-band",
-        Severity::Caution,
         "stiffness",
         "The joint stiffness comes without covariance: nothing says how sure these deflections are.",
     )
@@ -260,9 +257,8 @@ pub(super) fn no_band() -> Finding {
 
 /// Reachable is only what the joints' limits allow.
 pub(super) fn unknown_limits() -> Finding {
-    Finding::new(
+    Finding::caution(
         "unknown-limits",
-        Severity::Caution,
         "robot",
         "The machine's joint limits are not known, so the real arm may reach less: give robot.limits_deg.",
     )
@@ -289,9 +285,8 @@ fn nothing_reachable(map: &StiffnessMap) -> Finding {
             node.reason.as_deref().unwrap_or(node.status.describe())
         )
     });
-    Finding::new(
+    Finding::serious(
         "nothing-reachable",
-        Severity::Serious,
         "region",
         format!("No node of the map is reachable with this orientation.{closest}"),
     )

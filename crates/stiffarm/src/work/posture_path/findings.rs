@@ -2,7 +2,7 @@
 
 use super::{PosturePathSummary, Search};
 use crate::error::Result;
-use crate::findings::{Finding, Severity, length, more, percent};
+use crate::findings::{Finding, length, more, percent};
 use crate::model::dexterity::condition_number;
 use crate::model::kinematics::Frames;
 use crate::model::path::{PathPoint, feed_axes};
@@ -36,12 +36,7 @@ fn borrowed_feed(search: &Search<'_>, tips: &[Isometry3<f64>]) -> Option<Finding
          path axes of the next move.",
         first.name
     );
-    Some(Finding::new(
-        "feed-of-the-next",
-        Severity::Note,
-        "path",
-        sentence,
-    ))
+    Some(Finding::note("feed-of-the-next", "path", sentence))
 }
 
 /// All of them, for the postures `q` with the tip at `tips`.
@@ -72,9 +67,8 @@ pub(super) fn findings(
             1 => ("posture at point", "is"),
             _ => ("postures at points", "are"),
         };
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "singular-posture",
-            Severity::Caution,
             "path",
             format!(
                 "The {postures} {shown}{more} {are} singular or nearly so: in one direction the tool hardly moves, \
@@ -94,7 +88,7 @@ pub(super) fn findings(
         } else {
             "Turning about the tool axis does not lower the deflection.".to_string()
         };
-        out.push(Finding::new("free-turn", Severity::Note, "path", sentence));
+        out.push(Finding::note("free-turn", "path", sentence));
     }
     Ok(out)
 }

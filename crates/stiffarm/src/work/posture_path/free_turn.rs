@@ -307,7 +307,7 @@ fn cheapest(
                 "From point {} to {} every posture jumps, whatever the turn about the tool axis.",
                 search.points[before].name, search.points[i].name
             );
-            let error = Error::new(Code::InvalidValue, message)
+            let error = Error::invalid(message)
                 .hint("give more points between these two, or allow larger steps");
             return Err(search.at(i, error));
         }

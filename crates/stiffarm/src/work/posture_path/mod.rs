@@ -68,13 +68,7 @@ pub struct PosturePathSummary {
         rename = "largest_step_deg",
         with = "crate::units::degrees::all_digits"
     )]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "f64",
-            description = "Largest change of a joint from one point to the next \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     pub largest_step: f64,
     /// RMS of the deflections, linear model \[m\].
     pub deflection_rms_m: f64,
@@ -84,13 +78,7 @@ pub struct PosturePathSummary {
     /// Turn about the tool axis at each point, from the given one or, where only
     /// the axis is given, from one carried along without twist \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Option<Vec<f64>>",
-            description = "Turn about the tool axis at each point, from the given one or, where only\nthe axis is given, from one carried along without twist \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<f64>>"))]
     pub turn: Option<Vec<f64>>,
     /// What to know, in sentences.
     pub findings: Vec<Finding>,

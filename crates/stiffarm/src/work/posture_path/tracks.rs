@@ -192,7 +192,7 @@ fn jump(search: &Search<'_>, i: usize, j: usize, step: f64) -> Error {
         search.points[i].name,
         rad_to_deg(step)
     );
-    let error = Error::new(Code::InvalidValue, message).hint(
+    let error = Error::invalid(message).hint(
         "give more points between these two, leave the turn about the tool axis free, or allow larger steps",
     );
     search.at(i, error)

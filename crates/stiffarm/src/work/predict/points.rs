@@ -75,10 +75,7 @@ pub struct PointPrediction {
     pub point: Arc<str>,
     /// Controller angles \[rad\].
     #[serde(rename = "q_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(with = "Vec<f64>", description = "Controller angles \\[deg\\].")
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
     pub q: Vec<f64>,
     /// Position of the unloaded tip, base frame \[m\].
     pub tip_m: [f64; 3],
@@ -315,17 +312,15 @@ fn findings(result: &Prediction) -> Vec<Finding> {
     };
     out.push(Finding::new("model", severity, "model", sentence));
     if result.points.iter().all(|p| p.band.is_none()) {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "no-band",
-            Severity::Caution,
             "stiffness",
             "The joint stiffness comes without covariance: nothing says how sure these deflections are.",
         ));
     }
     if result.deflection_rms_m == 0.0 {
-        out.push(Finding::new(
+        out.push(Finding::caution(
             "no-load",
-            Severity::Caution,
             "load",
             "No point has a load, so nothing bends.",
         ));
@@ -337,9 +332,8 @@ fn findings(result: &Prediction) -> Vec<Finding> {
         .filter(|b| b.size_m[1] > b.size_m[0])
         .count();
     if 2 * dominated > result.points.len() {
-        out.push(Finding::new(
+        out.push(Finding::note(
             "common-error-dominates",
-            Severity::Note,
             "band",
             format!(
                 "Systematic errors are most of the band at {} of the points: what `identify` names as the largest of them would narrow it most.",

@@ -17,7 +17,7 @@ mod kept;
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
-use crate::findings::{Finding, Severity, length, length_with_error, list, probability};
+use crate::findings::{Finding, length, length_with_error, list, probability};
 use kept::Kept;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -163,12 +163,7 @@ impl Outliers {
              than single readings.",
             list(&worst)
         );
-        vec![Finding::new(
-            "more-outliers",
-            Severity::Serious,
-            "measurements",
-            message,
-        )]
+        vec![Finding::serious("more-outliers", "measurements", message)]
     }
 }
 
@@ -217,6 +212,6 @@ impl Outlier {
                 ("outlying-point", message)
             }
         };
-        Finding::new(code, Severity::Caution, self.subject(), message)
+        Finding::caution(code, self.subject(), message)
     }
 }

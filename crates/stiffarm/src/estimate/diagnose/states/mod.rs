@@ -16,7 +16,7 @@ use super::noise::{Agreement, NoiseTest};
 use super::tails::{LEVEL, chi_squared_tails, two_sided};
 use crate::error::Result;
 use crate::estimate::identify::Fit;
-use crate::findings::{Finding, Severity, length, length_with_error, percent, probability};
+use crate::findings::{Finding, length, length_with_error, percent, probability};
 use serde::{Deserialize, Serialize};
 use series::{Series, series};
 
@@ -184,12 +184,7 @@ impl LoadStates {
         let mut out = Vec::new();
         let found = |p: &Option<PooledStates>| p.filter(|p| p.p_value < FAMILY);
         let mut add = |code, message| {
-            out.push(Finding::new(
-                code,
-                Severity::Caution,
-                "load states",
-                message,
-            ));
+            out.push(Finding::caution(code, "load states", message));
         };
         let curved = found(&self.curvature);
         if let Some(bend) = curved {
@@ -257,9 +252,8 @@ impl LoadStates {
         if out.is_empty()
             && let Some(offset) = self.offset
         {
-            out.push(Finding::new(
+            out.push(Finding::note(
                 "load-linear",
-                Severity::Note,
                 "load states",
                 format!(
                     "Displacements grow in proportion to the load: the lines through the load states meet zero at {}.",

@@ -94,13 +94,7 @@ pub struct ElasticGroup {
     pub posture_names: Vec<String>,
     /// Its postures, controller angles \[rad\].
     #[serde(rename = "postures_deg", with = "crate::units::degrees")]
-    #[cfg_attr(
-        feature = "schema",
-        schemars(
-            with = "Vec<Vec<f64>>",
-            description = "Its postures, controller angles \\[deg\\]."
-        )
-    )]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Vec<f64>>"))]
     pub postures: Vec<Vec<f64>>,
     /// Its noise levels.
     pub levels: Vec<ElasticLevel>,

@@ -259,9 +259,8 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
     if !left_out.is_empty() {
         let names: Vec<&str> = left_out.iter().map(|p| p.posture.as_str()).collect();
         let worst = left_out.iter().map(|p| p.rms_m).fold(0.0, f64::max);
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "registration-outlier",
-            Severity::Caution,
             names.join(", "),
             format!(
                 "{}: the unloaded points lie up to {} from where the model puts them, the others within {}. Left out of \
@@ -273,9 +272,8 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
         ));
     }
     if summary.rms_m > LARGE {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "registration-residual",
-            Severity::Caution,
             "registration",
             format!(
                 "After registration the unloaded points still lie {} (RMS) from where the model puts them, more than an \
@@ -326,9 +324,8 @@ fn check_given(
         .map(|(p, _)| p.posture.as_str())
         .collect();
     if !odd.is_empty() {
-        findings.push(Finding::new(
+        findings.push(Finding::caution(
             "registration-outlier",
-            Severity::Caution,
             odd.join(", "),
             format!(
                 "The unloaded points of {} disagree with those of the other postures: look for a mistyped angle or \

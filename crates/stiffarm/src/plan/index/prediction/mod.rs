@@ -135,8 +135,7 @@ impl PredictionModel {
         }
         let std = cell.noise.displacement_std();
         if std <= 0.0 {
-            return Err(Error::new(
-                Code::InvalidValue,
+            return Err(Error::invalid(
                 "Without noise every posture predicts alike: the index prediction needs [noise].",
             )
             .key("noise.variance_mm2"));

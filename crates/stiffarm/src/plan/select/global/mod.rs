@@ -131,8 +131,7 @@ pub fn select_watched(
         check_angles(&cell.setup.robot, q)?;
     }
     if !options.load.is_empty() && !given.is_empty() {
-        return Err(Error::new(
-            Code::InvalidValue,
+        return Err(Error::invalid(
             "Postures that were measured already fix the load: it cannot be designed any more.",
         )
         .hint("leave out the load's boxes, or the given postures"));

@@ -1,7 +1,7 @@
 //! Candidate postures inside bounds and limits, drawn once per selection, with
 //! their information and k(J_N).
 
-use crate::error::{Code, Error, Result};
+use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::streams::candidate_rng;
 use crate::plan::feasibility::nothing_meets;
@@ -98,7 +98,7 @@ impl Pool {
             let message = format!(
                 "None of {inside} random postures inside bounds and limits is accepted by your own constraint."
             );
-            return Err(Error::new(Code::InvalidValue, message).key("accept"));
+            return Err(Error::invalid(message).key("accept"));
         }
         if pool.len() == 0 {
             return Err(nothing_meets(cell, drawn));
