@@ -78,10 +78,7 @@ pub fn of_option(error: Error, fields: &[&str]) -> Error {
                 fields.iter().fold(text.to_string(), replace)
             };
             let given = Error::new(error.code(), said(error.message())).key(option_of(key));
-            match error.hint_text() {
-                Some(hint) => given.hint(said(hint)),
-                None => given,
-            }
+            given.hint_if(error.hint_text().map(said))
         }
         _ => error,
     }
@@ -99,10 +96,7 @@ pub fn of_usage(error: Error, fields: &[&str]) -> Error {
     }
     let key = given.place().key.clone().unwrap_or_default();
     let usage = Error::new(Code::Usage, given.message()).key(key);
-    match given.hint_text() {
-        Some(hint) => usage.hint(hint),
-        None => usage,
-    }
+    usage.hint_if(given.hint_text())
 }
 
 /// Prints what clap says: help and version on standard output, usage errors on

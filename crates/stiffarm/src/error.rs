@@ -277,6 +277,15 @@ impl Error {
         Error::new(Code::InvalidValue, message)
     }
 
+    /// Adds what the user can do, where there is something.
+    #[must_use]
+    pub fn hint_if(self, hint: Option<impl Into<String>>) -> Self {
+        match hint {
+            Some(hint) => self.hint(hint),
+            None => self,
+        }
+    }
+
     /// Adds what the user can do.
     #[must_use]
     pub fn hint(mut self, hint: impl Into<String>) -> Self {

@@ -52,8 +52,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             outputs.beside(session, output, ending, args.force)?;
         }
     }
-    let progress = Progress::new(session, "compensating the path");
-    let mut result = progress
+    let mut result = Progress::new(session, "compensating the path")
         .watch(|control| {
             let points = &path.table.points;
             let followed = options
@@ -62,7 +61,6 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             options.compensate(cell, &saved, &followed, control)
         })
         .map_err(|e| path.in_file(e))?;
-    drop(progress);
     result
         .postures
         .findings

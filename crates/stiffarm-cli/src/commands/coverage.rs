@@ -51,9 +51,8 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
             ..ErrorModel::default()
         },
     };
-    let progress = Progress::new(session, "counting");
-    let found = progress.watch(|control| coverage(&named.cell, &postures, &case, control))?;
-    drop(progress);
+    let found = Progress::new(session, "counting")
+        .watch(|control| coverage(&named.cell, &postures, &case, control))?;
     let envelope = session.envelope("coverage", Some(args.seed), described, &found);
     session.deliver_told(None, &envelope, &named, false)?;
     Ok(Exit::of_findings(&found.findings))

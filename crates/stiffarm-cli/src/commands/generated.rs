@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use stiffarm::Result;
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::coverage::Coverage;
-use stiffarm::estimate::simulate::{ElasticSimulation, Simulation};
+use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
 use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
@@ -38,7 +38,7 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling"),
         of::<planned::ChosenOptions, planned::Chosen>("select --candidates"),
         of::<simulated::Options, Simulation>("simulate"),
-        of::<simulated::ElasticOptions, ElasticSimulation>("simulate --elastic"),
+        of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
         of::<coverage::Options, Coverage>("coverage"),
         of::<registered::Options, RegistrationRecord>("register"),
         of::<identified::Options, identified::Identified>("identify"),

@@ -43,7 +43,6 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let path = path
         .map(|path| session.read_path(path, &named.cell, axes, log))
         .transpose()?;
-    let progress = Progress::new(session, "predicting deflections");
     let points = path.as_ref().map(|path| path.table.points.as_slice());
     let in_file = |e: Error| match &path {
         Some(path) if e.place().key.as_deref() == Some("cell_load") => Error::new(
@@ -56,14 +55,13 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         None => e,
     };
     let predictor = &saved.predictor;
-    let (loaded, mut result) = progress
+    let (loaded, mut result) = Progress::new(session, "predicting deflections")
         .watch(|control| {
             let loaded = request.loaded(named.cell.clone(), predictor, points, control)?;
             let result = request.predict(&loaded, &saved, control)?;
             Ok((loaded, result))
         })
         .map_err(in_file)?;
-    drop(progress);
     named.cell = loaded.cell;
     if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
         summary.findings.extend(path.findings.iter().cloned());

@@ -59,8 +59,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     options.keep_wrist = args.keep_wrist;
     options.step_deg = step_deg;
     options.seed = args.seed;
-    let progress = Progress::new(session, "finding the route");
-    let found = progress.watch(|control| {
+    let found = Progress::new(session, "finding the route").watch(|control| {
         let angles: Vec<Vec<f64>> = match step_deg {
             Some(step) => {
                 let each = plan.iter().map(|posture| {
@@ -73,7 +72,6 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
         };
         route(cell, &angles, &options, control)
     })?;
-    drop(progress);
     let stops = stops(&plan, &found);
     if let Some(target) = target {
         write_all(session, &[(target, write_postures(&stops))])?;

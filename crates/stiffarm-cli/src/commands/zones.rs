@@ -45,9 +45,8 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
         MANY,
         "postures to look at",
     );
-    let progress = Progress::new(session, "mapping zones");
-    let result = progress.watch(|control| zones(&cell, &options, control))?;
-    drop(progress);
+    let result =
+        Progress::new(session, "mapping zones").watch(|control| zones(&cell, &options, control))?;
     let envelope = session.envelope(
         "zones",
         None,

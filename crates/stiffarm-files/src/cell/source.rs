@@ -213,10 +213,7 @@ impl<'a> Source<'a> {
         };
         if let Some(message) = wrong {
             let error = self.error(Code::InvalidValue, value, message);
-            return Err(match sense.and_then(Sense::hint) {
-                Some(hint) => error.hint(hint),
-                None => error,
-            });
+            return Err(error.hint_if(sense.and_then(Sense::hint)));
         }
         // Values too small to square are zero; −0 stays what it is.
         Ok(if number.abs() < SMALLEST {

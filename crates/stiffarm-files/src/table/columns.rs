@@ -245,10 +245,7 @@ impl MeasurementColumns {
         }
         let message = format!("The posture file has no posture \"{name}\".");
         let error = table.error(row, self.posture.at, Code::UnknownName, message);
-        Err(match did_you_mean(name, plan.keys().copied()) {
-            Some(hint) => error.hint(hint),
-            None => error,
-        })
+        Err(error.hint_if(did_you_mean(name, plan.keys().copied())))
     }
 
     /// Index of the measuring point that the row names; `also` are names that

@@ -348,10 +348,7 @@ impl<'a> Table<'a> {
             let other = column
                 .unit
                 .and_then(|unit| unit.of_others(&self.headings[at].name));
-            return Err(match other {
-                Some(hint) => error.hint(hint),
-                None => error,
-            });
+            return Err(error.hint_if(other));
         }
         Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
     }

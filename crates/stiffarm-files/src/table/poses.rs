@@ -58,10 +58,7 @@ pub fn read_poses(bytes: &[u8], file_name: &str, convention: Convention) -> Resu
         let at = numbers(&position)?;
         let rotation = convention.rotation(&numbers(&orientation)?).map_err(|e| {
             let error = table.error(row, orientation[0].at, e.code(), e.message());
-            match e.hint_text() {
-                Some(hint) => error.hint(hint.to_string()),
-                None => error,
-            }
+            error.hint_if(e.hint_text())
         })?;
         poses.push(NamedPose {
             name,

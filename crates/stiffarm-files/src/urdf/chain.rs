@@ -307,10 +307,7 @@ fn follows<'a>(tree: &Tree<'a>, joint: &'a Joint) -> Result<Follows<'a>> {
             );
             let near = did_you_mean(&mimic.joint, tree.joint_names());
             let error = error(Code::UnknownName, message);
-            return Err(match near {
-                Some(near) => error.hint(near),
-                None => error,
-            });
+            return Err(error.hint_if(near));
         };
         follows.offset += follows.multiplier * mimic.offset;
         follows.multiplier *= mimic.multiplier;

@@ -51,7 +51,7 @@ impl<'a> Tree<'a> {
                         joint.name
                     );
                     let hint = did_you_mean(link, below.keys().copied());
-                    return Err(with_hint(error(Code::UnknownName, message), hint));
+                    return Err(error(Code::UnknownName, message).hint_if(hint));
                 }
             }
             if let Some(other) = above.insert(child, joint) {
@@ -233,13 +233,6 @@ impl<'a> Tree<'a> {
                 error.hint(format!("--base one of {}", some_of(above.into_iter())))
             }
         })
-    }
-}
-
-fn with_hint(error: Error, hint: Option<String>) -> Error {
-    match hint {
-        Some(hint) => error.hint(hint),
-        None => error,
     }
 }
 

@@ -171,10 +171,7 @@ impl IdentifiedCompliance {
 
     /// `error`, met in calculating with these values, with what is seriously wrong with them as its hint.
     pub(crate) fn explain(&self, error: Error) -> Error {
-        match self.serious().next() {
-            Some(doubt) => error.hint(doubt.sentence.clone()),
-            None => error,
-        }
+        error.hint_if(self.serious().next().map(|doubt| doubt.sentence.clone()))
     }
 
     /// Stiffness of the springs of `cell` \[N·m/rad\]; `None` without a positive one.

@@ -18,22 +18,6 @@ pub struct Options {
     pub model_errors: ModelErrors,
 }
 
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
-pub struct ElasticOptions {
-    /// Factors on the cell's variance.
-    pub levels: Vec<f64>,
-    /// Runs per group and level.
-    pub runs: usize,
-    /// The model beside the joint axes alone.
-    pub elastic: ElasticChoice,
-}
-
 /// Standard deviations of [`ModelErrors`] in the units of files and screens, all zero in the paper.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorRequest {
@@ -155,17 +139,6 @@ impl From<&SimulationOptions> for Options {
             levels: options.variance_factors.clone(),
             runs: options.runs,
             model_errors: options.model_errors,
-        }
-    }
-}
-
-impl From<&ElasticSimulationOptions> for ElasticOptions {
-    /// The options as the result holds them.
-    fn from(options: &ElasticSimulationOptions) -> Self {
-        ElasticOptions {
-            levels: options.variance_factors.clone(),
-            runs: options.runs,
-            elastic: options.elastic,
         }
     }
 }

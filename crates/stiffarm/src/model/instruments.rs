@@ -35,10 +35,7 @@ impl Sensor {
             Mount::Base => self.pose,
         };
         let sign = if self.reports_by_robot { -1.0 } else { 1.0 };
-        let turned = Wrench {
-            force: pose.rotation * reading.force * sign,
-            moment: pose.rotation * reading.moment * sign,
-        };
+        let turned = reading.map(|v| pose.rotation * v * sign);
         turned.moved(&pose.translation.vector, at)
     }
 }

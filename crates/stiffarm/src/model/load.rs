@@ -19,6 +19,15 @@ pub struct Wrench {
 }
 
 impl Wrench {
+    /// Force and moment changed alike: scaled, or turned into other axes.
+    #[must_use]
+    pub fn map(&self, change: impl Fn(&Vector3<f64>) -> Vector3<f64>) -> Self {
+        Wrench {
+            force: change(&self.force),
+            moment: change(&self.moment),
+        }
+    }
+
     /// A pure force through the loading point.
     pub fn force(force: impl Into<Vector3<f64>>) -> Self {
         Wrench {
@@ -141,10 +150,7 @@ impl Load {
             Load::Constant {
                 wrench,
                 axes: Axes::Tool,
-            } => Some(Wrench {
-                force: frames.direction(&wrench.force),
-                moment: frames.direction(&wrench.moment),
-            }),
+            } => Some(wrench.map(|v| frames.direction(v))),
             Load::Measured | Load::Cases(_) => None,
         }
     }
@@ -192,10 +198,7 @@ impl Load {
                 magnitude: magnitude * factor,
             },
             Load::Constant { wrench, axes } => Load::Constant {
-                wrench: Wrench {
-                    force: wrench.force * factor,
-                    moment: wrench.moment * factor,
-                },
+                wrench: wrench.map(|v| v * factor),
                 axes: *axes,
             },
             other => other.clone(),

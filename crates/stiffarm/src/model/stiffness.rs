@@ -21,13 +21,14 @@ const EQUILIBRIUM_TOLERANCE: f64 = 1e-15;
 const EQUILIBRIUM_ITERATIONS: usize = 200;
 
 /// How displacements are calculated from the joint stiffness.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Model {
     /// Linear, Eq. (7).
     Linear,
     /// Exact static equilibrium.
+    #[default]
     Equilibrium,
 }
 

@@ -8,6 +8,13 @@ pub fn choose(count: u64, size: u64) -> u64 {
     (0..size).fold(1, |product, i| product * count.saturating_sub(i) / (i + 1))
 }
 
+/// The same, or as many as a number holds.
+pub fn choose_many(count: usize, size: usize) -> u128 {
+    (0..size.min(count - size)).fold(1u128, |product, i| {
+        product.saturating_mul((count - i) as u128) / (i + 1) as u128
+    })
+}
+
 /// Set number `rank` of `size` numbers, ascending, in the order in which all sets
 /// of smaller numbers come first.
 pub fn set(mut rank: u64, size: u64) -> Vec<usize> {

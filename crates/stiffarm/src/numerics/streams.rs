@@ -4,7 +4,7 @@
 //! Randomness by stream. Run r of group g at level l draws from its own ChaCha
 //! stream, so threads and the number of runs change nothing.
 
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// Marks the streams of random initial groups, which no run shares.
@@ -20,6 +20,20 @@ const EXPERIMENTS: u64 = 1 << 62;
 /// resamples of a bootstrap.
 const COVERAGE: u64 = 1 << 61;
 const RESAMPLES: u64 = 5 << 61;
+
+/// Point `i` of those spread evenly over `bounds`, by a Sobol sequence.
+pub(crate) fn spread(bounds: &[[f64; 2]], i: u32) -> Vec<f64> {
+    let all = (0..).zip(bounds);
+    let share = |j: u32| f64::from(sobol_burley::sample(i, j % 256, j / 256));
+    all.map(|(j, b)| b[0] + (b[1] - b[0]) * share(j)).collect()
+}
+
+/// A random point of `bounds`.
+pub(crate) fn uniform(bounds: &[[f64; 2]], rng: &mut ChaCha8Rng) -> Vec<f64> {
+    let all = bounds.iter();
+    all.map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
+        .collect()
+}
 
 /// The random numbers of one run of a simulation. Groups below 2¹⁷, levels
 /// below 2¹⁰ and runs below 2³⁴ never share a stream.

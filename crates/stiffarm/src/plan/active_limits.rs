@@ -162,18 +162,16 @@ impl<'a> ActiveLimits<'a> {
 }
 
 /// A problem whose last margins are those of active limits.
-pub(super) trait Limited: Problem {
-    /// Makes all limits inactive.
-    fn forget_limits(&mut self);
-    /// Activates the limits that `x` comes near to or crosses.
-    fn watch_limits(&mut self, x: &[f64]);
+pub(super) trait Limited<'a>: Problem {
+    /// Its limits, and how many of its variables are angles: the first ones.
+    fn limits(&mut self) -> (&mut ActiveLimits<'a>, usize);
 }
 
 /// Minimises `problem` from the best of an earlier search, or from `start`, in
 /// at most `rounds` rounds of searching and adding the limits that were crossed.
 /// `budget` is what a round may use after the iterations done before it.
-pub(super) fn minimise_within_limits(
-    problem: &mut impl Limited,
+pub(super) fn minimise_within_limits<'a>(
+    problem: &mut impl Limited<'a>,
     start: &[f64],
     earlier: Option<Minimum>,
     rounds: usize,
@@ -183,10 +181,11 @@ pub(super) fn minimise_within_limits(
     let mut solution = earlier;
     let mut from = solution.as_ref().map_or(start.to_vec(), |s| s.x.clone());
     let mut last = from.clone();
-    problem.forget_limits();
+    problem.limits().0.forget();
     for _ in 0..rounds {
-        problem.watch_limits(&from);
-        problem.watch_limits(&last);
+        let (limits, angles) = problem.limits();
+        limits.watch(&from[..angles]);
+        limits.watch(&last[..angles]);
         let options = budget(solution.as_ref().map_or(0, |s| s.iterations));
         let next = minimise(problem, &from, options, control);
         let outside = next.last_violation > options.feasibility;

@@ -10,7 +10,7 @@ use crate::model::dexterity::{log_condition_gradient, require_six_joints};
 use crate::model::kinematics::Frames;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
-use sobol_burley::sample;
+use crate::numerics::streams::spread;
 
 /// Starts of the search; every start of the reference cell ends at the same L.
 const STARTS: u32 = 64;
@@ -36,10 +36,6 @@ struct Dexterity<'a> {
 impl Problem for Dexterity<'_> {
     fn bounds(&self) -> &[[f64; 2]] {
         &self.bounds
-    }
-
-    fn margin_count(&self) -> usize {
-        0
     }
 
     fn evaluate(&mut self, x: &[f64]) -> Evaluation {
@@ -108,12 +104,7 @@ pub fn characteristic_length(cell: &Cell) -> Result<CharacteristicLength> {
     };
     let mut best: Option<(f64, Vec<f64>)> = None;
     for start in 0..STARTS {
-        let mut x: Vec<f64> = cell
-            .bounds
-            .iter()
-            .enumerate()
-            .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(start, j as u32, 0)))
-            .collect();
+        let mut x = spread(&cell.bounds, start);
         x.push((0.3 * reach).ln());
         let options = Options {
             max_iterations: 300,

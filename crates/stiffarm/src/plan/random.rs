@@ -3,8 +3,8 @@
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::streams::group_rng;
+use crate::numerics::streams::uniform;
 use crate::plan::feasibility::nothing_meets;
-use rand::RngExt;
 
 /// Half-width of the wrist angles of a hand-picked-like group: 30°.
 pub const SMALL_WRIST_RAD: f64 = std::f64::consts::FRAC_PI_6;
@@ -61,10 +61,7 @@ pub fn random_group(
     (0..count)
         .map(|_| {
             for _ in 0..MAX_DRAWS {
-                let q: Vec<f64> = bounds
-                    .iter()
-                    .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
-                    .collect();
+                let q = uniform(&bounds, &mut rng);
                 if margins.least(&q)? >= 0.0 {
                     return Ok(q);
                 }

@@ -234,9 +234,9 @@ pub fn zones(cell: &Cell, options: &ZoneOptions, control: Control<'_>) -> Result
         held,
         postures: steps * steps,
         within_limits,
-        inverse_condition_range: range(&inverse_condition),
-        translation_range: range(&translation_deviation),
-        rotation_range: range(&rotation_deviation),
+        inverse_condition_range: range(inverse_condition.iter().flatten().flatten().copied()),
+        translation_range: range(translation_deviation.iter().flatten().flatten().copied()),
+        rotation_range: range(rotation_deviation.iter().flatten().flatten().copied()),
         best,
         q2,
         q3,
@@ -327,8 +327,9 @@ fn values(cell: &Cell, terms: &PostureTerms) -> Result<Option<Values>> {
     Ok(all.iter().all(|v| v.is_finite()).then_some(values))
 }
 
-fn range(map: &ZoneMap) -> Option<MapRange> {
-    let mut values: Vec<f64> = map.iter().flatten().flatten().copied().collect();
+/// Smallest, middle and largest of values, where there are any.
+pub(crate) fn range(values: impl IntoIterator<Item = f64>) -> Option<MapRange> {
+    let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
     Some(MapRange {
         smallest: *values.first()?,

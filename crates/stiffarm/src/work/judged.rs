@@ -36,7 +36,7 @@ pub struct Options {
 }
 
 /// How the day stands.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Judgement {
     /// Postures of the plan.
@@ -95,15 +95,9 @@ impl Judgement {
         });
         Judgement {
             planned: plan.len(),
-            measured: Vec::new(),
-            begun: Vec::new(),
             left: left.iter().map(|posture| posture.name.clone()).collect(),
             next,
-            readings: Vec::new(),
-            standing: None,
-            standing_missing: None,
-            deflection: None,
-            better: None,
+            ..Judgement::default()
         }
     }
 

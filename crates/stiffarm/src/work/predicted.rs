@@ -6,7 +6,7 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::saved::Saved;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
-use crate::model::load::{Axes, Wrench};
+use crate::model::load::Axes;
 use crate::model::observation::PostureTerms;
 use crate::model::path::{LoadedPosture, PathPoint, PathTarget};
 use crate::model::stiffness::Model;
@@ -46,8 +46,8 @@ pub struct Predicted {
     pub features: Vec<Feature>,
 }
 
-/// What is asked of a prediction beside cell and stiffness.
-#[derive(Debug, Clone, PartialEq)]
+/// What is asked of a prediction beside cell and stiffness; by default the equilibrium under the loads at the tip.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
     /// Loads and postures of a path.
     pub path: PathOptions,
@@ -71,19 +71,6 @@ pub struct Loaded {
     pub postures: Vec<LoadedPosture>,
     /// How the postures of a path were found.
     pub summary: Option<PosturePathSummary>,
-}
-
-impl Default for Request {
-    /// Equilibrium under the loads at the tip.
-    fn default() -> Self {
-        Request {
-            path: PathOptions::default(),
-            model: Model::Equilibrium,
-            matrix: false,
-            cell_load: false,
-            load_case: None,
-        }
-    }
 }
 
 impl Request {
@@ -251,10 +238,7 @@ pub fn tasks(cell: &Cell) -> Result<(Isometry3<f64>, Vec<LoadedPosture>)> {
             line: None,
             feature: None,
             q: task.q.clone(),
-            wrench: Wrench {
-                force: turn(task.wrench.force),
-                moment: turn(task.wrench.moment),
-            },
+            wrench: task.wrench.map(|v| turn(*v)),
         }
     });
     Ok((tip, postures.collect()))

@@ -58,10 +58,8 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
         MANY,
         "positions and turns of the tip to look at",
     );
-    let progress = Progress::new(session, "mapping");
-    let result =
-        progress.watch(|control| stiffness_map(&named.cell, &saved.predictor, &options, control));
-    drop(progress);
+    let result = Progress::new(session, "mapping")
+        .watch(|control| stiffness_map(&named.cell, &saved.predictor, &options, control));
     let result = result?;
     let said = request.options(&options, &named.cell);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];

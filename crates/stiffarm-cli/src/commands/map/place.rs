@@ -58,10 +58,8 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         MANY,
         "points of the path to look at, over all places",
     );
-    let progress = Progress::new(session, "placing");
-    let result =
-        progress.watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
-    drop(progress);
+    let result = Progress::new(session, "placing")
+        .watch(|control| place(cell, &saved.predictor, &table.points, &options, control));
     let mut result = result.map_err(|e| match e.place().line {
         Some(_) => e.file(&name),
         None => e,

@@ -27,9 +27,8 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
-    let progress = Progress::new(session, "judging the readings");
-    let found = progress.watch(|control| look(session, (&named.cell, &plan), args, control))?;
-    drop(progress);
+    let found = Progress::new(session, "judging the readings")
+        .watch(|control| look(session, (&named.cell, &plan), args, control))?;
     let envelope = session.envelope("measure", Some(args.seed), options(args), &found);
     session.deliver_told(None, &envelope, &named, true)?;
     Ok(if session.stopped() {

@@ -88,9 +88,8 @@ impl Day {
     ) -> Result<Option<Exit>> {
         // A look of its own: what is quoted in messages is what is there now.
         let own = session.afresh();
-        let progress = Progress::new(session, "judging the readings");
-        let found = progress.watch(|control: Control<'_>| look(&own, (cell, plan), args, control));
-        drop(progress);
+        let found = Progress::new(session, "judging the readings")
+            .watch(|control: Control<'_>| look(&own, (cell, plan), args, control));
         let found = match found {
             Ok(found) => found,
             Err(error) if error.code() == Code::Interrupted => return Ok(Some(Exit::Interrupted)),

@@ -18,11 +18,9 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Exit> {
     // The limits of a measured posture are the machine's, which held it.
     request.limits = !measured;
     request.certificate = !job.args.no_certificate;
-    let progress = Progress::new(job.session, "choosing postures");
-    let planned = progress.watch(|control| {
+    let planned = Progress::new(job.session, "choosing postures").watch(|control| {
         let planned = plan_candidates(job.cell(), &candidates, &request, control)?;
         Ok(planned.with_forecast())
     })?;
-    drop(progress);
     job.deliver(&planned, &planned.result.findings)
 }

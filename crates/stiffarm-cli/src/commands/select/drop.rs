@@ -23,8 +23,7 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Exit> {
         let groups = drop_evaluations(given.len(), request.drop);
         announce(job.session, groups, EVALUATIONS, "groups to evaluate");
     }
-    let progress = Progress::new(job.session, "leaving postures out");
-    let planned = progress.watch(|control| plan_drop(job.cell(), &given, &request, control))?;
-    drop(progress);
+    let planned = Progress::new(job.session, "leaving postures out")
+        .watch(|control| plan_drop(job.cell(), &given, &request, control))?;
     job.deliver(&planned, &planned.result.findings)
 }

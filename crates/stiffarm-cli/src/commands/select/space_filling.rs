@@ -13,8 +13,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
     request.postures = job.args.count.map_or(request.postures, to_usize);
     request.seed = job.args.budget.seed.unwrap_or(request.seed);
     request.angle_step_deg = job.angle_step();
-    let progress = Progress::new(job.session, "spreading postures");
-    let planned = progress.watch(|control| plan_space_filling(job.cell(), &request, control))?;
-    drop(progress);
+    let planned = Progress::new(job.session, "spreading postures")
+        .watch(|control| plan_space_filling(job.cell(), &request, control))?;
     job.deliver(&planned, &planned.result.findings)
 }

@@ -8,7 +8,6 @@ use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use stiffarm::estimate::simulate::{simulate_elastic, simulate_elastic_measurements};
-use stiffarm::estimate::simulated::ElasticOptions;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::Source;
 use stiffarm_files::table::write_simulated;
@@ -28,14 +27,12 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
-    let progress = Progress::new(session, "simulating");
-    let result = progress.watch(|control| simulate_elastic(cell, &groups, &options, control))?;
-    drop(progress);
+    let result = Progress::new(session, "simulating")
+        .watch(|control| simulate_elastic(cell, &groups, &options, control))?;
     if let Some(target) = target {
         let measured = simulate_elastic_measurements(cell, &groups[0].postures, args.seed)?;
         write_all(session, &[(target, write_simulated(measured, cell))])?;
     }
-    let options = ElasticOptions::from(&options);
     let envelope = session.envelope("simulate", Some(args.seed), options, &result);
     session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(if result.interrupted {

@@ -49,9 +49,8 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
-    let progress = Progress::new(session, "simulating");
-    let result = progress.watch(|control| simulate(cell, &groups, &options, control))?;
-    drop(progress);
+    let result = Progress::new(session, "simulating")
+        .watch(|control| simulate(cell, &groups, &options, control))?;
 
     let (truth, first) = (cell.require_prior()?, &groups[0].postures);
     let mut files = Vec::new();

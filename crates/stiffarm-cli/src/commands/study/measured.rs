@@ -53,10 +53,8 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
     let measured = prepare(&named.cell, measurements, &reduce)?;
     let of_table = measured.findings().filter(|f| is_of_table(f));
     of_table.for_each(|f| session.remark(&format!("{}\n", f.sentence)));
-    let progress = Progress::new(session, "splitting the experiment");
-    let study =
-        progress.watch(|control| measured_study(&named.cell, measured, &options, control))?;
-    drop(progress);
+    let study = Progress::new(session, "splitting the experiment")
+        .watch(|control| measured_study(&named.cell, measured, &options, control))?;
     let interrupted = study.split_count < options.splits;
     let written = Written {
         files: names().map(String::from).collect(),

@@ -80,9 +80,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
     let names = file_names(&named.cell, &options);
     let names = names.iter().map(String::as_str);
     check_folder(session, &args.output_dir, names, args.force)?;
-    let progress = Progress::new(session, "selecting from Group 1");
-    let result = progress.watch(|control| study(&named.cell, &initial, &options, control))?;
-    drop(progress);
+    let result = Progress::new(session, "selecting from Group 1")
+        .watch(|control| study(&named.cell, &initial, &options, control))?;
 
     let mut files = Vec::new();
     if let Some(drawing) = &cell_picture(&result, &named.cell)? {

@@ -217,10 +217,7 @@ impl<'s> Reading<'s> {
         let error = self
             .source
             .error_at(code, &node.path, node.value.span(), message);
-        self.found.push(match hint {
-            Some(hint) => error.hint(hint),
-            None => error,
-        });
+        self.found.push(error.hint_if(hint));
         None
     }
 

@@ -45,7 +45,7 @@ use crate::model::load::Wrench;
 use crate::model::observation::{ExtraTerm, PostureTerms, check_angles};
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
-use crate::numerics::information::svd;
+use crate::numerics::information::{scale_columns, svd};
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 
 /// Singular values of J C (SI units) below this, relative to the largest, count
@@ -245,9 +245,7 @@ fn rows_of(
         .directions
         .tr_mul(give)
         .resize_horizontally(springs + extra.len(), 0.0);
-    for (j, load) in loads.iter().enumerate() {
-        psi.column_mut(j).scale_mut(*load);
-    }
+    scale_columns(&mut psi, loads.iter().copied());
     for (i, term) in extra.iter().enumerate() {
         let twist = &closure.follow * term.twist(&terms, &clamp);
         psi.column_mut(springs + i).copy_from(&twist);

@@ -3,7 +3,7 @@
 
 use super::solve::Solution;
 use super::system::MeasuredSystem;
-use crate::numerics::information::{Svd, svd};
+use crate::numerics::information::{Svd, scale_columns, svd};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
@@ -50,9 +50,7 @@ fn directions(solution: &Solution, reference: &[f64]) -> Option<(Svd, usize)> {
     let seen = solution.factor.seen();
     let sigma = solution.sigma.unwrap_or(0.0);
     let mut relative = seen.resize_vertically(reference.len(), 0.0);
-    for (j, size) in reference.iter().enumerate() {
-        relative.column_mut(j).scale_mut(*size);
-    }
+    scale_columns(&mut relative, reference.iter().copied());
     let found = svd(relative)?;
     let good = (0..solution.factor.rank())
         .filter(|&i| found.values[i] > 0.0 && sigma <= WEAK * found.values[i])

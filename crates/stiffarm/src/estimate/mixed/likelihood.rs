@@ -291,10 +291,6 @@ impl Problem for Search<'_, '_> {
         &self.bounds
     }
 
-    fn margin_count(&self) -> usize {
-        0
-    }
-
     fn evaluate(&mut self, x: &[f64]) -> Evaluation {
         let found = self.likelihood.value_and_gradient(&self.sizes(x));
         let (value, gradient) = found.unwrap_or_else(|| (f64::INFINITY, vec![0.0; x.len()]));

@@ -35,6 +35,7 @@ use crate::estimate::identify::{
 };
 use crate::model::elastic::{Effect, ElasticClass, fitted, terms};
 use crate::model::observation::ExtraTerm;
+use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
 use likelihood::{Likelihood, Sizes};
 use nalgebra::{DMatrix, DVector};
@@ -122,9 +123,7 @@ impl MixedFit {
         let terms = terms(&effects);
         let mut random = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &random);
-        for (j, effect) in effects.iter().enumerate() {
-            random.column_mut(j).scale_mut(effect.scale);
-        }
+        scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
         let whitened = fit.prepared().whitened();
         let shifts = whitened.is_separable() && !solution.independent_rows;
         let rows = Rows::new(

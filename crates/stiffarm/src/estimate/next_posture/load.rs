@@ -53,8 +53,9 @@ pub(super) fn assumed_load(
         }
     }
     let no_load = || {
-        Error::invalid("The measured forces neither meet in a point nor point alike: no load can be assumed at another posture.")
-        .hint("set load.kind to what will load the robot, and use `select --given`")
+        let message = "The measured forces neither meet in a point nor point alike: no load can be assumed at another posture.";
+        Error::invalid(message)
+            .hint("set load.kind to what will load the robot, and use `select --given`")
     };
     if lines.is_empty() {
         return Err(no_load());

@@ -3,7 +3,7 @@
 
 use crate::error::Result;
 use crate::model::cell::Cell;
-use crate::model::load::{Load, Wrench};
+use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::Posture;
 use nalgebra::{DVector, Vector3};
@@ -83,10 +83,7 @@ impl ModelErrors {
                 let nominal = PostureTerms::new(stated, &posture.q, None)?;
                 let pull = PostureTerms::new(truth, &q, None)?;
                 // The true force is the read one times `factor`.
-                let wrench = Wrench {
-                    force: pull.wrench().force * factor,
-                    moment: pull.wrench().moment * factor,
-                };
+                let wrench = pull.wrench().map(|v| v * factor);
                 let actual = PostureTerms::new(truth, &q, Some(&wrench))?;
                 let known = actual.known_displacement(&truth.tool)
                     - nominal.known_displacement(&stated.tool);

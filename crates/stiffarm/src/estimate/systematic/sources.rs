@@ -203,11 +203,7 @@ impl Nominal<'_> {
     /// The true wrench is the stated one over 1 + size.
     fn force_scale(&self, size: f64) -> Result<Vec<Part>> {
         let part = self.part("", |posture, terms, nominal| {
-            let stated = terms.wrench();
-            let truth = Wrench {
-                force: stated.force / (1.0 + size),
-                moment: stated.moment / (1.0 + size),
-            };
+            let truth = terms.wrench().map(|v| v / (1.0 + size));
             let setup = self.cell.setup.of_state(&posture.state)?;
             let terms = PostureTerms::new(&setup, &posture.posture.q, Some(&truth))?;
             Ok(self.displacement(posture, &terms)? - nominal)

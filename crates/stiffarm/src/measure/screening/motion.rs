@@ -173,10 +173,7 @@ pub(super) fn displacement(
         block: block.select_rows(&rows) * sign,
         known: known.select_rows(&rows) * sign,
         std: variance.sqrt(),
-        wrench: Wrench {
-            force: terms.wrench().force * sign,
-            moment: terms.wrench().moment * sign,
-        },
+        wrench: terms.wrench().map(|v| v * sign),
         arms,
     })
 }

@@ -6,6 +6,7 @@ use super::{Carrier, DisplacementLimits, Part, RopeRules, Scene, Sight, TorqueLi
 use crate::error::{Code, Error, Result};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
+use crate::numerics::streams::spread;
 
 /// Postures at which parts are looked at: a pair that overlaps in all of them always does.
 const SAMPLES: u32 = 256;
@@ -118,15 +119,7 @@ impl Scene {
             if !always.iter().any(|a| *a) {
                 break;
             }
-            let q: Vec<f64> = bounds
-                .iter()
-                .enumerate()
-                .map(|(j, b)| {
-                    let j = j as u32;
-                    let share = f64::from(sobol_burley::sample(sample, j % 256, j / 256));
-                    b[0] + (b[1] - b[0]) * share
-                })
-                .collect();
+            let q = spread(bounds, sample);
             frames.update(robot, &q);
             let placed = Placed::new(&self.parts, &frames, &mut work);
             for (pair, always) in self.pairs.iter().zip(&mut always) {

@@ -8,7 +8,7 @@ pub mod small;
 mod stack;
 pub mod svd;
 
-pub(crate) use stack::Stack;
+pub(crate) use stack::{Stack, scale_columns, stacked};
 pub(crate) use svd::{Svd, svd, tall_svd};
 
 use crate::error::{Code, Error, Result};

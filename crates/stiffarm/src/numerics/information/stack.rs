@@ -25,7 +25,7 @@ impl Stack {
     pub fn push(&mut self, block: DMatrix<f64>) {
         if self.rows + block.nrows() > self.most && self.rows > self.columns {
             let above = std::mem::take(&mut self.blocks);
-            let r = joined(&above, self.rows, self.columns).qr().r();
+            let r = stacked(&above, self.columns).qr().r();
             self.rows = r.nrows();
             self.blocks.push(r);
         }
@@ -35,12 +35,20 @@ impl Stack {
 
     /// All rows, or a matrix with the same XᵀX.
     pub fn into_matrix(self) -> DMatrix<f64> {
-        joined(&self.blocks, self.rows, self.columns)
+        stacked(&self.blocks, self.columns)
     }
 }
 
-fn joined(blocks: &[DMatrix<f64>], rows: usize, columns: usize) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(rows, columns);
+/// Column j times factor j.
+pub(crate) fn scale_columns(matrix: &mut DMatrix<f64>, factors: impl IntoIterator<Item = f64>) {
+    for (mut column, factor) in matrix.column_iter_mut().zip(factors) {
+        column *= factor;
+    }
+}
+
+/// Blocks of so many columns, one below the other.
+pub(crate) fn stacked(blocks: &[DMatrix<f64>], columns: usize) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(blocks.iter().map(DMatrix::nrows).sum(), columns);
     let mut at = 0;
     for block in blocks {
         all.rows_mut(at, block.nrows()).copy_from(block);

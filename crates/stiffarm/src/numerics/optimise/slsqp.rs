@@ -33,7 +33,9 @@ pub trait Problem {
     /// Lower and upper bound of each variable.
     fn bounds(&self) -> &[[f64; 2]];
     /// Number of margins of each evaluation.
-    fn margin_count(&self) -> usize;
+    fn margin_count(&self) -> usize {
+        0
+    }
     /// Value, margins and derivatives at `x`.
     fn evaluate(&mut self, x: &[f64]) -> Evaluation;
     /// Resets dependent variables (an epigraph variable) before each restart.

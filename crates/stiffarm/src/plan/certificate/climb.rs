@@ -11,19 +11,11 @@ use nalgebra::DMatrix;
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.
 pub(super) const FEASIBILITY: f64 = 1e-9;
 /// Limits nearer than this are constraints of a climb \[m\].
-const WATCH_DISTANCE: f64 = 0.3;
+pub(super) const WATCH_DISTANCE: f64 = 0.3;
 /// Rounds of adding crossed limits.
 const WATCH_ROUNDS: usize = 6;
 /// Iterations of each round.
 const MAX_ITERATIONS: u64 = 200;
-
-/// The limits of a cell as a climb watches them.
-///
-/// # Errors
-/// The cell's load is only known by measurement.
-pub(super) fn limits_of(cell: &Cell) -> Result<ActiveLimits<'_>> {
-    ActiveLimits::new(cell, WATCH_DISTANCE)
-}
 
 /// The search for one local maximum within bounds and limits.
 pub(super) struct Climb<'a> {
@@ -51,7 +43,7 @@ impl<'a> Climb<'a> {
             adjoint,
             scale,
             kernel: kernel.clone(),
-            limits: limits_of(cell)?,
+            limits: ActiveLimits::new(cell, WATCH_DISTANCE)?,
         })
     }
 
@@ -76,13 +68,9 @@ impl<'a> Climb<'a> {
     }
 }
 
-impl Limited for Climb<'_> {
-    fn forget_limits(&mut self) {
-        self.limits.forget();
-    }
-
-    fn watch_limits(&mut self, x: &[f64]) {
-        self.limits.watch(x);
+impl<'a> Limited<'a> for Climb<'a> {
+    fn limits(&mut self) -> (&mut ActiveLimits<'a>, usize) {
+        (&mut self.limits, self.cell.bounds.len())
     }
 }
 

@@ -386,9 +386,10 @@ impl<'a> Plan<'a> {
         }
         starts.extend(space.samples(STARTS));
         if starts.is_empty() {
-            return Err(Error::invalid("No sampled posture within the bounds meets the cell's limits, so there is no bound.")
-            .key("limits")
-            .hint("check the limits' frame (robot base) and unit (mm)"));
+            let message = "No sampled posture within the bounds meets the cell's limits, so there is no bound.";
+            return Err(Error::invalid(message)
+                .key("limits")
+                .hint("check the limits' frame (robot base) and unit (mm)"));
         }
         let n = space.unknowns();
         let mut given = DMatrix::zeros(n, n);

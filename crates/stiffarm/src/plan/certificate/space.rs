@@ -1,15 +1,16 @@
 //! One posture of a cell as a point of a design: its information, and where
 //! within the bounds and limits tr(A·G(q)) is largest.
 
-use super::climb::{Climb, FEASIBILITY, limits_of};
+use super::climb::{Climb, FEASIBILITY, WATCH_DISTANCE};
 use super::criterion::trace_of_product;
 use super::design::{DesignSpace, Effort};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
-use crate::numerics::information::posture_information;
+use crate::numerics::information::{posture_information, scale_columns};
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::{order_by_number, sort_by_number};
+use crate::numerics::streams::spread;
 use crate::plan::active_limits::ActiveLimits;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use nalgebra::DMatrix;
@@ -124,7 +125,7 @@ impl<'a> PostureSpace<'a> {
             .iter()
             .zip(&self.cell.bounds)
             .all(|(q, b)| (b[0] - FEASIBILITY..=b[1] + FEASIBILITY).contains(q));
-        let mut limits = limits_of(self.cell)?;
+        let mut limits = ActiveLimits::new(self.cell, WATCH_DISTANCE)?;
         Ok(inside && limits.violation_at(q) <= FEASIBILITY)
     }
 
@@ -140,7 +141,7 @@ impl<'a> PostureSpace<'a> {
         // A few jobs at a time: without limits the first ones are enough.
         for some in jobs.chunks(wanted.div_ceil(DRAWS_PER_JOB as usize)) {
             let drawn = in_order(some, |(_, job): (usize, &u32)| {
-                let mut limits = limits_of(self.cell)?;
+                let mut limits = ActiveLimits::new(self.cell, WATCH_DISTANCE)?;
                 let range = job * DRAWS_PER_JOB..((job + 1) * DRAWS_PER_JOB).min(draws);
                 Ok(range
                     .map(|i| self.sample(i, &mut limits))
@@ -169,17 +170,7 @@ impl<'a> PostureSpace<'a> {
         index: u32,
         limits: &mut ActiveLimits<'_>,
     ) -> (Vec<f64>, Option<DMatrix<f64>>) {
-        let q: Vec<f64> = self
-            .cell
-            .bounds
-            .iter()
-            .enumerate()
-            .map(|(j, b)| {
-                let j = j as u32;
-                let share = f64::from(sobol_burley::sample(index, j % 256, j / 256));
-                b[0] + (b[1] - b[0]) * share
-            })
-            .collect();
+        let q = spread(&self.cell.bounds, index);
         if !limits.meets_all(&q) {
             return (q, None);
         }
@@ -198,9 +189,7 @@ impl<'a> PostureSpace<'a> {
     /// Ψ K⁻¹ of one posture under one load, 3m × n.
     fn block(&self, terms: &PostureTerms) -> DMatrix<f64> {
         let mut block = terms.block(&self.cell.setup.robot);
-        for (j, compliance) in self.prior_compliance.iter().enumerate() {
-            block.column_mut(j).scale_mut(*compliance);
-        }
+        scale_columns(&mut block, self.prior_compliance.iter().copied());
         block
     }
 

@@ -20,7 +20,8 @@ use crate::model::cell::{Cell, LimitMargin};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
 use crate::model::robot::{DoubtAbout, Robot};
-use crate::plan::feasibility::{obstruction_among, on_machine_limits, spread};
+use crate::numerics::streams::spread;
+use crate::plan::feasibility::{obstruction_among, on_machine_limits};
 use crate::units::rad_to_shortest_deg;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -164,7 +165,7 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
     let mut margins = cell.posture_margins()?;
     (0..SAMPLES)
         .map(|i| {
-            let q = spread(cell, i);
+            let q = spread(&cell.bounds, i);
             let terms = forces
                 .iter()
                 .map(|(setup, wrench)| PostureTerms::new(setup, &q, wrench.as_ref()))

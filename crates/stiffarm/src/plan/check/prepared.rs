@@ -7,8 +7,8 @@ use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
+use crate::numerics::streams::spread;
 use crate::plan::characteristic_length::with_length;
-use crate::plan::feasibility::spread;
 
 /// Code of the finding about a joint that the load of a cell leaves out.
 pub const LEFT_OUT: &str = "joint-left-out";
@@ -75,7 +75,8 @@ fn left_out(cell: &Cell) -> Option<(Vec<PostureTerms>, Vec<usize>)> {
     }
     let setups = cell.setup.cases();
     let states = (0..POSTURES).flat_map(|i| setups.iter().map(move |setup| (setup, i)));
-    let terms = states.map(|(setup, i)| PostureTerms::new(setup, &spread(cell, i), None).ok());
+    let terms =
+        states.map(|(setup, i)| PostureTerms::new(setup, &spread(&cell.bounds, i), None).ok());
     let terms: Vec<PostureTerms> = terms.collect::<Option<_>>()?;
     let mut largest = vec![0.0_f64; count];
     for terms in &terms {

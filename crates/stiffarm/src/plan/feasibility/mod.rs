@@ -4,7 +4,7 @@ mod obstruction;
 mod on_limits;
 
 pub use obstruction::{Obstruction, ViolatedKind, obstruction};
-pub(crate) use obstruction::{nothing_meets, obstruction_among, spread};
+pub(crate) use obstruction::{nothing_meets, obstruction_among};
 pub use on_limits::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, on_limits, on_machine_limits};
 
 use crate::error::Result;

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::findings::list;
 use crate::model::cell::{Cell, LimitKind};
-use sobol_burley::sample;
+use crate::numerics::streams::spread;
 use std::collections::BTreeMap;
 
 /// Postures spread over the bounds.
@@ -48,21 +48,13 @@ pub fn obstruction(cell: &Cell) -> Result<Obstruction> {
     obstruction_among(cell, SAMPLES)
 }
 
-/// Posture `i` of those spread evenly over the bounds (rad).
-pub(crate) fn spread(cell: &Cell, i: u32) -> Vec<f64> {
-    let joints = (0..).zip(&cell.bounds);
-    joints
-        .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(i, j % 256, j / 256)))
-        .collect()
-}
-
 /// [`obstruction`] among the first `samples` of these postures.
 pub(crate) fn obstruction_among(cell: &Cell, samples: u32) -> Result<Obstruction> {
     let mut margins = cell.posture_margins()?;
     let mut masks = Vec::with_capacity(samples as usize);
     let mut seen = BTreeMap::<(LimitKind, String), usize>::new();
     for i in 0..samples {
-        let q = spread(cell, i);
+        let q = spread(&cell.bounds, i);
         let mut mask = 0_u32;
         for margin in margins.named(&q)? {
             if margin.is_violated() {

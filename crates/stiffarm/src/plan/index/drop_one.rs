@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::model::cell::Cell;
-use crate::numerics::information::{Factor, GRAM_ROUNDING, symmetric_eigen};
+use crate::numerics::information::{Factor, GRAM_ROUNDING, scale_columns, symmetric_eigen};
 use nalgebra::DMatrix;
 use std::ops::Range;
 
@@ -41,9 +41,7 @@ impl Each {
             }
             Each::Information(units, all) => {
                 let mut rows = rows.clone();
-                for (j, unit) in units.iter().enumerate() {
-                    rows.column_mut(j).scale_mut(*unit);
-                }
+                scale_columns(&mut rows, units.iter().copied());
                 all.extend(rows.tr_mul(&rows).iter());
             }
         }
@@ -74,9 +72,7 @@ impl Each {
         }
         if postures.len() > EXACT_DROP_ONE {
             let mut scaled = whitened.clone();
-            for (j, k) in prior.iter().enumerate() {
-                scaled.column_mut(j).scale_mut(1.0 / k);
-            }
+            scale_columns(&mut scaled, prior.iter().map(|k| 1.0 / k));
             let total = scaled.tr_mul(&scaled);
             let each = postures.iter().map(|rows| {
                 let block = scaled.rows(rows.start, rows.len());

@@ -70,17 +70,8 @@ impl IndexFunction {
     }
 
     /// As [`with_given`](Self::with_given), with the cell's limits as a penalty
-    /// of [`smoothed`](Self::smoothed).
-    pub(crate) fn with_limits<Q: AsRef<[f64]>>(
-        cell: &Cell,
-        index: Index,
-        posture_count: usize,
-        given: &[Q],
-    ) -> Result<Self> {
-        IndexFunction::build(cell, index, posture_count, given, true)
-    }
-
-    fn build<Q: AsRef<[f64]>>(
+    /// of [`smoothed`](Self::smoothed) where they are wanted.
+    pub(crate) fn build<Q: AsRef<[f64]>>(
         cell: &Cell,
         index: Index,
         count: usize,

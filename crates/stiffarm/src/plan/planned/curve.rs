@@ -9,7 +9,7 @@ use crate::numerics::control::Control;
 use crate::plan::certificate::{CertificateOptions, certify};
 use crate::plan::check::prepared;
 use crate::plan::index::Index;
-use crate::plan::select::{ErrorAtCount, GlobalOptions, error_by_count, select};
+use crate::plan::select::{ErrorAtCount, GlobalOptions, error_at_count, error_by_count};
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
 
@@ -172,26 +172,10 @@ fn last_size(
     points: &mut Vec<ErrorAtCount>,
     control: Control<'_>,
 ) -> Result<Option<Vec<Vec<f64>>>> {
-    match select(cell, index, largest, options, control.quiet()) {
-        Ok(selection) => {
-            points.push(ErrorAtCount {
-                postures: largest,
-                value: Some(selection.value),
-                expected_error: selection.evaluation.indices.expected_error,
-                rounds: selection.rounds,
-                evaluations: selection.evaluations,
-            });
-            Ok(Some(selection.group))
-        }
-        Err(error) if error.code() == Code::NotIdentifiable => {
-            points.push(ErrorAtCount {
-                postures: largest,
-                value: None,
-                expected_error: None,
-                rounds: None,
-                evaluations: 0,
-            });
-            Ok(None)
+    match error_at_count(cell, index, largest, options, control.quiet()) {
+        Ok((point, selection)) => {
+            points.push(point);
+            Ok(selection.map(|selection| selection.group))
         }
         Err(error) if error.code() == Code::Interrupted && !points.is_empty() => Ok(None),
         Err(error) => Err(error),

@@ -1,7 +1,7 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
 use super::bounds::Bounds;
-use super::driven::Driving;
+use super::driven::driven;
 use super::kinds::{Mode, Planned, Stage};
 use super::request::PlanRequest;
 use super::result::{LoadOptions, Plan, PlanOptions};
@@ -12,7 +12,7 @@ use crate::numerics::control::Control;
 use crate::plan::check::prepared;
 use crate::plan::feasibility::on_limits;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
-use crate::plan::route::route_findings;
+use crate::plan::route::{RouteOptions, route_findings};
 use crate::plan::select::{
     GlobalOptions, LimitPrice, LocalOptions, Selection, Sensitivity, SensitivityOptions,
     limit_prices, select_from, select_watched, sensitivity,
@@ -60,15 +60,17 @@ pub fn plan(
         Some(chosen) => chosen.applied(&cell),
         None => cell,
     };
-    let driving = Driving {
+    // A search that was stopped keeps its order.
+    let keep = initial.is_some() || control.stopped();
+    let accept = request.accept.as_ref();
+    let driving = RouteOptions {
+        keep_order: keep,
+        keep_angles: keep || accept.is_some(),
+        keep_wrist: request.index == Index::Prediction,
         step_deg: request.angle_step_deg,
         seed: request.seed,
-        // A search that was stopped keeps its order.
-        keep: initial.is_some() || control.stopped(),
-        keep_wrist: request.index == Index::Prediction,
-        accept: request.accept.as_ref(),
     };
-    let (group, route) = driving.driven(&cell, &selection.group)?;
+    let (group, route) = driven(&cell, &selection.group, &driving, accept)?;
     let selection = selection.with_group(&cell, given, group)?;
     let postures = named(&selection, initial, given);
     let bounds = if request.certificate && initial.is_none() {

@@ -1,6 +1,6 @@
 //! Postures that cover the joint space evenly, as a baseline.
 
-use super::driven::Driving;
+use super::driven::driven;
 use super::kinds::{ANGLE_STEP_DEG, Mode, POSTURES, Planned, SEED, check_count};
 use crate::error::Result;
 use crate::findings::Finding;
@@ -9,7 +9,7 @@ use crate::model::posture::PostureGroup;
 use crate::numerics::control::{Control, Termination};
 use crate::plan::check::prepared;
 use crate::plan::index::{GroupEvaluation, evaluate};
-use crate::plan::route::{Route, route_findings};
+use crate::plan::route::{Route, RouteOptions, route_findings};
 use crate::plan::select::{smallest_distance, smallest_margin, space_filling};
 use serde::{Deserialize, Serialize};
 
@@ -96,15 +96,16 @@ pub fn plan_space_filling(
     check_count(request.postures)?;
     let (cell, mut findings) = prepared(cell, true);
     let found = space_filling(&cell, request.postures, request.seed, control)?;
-    let driving = Driving {
+    // A search that was stopped keeps its order.
+    let keep = found.termination == Termination::Interrupted;
+    let options = RouteOptions {
+        keep_order: keep,
+        keep_angles: keep,
         step_deg: request.angle_step_deg,
         seed: request.seed,
-        // A search that was stopped keeps its order.
-        keep: found.termination == Termination::Interrupted,
-        keep_wrist: false,
-        accept: None,
+        ..RouteOptions::default()
     };
-    let (angles, route) = driving.driven(&cell, &found.postures)?;
+    let (angles, route) = driven(&cell, &found.postures, &options, None)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
     let postures = group.postures;
     findings.extend(route_findings(&cell, &postures, &route)?);

@@ -6,6 +6,7 @@ use super::rounding::nearest;
 use crate::error::Result;
 use crate::model::inverse::largest_change;
 use crate::numerics::streams::route_rng;
+use crate::numerics::streams::uniform;
 use rand::RngExt;
 
 /// Steps of the angles of via postures \[deg\].
@@ -79,10 +80,7 @@ pub(super) fn connect(
     let mut rng = route_rng(seed, 0);
     let mut trees = [Tree::new(from), Tree::new(to)];
     for growth in 0..GROWTHS {
-        let goal: Vec<f64> = bounds
-            .iter()
-            .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
-            .collect();
+        let goal = uniform(bounds, &mut rng);
         let (grown, other) = (growth % 2, 1 - growth % 2);
         let Some(new) = trees[grown].grow(ways, &goal)? else {
             continue;

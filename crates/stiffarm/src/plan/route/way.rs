@@ -5,7 +5,7 @@ use super::rounding::nearest;
 use super::search::{VIA_STEP_DEG, connect};
 use crate::error::Result;
 use crate::numerics::order::sort_by_number;
-use sobol_burley::sample;
+use crate::numerics::streams::spread;
 use std::f64::consts::PI;
 
 /// Spread postures that are tried as via postures.
@@ -61,12 +61,7 @@ impl Moves<'_> {
         }
         let bounds = self.bounds(from, to);
         for i in 0..SPREAD {
-            let joints = (0..).zip(&bounds);
-            vias.push(
-                joints
-                    .map(|(j, b)| b[0] + (b[1] - b[0]) * f64::from(sample(i, j % 256, j / 256)))
-                    .collect(),
-            );
+            vias.push(spread(&bounds, i));
         }
         vias.extend(self.cell.route.start.clone());
         let mut timed: Vec<(f64, Vec<f64>)> = vias

@@ -5,6 +5,7 @@
 //! only; a test holds two sizes against each other.
 
 use super::global::{GlobalOptions, select};
+use super::selection::Selection;
 use crate::error::{Code, Result};
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
@@ -63,26 +64,39 @@ pub fn error_by_count(
         if control.stopped() {
             break;
         }
-        let found = select(cell, index, *postures, options, control.quiet());
-        points.push(match found {
-            Ok(selection) => ErrorAtCount {
-                postures: *postures,
-                value: Some(selection.value),
-                expected_error: selection.evaluation.indices.expected_error,
-                rounds: selection.rounds,
-                evaluations: selection.evaluations,
-            },
-            Err(error) if error.code() == Code::NotIdentifiable => ErrorAtCount {
-                postures: *postures,
-                value: None,
-                expected_error: None,
-                rounds: None,
-                evaluations: 0,
-            },
+        match error_at_count(cell, index, *postures, options, control.quiet()) {
+            Ok((point, _)) => points.push(point),
             Err(error) if error.code() == Code::Interrupted => break,
             Err(error) => return Err(error),
-        });
+        }
         control.report("sizes", done + 1, sizes.len());
     }
     Ok(points)
+}
+
+/// One size, with the selection where there is one.
+///
+/// # Errors
+/// As [`error_by_count`], and a stop before there was a group.
+pub(crate) fn error_at_count(
+    cell: &Cell,
+    index: Index,
+    postures: usize,
+    options: &GlobalOptions,
+    control: Control<'_>,
+) -> Result<(ErrorAtCount, Option<Selection>)> {
+    let found = match select(cell, index, postures, options, control) {
+        Ok(selection) => Some(selection),
+        Err(error) if error.code() == Code::NotIdentifiable => None,
+        Err(error) => return Err(error),
+    };
+    let at = found.as_ref();
+    let point = ErrorAtCount {
+        postures,
+        value: at.map(|s| s.value),
+        expected_error: at.and_then(|s| s.evaluation.indices.expected_error),
+        rounds: at.and_then(|s| s.rounds),
+        evaluations: at.map_or(0, |s| s.evaluations),
+    };
+    Ok((point, found))
 }

@@ -1,7 +1,7 @@
 //! Local selection from an initial group.
 
 use super::repair::repair;
-use super::search::Search;
+use super::search::{SHARPNESS, Search};
 use super::selection::{Selection, check_bounds, limits_of, no_result, smallest_length};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
@@ -67,13 +67,15 @@ pub fn select_from<Q: AsRef<[f64]>>(
     let start_group: Vec<&[f64]> = start.chunks_exact(n).collect();
     let start_evaluation = evaluate_for(cell, "start", &start_group, Some(index))?;
     let search = || Search::new::<Vec<f64>>(cell, index, count, &[]);
-    let mut solution = search()?.run(start.clone(), options, control)?;
+    let mut solution = search()?.run(start.clone(), SHARPNESS, options, control)?;
     if !solution.merit.is_finite() && !control.stopped() {
         // From far outside a search may end where the limits are violated least: posture by posture
         // there is often a way in.
         let inside = repair(cell, &start)?;
         if inside.len() == start.len() {
-            solution = search()?.run(inside, options, control)?.after(solution);
+            solution = search()?
+                .run(inside, SHARPNESS, options, control)?
+                .after(solution);
         }
     }
     if !solution.merit.is_finite() {

@@ -130,7 +130,8 @@ impl LoadDesign {
                 return Err(Error::invalid("The largest load must be above zero."));
             }
             cell.setup.load = cell.setup.load.with_size(wanted).ok_or_else(|| {
-                Error::invalid("Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.")
+                let message = "Only a rope, a cylinder with an anchor or a weight has a magnitude that could be chosen.";
+                Error::invalid(message)
             })?;
         }
         let start = self.start(&cell);

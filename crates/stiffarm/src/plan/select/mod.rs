@@ -20,6 +20,7 @@ pub use super::random::{SMALL_WRIST_RAD, StartKind, random_group};
 pub use crate::numerics::optimise::Options as LocalOptions;
 pub use accept::Accept;
 pub use candidates::{CandidateOptions, CandidateSelection, ForbiddenCandidate, select_candidates};
+pub(crate) use error_by_count::error_at_count;
 pub use error_by_count::{ErrorAtCount, error_by_count};
 pub use from_group::select_from;
 pub use global::{GlobalOptions, select, select_watched};

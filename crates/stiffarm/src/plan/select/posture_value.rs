@@ -3,6 +3,7 @@
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
+use crate::numerics::arrangements::choose_many;
 use crate::numerics::arrangements::next_subset;
 use crate::numerics::control::Control;
 use crate::numerics::order::sort_by_number;
@@ -126,7 +127,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     let loss = |w: &PostureValue| w.loss.unwrap_or(f64::INFINITY);
     sort_by_number(&mut values, loss);
 
-    let exhaustive = subsets(postures.len(), count) <= EXHAUSTIVE;
+    let exhaustive = choose_many(postures.len(), count) <= EXHAUSTIVE;
     let mut best: Option<(f64, Vec<usize>)> = None;
     if exhaustive {
         let mut out: Vec<usize> = (0..count).collect();
@@ -183,22 +184,10 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
 /// Groups that [`drop_postures`] evaluates to leave `count` of `of` postures out, beside
 /// the whole group and those without one posture.
 pub fn evaluations(of: usize, count: usize) -> usize {
-    let subsets = subsets(of, count.min(of));
+    let subsets = choose_many(of, count.min(of));
     match usize::try_from(subsets) {
         Ok(subsets) if subsets as u128 <= EXHAUSTIVE => subsets,
         // One after the other.
         _ => (0..count).map(|dropped| of.saturating_sub(dropped)).sum(),
     }
-}
-
-/// Number of subsets of `count` out of `of`, or more than [`EXHAUSTIVE`].
-fn subsets(of: usize, count: usize) -> u128 {
-    let mut product: u128 = 1;
-    for i in 0..count.min(of - count) {
-        product = product * (of - i) as u128 / (i + 1) as u128;
-        if product > EXHAUSTIVE {
-            return product;
-        }
-    }
-    product
 }

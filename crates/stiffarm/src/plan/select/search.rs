@@ -24,7 +24,10 @@ const WATCH_DISTANCE: f64 = 0.5;
 const WATCH_ROUNDS: usize = 12;
 /// Stages of the smoothing of coalescing singular values; the last is off by
 /// at most ln(6)/p = 3·10⁻⁵ of the index.
-const SHARPNESS: [Option<f64>; 5] = [Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
+pub(super) const SHARPNESS: &[Option<f64>] =
+    &[Some(30.0), Some(300.0), Some(3e3), Some(3e4), Some(6e4)];
+/// The last of them.
+pub(super) const LAST: &[Option<f64>] = &[Some(3e3), Some(3e4), Some(6e4)];
 
 /// The search's variables: the controller angles of all postures \[rad\], and
 /// the epigraph variable where the index has components.
@@ -71,34 +74,12 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Searches from the controller angles `start`, posture by posture \[rad\].
+    /// Searches from the controller angles `start`, posture by posture \[rad\], through the stages [`SHARPNESS`], or
+    /// through [`LAST`] where it is a local minimum of the index smoothed with p = 1000.
     ///
     /// # Errors
     /// A start that is not finite.
     pub(super) fn run(
-        self,
-        start: Vec<f64>,
-        options: Options,
-        control: Control<'_>,
-    ) -> Result<Minimum> {
-        self.run_stages(start, &SHARPNESS, options, control)
-    }
-
-    /// As [`run`](Self::run) from a start that is a local minimum of the index
-    /// smoothed with p = 1000: only the last stages.
-    ///
-    /// # Errors
-    /// A start that is not finite.
-    pub(super) fn run_sharp(
-        self,
-        start: Vec<f64>,
-        options: Options,
-        control: Control<'_>,
-    ) -> Result<Minimum> {
-        self.run_stages(start, &SHARPNESS[2..], options, control)
-    }
-
-    fn run_stages(
         mut self,
         mut start: Vec<f64>,
         sharpness: &'static [Option<f64>],
@@ -126,25 +107,15 @@ impl<'a> Search<'a> {
             if Some(sharpness) != stages.last() {
                 options.restarts = 0;
             }
-            let after = self.stage(&start, solution, options, control)?;
+            let budget = |used: u64| Options {
+                max_iterations: options.max_iterations.saturating_sub(used),
+                ..options
+            };
+            let after =
+                minimise_within_limits(&mut self, &start, solution, WATCH_ROUNDS, budget, control)?;
             solution = Some(after.or_as_optimal_as(before, options.optimality));
         }
         solution.ok_or_else(|| Error::new(Code::Internal, "A selection without a stage."))
-    }
-
-    /// One stage: rounds of searching and adding the limits that were crossed.
-    fn stage(
-        &mut self,
-        start: &[f64],
-        solution: Option<Minimum>,
-        options: Options,
-        control: Control<'_>,
-    ) -> Result<Minimum> {
-        let budget = |used: u64| Options {
-            max_iterations: options.max_iterations.saturating_sub(used),
-            ..options
-        };
-        minimise_within_limits(self, start, solution, WATCH_ROUNDS, budget, control)
     }
 
     /// Moves a start at which the index does not exist (a singular posture,
@@ -174,13 +145,9 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Limited for Search<'_> {
-    fn forget_limits(&mut self) {
-        self.limits.forget();
-    }
-
-    fn watch_limits(&mut self, x: &[f64]) {
-        self.limits.watch(&x[..self.angles]);
+impl<'a> Limited<'a> for Search<'a> {
+    fn limits(&mut self) -> (&mut ActiveLimits<'a>, usize) {
+        (&mut self.limits, self.angles)
     }
 }
 

@@ -89,17 +89,8 @@ fn indices_alone<'de, D: Deserializer<'de>>(
     deserializer: D,
 ) -> std::result::Result<GroupEvaluation, D::Error> {
     Ok(GroupEvaluation {
-        name: String::new(),
-        posture_count: 0,
         indices: Indices::deserialize(deserializer)?,
-        k_jn: Vec::new(),
-        singular_values: Vec::new(),
-        scaled_singular_values: Vec::new(),
-        correlation: Vec::new(),
-        relative_standard_error: Vec::new(),
-        expected_deviation: Vec::new(),
-        undetermined_joints: Vec::new(),
-        forecast: None,
+        ..GroupEvaluation::default()
     })
 }
 
@@ -280,8 +271,9 @@ pub(super) fn no_result(
         .hint("give more postures, or choose expected_error");
     }
     if index.uses_dexterity() && at.k_jn.iter().any(Option::is_none) {
-        return Error::invalid("k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.")
-        .hint("start from other postures, for example with the wrist bent");
+        let message = "k(J_N) does not exist at some posture of the initial group: the Jacobian is singular there.";
+        return Error::invalid(message)
+            .hint("start from other postures, for example with the wrist bent");
     }
     let limits = if cell.is_unlimited() {
         "the joint bounds"

@@ -19,8 +19,8 @@ use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::control::{Control, Termination};
 use crate::numerics::streams::group_rng;
+use crate::numerics::streams::uniform;
 use crate::plan::feasibility::nothing_meets;
-use rand::RngExt;
 use std::f64::consts::TAU;
 
 /// Stream of the candidates; no other group of a seed is drawn from it.
@@ -161,10 +161,7 @@ fn candidates(cell: &Cell, count: usize, seed: u64, control: Control<'_>) -> Res
         if draws.is_multiple_of(BETWEEN_LOOKS) {
             control.check()?;
         }
-        let range = cell.bounds.iter();
-        let q: Vec<f64> = range
-            .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>())
-            .collect();
+        let q = uniform(&cell.bounds, &mut rng);
         // A rope without a direction is no posture to measure.
         if margins.least(&q).is_ok_and(|margin| margin >= 0.0) {
             found.push(q);

@@ -101,8 +101,9 @@ fn reach(
         *theta += &*inverse * error;
         arm.move_to(theta, terms, wrench)?;
     }
-    Err(Error::invalid("This posture is singular, and the arm cannot make up for what gives way beyond its joints.")
-    .hint("choose another posture for this point, or leave the turn about the tool axis free"))
+    let message = "This posture is singular, and the arm cannot make up for what gives way beyond its joints.";
+    Err(Error::invalid(message)
+        .hint("choose another posture for this point, or leave the turn about the tool axis free"))
 }
 
 /// Least joint motion whose twist at the tip is nearest to a given one, joints × 6.

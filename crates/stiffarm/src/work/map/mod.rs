@@ -15,11 +15,12 @@ mod result;
 mod search;
 mod status;
 
+pub use crate::plan::zones::MapRange;
 pub use node::{MapNode, NodeValues};
 pub use options::{MOST_TURNS, MapOptions};
 pub use placed::{PlaceOptions, Placed, PlacedPoint, PlacementCandidate};
 pub use placement::{Placement, place};
-pub use result::{MapExtremes, MapRange, StatusCounts, StiffnessMap};
+pub use result::{MapExtremes, StatusCounts, StiffnessMap};
 pub use status::Status;
 
 use crate::error::Result;

@@ -47,7 +47,7 @@ impl Prepared {
         let loads = points.iter().zip(wrenches).map(|(point, wrench)| {
             match point.load.or(process.map(|own| own.load)).map(|l| l.axes) {
                 Some(ForceAxes::Base) | None => PlacedLoad::Fixed(wrench),
-                Some(_) => PlacedLoad::Turning(turned(&wrench, &back.rotation)),
+                Some(_) => PlacedLoad::Turning(wrench.map(|v| back.rotation * v)),
             }
         });
         Ok(Prepared {
@@ -60,7 +60,7 @@ impl Prepared {
     pub(super) fn at(&self, workpiece: &Isometry3<f64>) -> (Vec<Isometry3<f64>>, Vec<Wrench>) {
         let wrench = |load: &PlacedLoad| match load {
             PlacedLoad::Fixed(wrench) => *wrench,
-            PlacedLoad::Turning(wrench) => turned(wrench, &workpiece.rotation),
+            PlacedLoad::Turning(wrench) => wrench.map(|v| workpiece.rotation * v),
         };
         (
             self.poses.iter().map(|pose| workpiece * pose).collect(),
@@ -102,13 +102,6 @@ impl Prepared {
         kept[most - 1] = count - 1;
         kept.dedup();
         kept
-    }
-}
-
-fn turned(wrench: &Wrench, rotation: &UnitQuaternion<f64>) -> Wrench {
-    Wrench {
-        force: rotation * wrench.force,
-        moment: rotation * wrench.moment,
     }
 }
 

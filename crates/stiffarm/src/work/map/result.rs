@@ -6,24 +6,13 @@ use super::reach::first_smallest;
 use super::status::Status;
 use crate::findings::{Finding, length, percent};
 use crate::model::cell::Cell;
+use crate::plan::zones::{MapRange, range};
 use crate::units::m_to_mm;
 use crate::work::predict::PrincipalAxis;
 use serde::{Deserialize, Serialize};
 
 /// k(J_N) above which a posture is near a singular one.
 const NEAR_SINGULAR: f64 = 100.0;
-
-/// Smallest, middle and largest value over the reachable nodes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct MapRange {
-    /// Smallest value.
-    pub smallest: f64,
-    /// Median.
-    pub median: f64,
-    /// Largest value.
-    pub largest: f64,
-}
 
 /// Nodes by status.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -168,16 +157,6 @@ pub(super) fn summarise(
     };
     map.findings = findings(cell, &map);
     map
-}
-
-pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<MapRange> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    Some(MapRange {
-        smallest: *values.first()?,
-        median: values[values.len() / 2],
-        largest: *values.last()?,
-    })
 }
 
 /// A position in words.

@@ -350,10 +350,7 @@ impl Search<'_> {
     fn named(&self, i: usize, error: &Error) -> Error {
         let message = format!("Point {}: {}", self.points[i].name, error.message());
         let named = Error::new(error.code(), message);
-        let named = match error.hint_text() {
-            Some(hint) => named.hint(hint),
-            None => named,
-        };
+        let named = named.hint_if(error.hint_text());
         self.at(i, named)
     }
 }

@@ -24,11 +24,12 @@ const SUFFICES: f64 = 0.1;
 const SUFFICES_ALONE: f64 = 0.01;
 
 /// Where wrenches act.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum LoadPoint {
     /// The tool tip.
+    #[default]
     Tip,
     /// The loading point of the identification; a wrench that is the cell's own
     /// load there follows the point as that load does.
@@ -36,7 +37,7 @@ pub enum LoadPoint {
 }
 
 /// What to predict.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct PredictOptions {
     /// The deflection itself: equilibrium, or the linear model, Eq. (7).
@@ -52,19 +53,6 @@ pub struct PredictOptions {
     pub measured_up_to: Option<f64>,
     /// Size of the largest force that it has seen \[N\], where it is known.
     pub loaded_up_to: Option<f64>,
-}
-
-impl Default for PredictOptions {
-    fn default() -> Self {
-        PredictOptions {
-            model: Model::Equilibrium,
-            load_uncertainty: 0.0,
-            load_at: LoadPoint::Tip,
-            stiffness: false,
-            measured_up_to: None,
-            loaded_up_to: None,
-        }
-    }
 }
 
 /// Deflection at one point.

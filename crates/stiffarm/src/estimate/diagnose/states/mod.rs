@@ -62,7 +62,7 @@ pub struct PostureStates {
 }
 
 /// Linearity and hysteresis of an experiment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LoadStates {
     /// The postures with several load states.
@@ -113,16 +113,12 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
         }
     };
     let mut out = LoadStates {
-        postures: Vec::new(),
-        offset: None,
-        curvature: None,
-        offset_with_curvature: None,
-        hysteresis: None,
         scatter_m: scatter,
         scatter_degrees_of_freedom: degrees,
         scatter_p: degrees
             .filter(|_| expected > 0.0)
             .and_then(|d| Some(chi_squared_tails(size / expected.powi(2), d)?.0)),
+        ..LoadStates::default()
     };
     let mut beside = Vec::new();
     for series in &all {

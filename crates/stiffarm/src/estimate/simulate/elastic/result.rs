@@ -5,18 +5,24 @@ use crate::findings::{Finding, length, percent};
 use crate::model::elastic::{ElasticSizes, ElasticSource};
 use serde::{Deserialize, Serialize};
 
-/// Options of an elastic simulation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+/// Options of an elastic simulation, and of its result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
 #[non_exhaustive]
 pub struct ElasticSimulationOptions {
-    /// Factors on the reading variance, one per noise level.
+    /// Factors on the cell's variance.
+    #[serde(rename = "levels")]
     pub variance_factors: Vec<f64>,
     /// Runs per group and level.
     pub runs: usize,
     /// Seed of the random numbers.
+    #[serde(skip)]
     pub seed: u64,
-    /// The model of the arm beside the joint axes alone: `mixed`, or none with `axes`.
+    /// The model beside the joint axes alone: `mixed`, or none with `axes`.
     pub elastic: ElasticChoice,
 }
 

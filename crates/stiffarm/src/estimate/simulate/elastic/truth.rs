@@ -10,6 +10,7 @@ use crate::model::elastic::{ElasticSizes, fitted, terms};
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::model::posture::Posture;
+use crate::numerics::information::stacked;
 use crate::plan::index::prediction::work_of;
 use nalgebra::{DMatrix, DVector, Vector3};
 use rand_chacha::ChaCha8Rng;
@@ -90,7 +91,7 @@ impl Group {
         Ok(Group {
             postures: named.collect(),
             points,
-            columns: stacked(&blocks),
+            columns: stacked(&blocks, blocks.first().map_or(0, DMatrix::ncols)),
             known,
         })
     }
@@ -154,7 +155,7 @@ impl Work {
         };
         let blocks: Vec<DMatrix<f64>> = work.iter().map(|(_, terms)| tip(terms)).collect();
         Ok(Work {
-            columns: stacked(&blocks),
+            columns: stacked(&blocks, blocks.first().map_or(0, DMatrix::ncols)),
         })
     }
 
@@ -199,16 +200,4 @@ impl Work {
         });
         Ok(Predicted { square, inside })
     }
-}
-
-fn stacked(blocks: &[DMatrix<f64>]) -> DMatrix<f64> {
-    let count = blocks.iter().map(DMatrix::nrows).sum();
-    let columns = blocks.first().map_or(0, DMatrix::ncols);
-    let mut out = DMatrix::zeros(count, columns);
-    let mut at = 0;
-    for block in blocks {
-        out.rows_mut(at, block.nrows()).copy_from(block);
-        at += block.nrows();
-    }
-    out
 }

@@ -22,7 +22,9 @@ use crate::model::measurement::Candidate;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::robot::Robot;
 use crate::model::tool::Tool;
-use crate::numerics::information::{Stack, symmetric_eigen, whiten_posture};
+use crate::numerics::information::{
+    Stack, scale_columns, stacked, symmetric_eigen, whiten_posture,
+};
 use crate::plan::index::kinds::Index;
 use crate::plan::random::{StartKind, random_group};
 use motion::ArmMotion;
@@ -165,16 +167,14 @@ impl PredictionModel {
 
     fn set_targets(&mut self, targets: &[DMatrix<f64>]) {
         let share = 1.0 / (targets.len() as f64).sqrt();
-        self.targets = stacked(targets, self.units.len(), self.unknowns());
+        self.targets = self.stacked(targets);
         self.targets.all *= share;
     }
 
     /// The motion of the flange by every unknown in its unit, 6 × unknowns.
     fn motions(&self, arm: &ArmMotion) -> DMatrix<f64> {
         let mut out = arm.columns(&self.robot, &self.effects);
-        for (j, unit) in self.units.iter().enumerate() {
-            out.column_mut(j).scale_mut(*unit);
-        }
+        scale_columns(&mut out, self.units.iter().copied());
         out
     }
 
@@ -201,9 +201,7 @@ impl PredictionModel {
     /// the readings' rows at a posture is `adjoint`.
     fn add_gradient(&self, arm: &ArmMotion, adjoint: &DMatrix<f64>, gradient: &mut [f64]) {
         let mut by_motions = self.readings.tr_mul(adjoint);
-        for (j, unit) in self.units.iter().enumerate() {
-            by_motions.column_mut(j).scale_mut(*unit);
-        }
+        scale_columns(&mut by_motions, self.units.iter().copied());
         arm.add_gradient(
             &self.robot,
             &self.load,
@@ -225,7 +223,10 @@ impl PredictionModel {
 
     /// Rows of several postures, one below the other.
     pub(crate) fn stacked(&self, postures: &[DMatrix<f64>]) -> Rows {
-        stacked(postures, self.units.len(), self.unknowns())
+        Rows {
+            all: stacked(postures, self.unknowns()),
+            fixed: self.units.len(),
+        }
     }
 
     /// Where the sizes come from; `None` where the caller gave them.
@@ -290,17 +291,6 @@ pub(crate) fn work_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
         Ok((cell.setup.clone(), terms))
     };
     stated.into_iter().map(under_load).collect()
-}
-
-fn stacked(blocks: &[DMatrix<f64>], fixed: usize, unknowns: usize) -> Rows {
-    let count = blocks.iter().map(DMatrix::nrows).sum();
-    let mut all = DMatrix::zeros(count, unknowns);
-    let mut at = 0;
-    for block in blocks {
-        all.rows_mut(at, block.nrows()).copy_from(block);
-        at += block.nrows();
-    }
-    Rows { all, fixed }
 }
 
 /// The shift of a point of the flange \[m\] in flange axes, 3 × unknowns.

@@ -2,6 +2,7 @@
 
 use super::judge::Bounded;
 use super::tangent::Tangent;
+use crate::numerics::arrangements::choose_many;
 use crate::numerics::control::Control;
 use crate::numerics::order::order_by_number;
 
@@ -45,7 +46,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
 ) {
     let tangent = tangent.as_ref();
     found.bound = tangent.map(|tangent| tangent.bound_of(count));
-    if tangent.is_none() && groups(of, count) > u128::from(affordable) {
+    if tangent.is_none() && choose_many(of, count) > u128::from(affordable) {
         return;
     }
     let order = match tangent {
@@ -109,13 +110,4 @@ impl<J: Bounded> Tree<'_, J> {
             }
         }
     }
-}
-
-/// Number of groups, or as many as a number holds.
-fn groups(of: usize, count: usize) -> u128 {
-    let mut product: u128 = 1;
-    for i in 0..count.min(of - count) {
-        product = product.saturating_mul((of - i) as u128) / (i + 1) as u128;
-    }
-    product
 }

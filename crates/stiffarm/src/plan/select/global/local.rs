@@ -88,7 +88,7 @@ impl Local {
         design: &LoadDesign,
         accept: Option<&Accept>,
     ) -> Result<Self> {
-        let function = IndexFunction::with_limits(cell, index, count, given)?;
+        let function = IndexFunction::build(cell, index, count, given, true)?;
         let n = cell.setup.robot.joint_count();
         let has_kinks = function.has_extreme_singular_values() || function.component_count() > 0;
         let bounds = |side: usize| -> Vec<f64> {

@@ -8,7 +8,7 @@ use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Minimum, Options};
 use crate::plan::index::Index;
-use crate::plan::select::search::Search;
+use crate::plan::select::search::{LAST, Search};
 
 /// Variables beyond which its cost, which grows with their third power, is not
 /// worth it.
@@ -32,7 +32,7 @@ pub(super) fn polish<Q: AsRef<[f64]>>(
         max_iterations: MAX_ITERATIONS,
         ..Options::default()
     };
-    let solution = search.run_sharp(plan.x.clone(), options, Control::default())?;
+    let solution = search.run(plan.x.clone(), LAST, options, Control::default())?;
     let better = solution.merit < plan.value;
     let polished = Plan {
         x: solution.x.clone(),

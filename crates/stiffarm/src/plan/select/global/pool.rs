@@ -4,11 +4,11 @@
 use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::streams::candidate_rng;
+use crate::numerics::streams::uniform;
 use crate::plan::feasibility::nothing_meets;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use crate::plan::select::accept::Accept;
 use crate::plan::select::repair::repair;
-use rand::RngExt;
 
 /// Candidates wanted.
 const SIZE: usize = 1024;
@@ -58,11 +58,7 @@ impl Pool {
         let mut draw = |q: &mut Vec<f64>| {
             q.clear();
             for _ in 0..CHUNK {
-                q.extend(
-                    cell.bounds
-                        .iter()
-                        .map(|b| b[0] + (b[1] - b[0]) * rng.random::<f64>()),
-                );
+                q.extend(uniform(&cell.bounds, &mut rng));
             }
         };
         // Most postures are outside of limits that cost less than shapes: those never meet a shape.
