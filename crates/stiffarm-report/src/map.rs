@@ -334,13 +334,12 @@ fn line(map: &StiffnessMap, axis: usize, quantity: &Quantity) -> Panel {
         .map(|(at, value)| (1e3 * at, value))
         .collect();
     let (x, y) = kept.into_iter().unzip();
-    Panel {
-        title: quantity.title.clone(),
-        x: Axis::linear(AXES[axis], "mm"),
-        y: quantity.axis.clone().from_zero(),
-        series: vec![Series::new("", Style::Points, x, y)],
-        equal_aspect: false,
-    }
+    Panel::new(
+        quantity.title.clone(),
+        Axis::linear(AXES[axis], "mm"),
+        quantity.axis.clone().from_zero(),
+        vec![Series::new("", Style::Points, x, y)],
+    )
 }
 
 /// An axis in millimetres that ends where the outermost cells end.

@@ -156,13 +156,7 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
         first.push(series(&label, Style::Band, &deflection).with_error(widths));
     }
     first.push(series("without compensation", Style::Curve, &deflection));
-    let panel = |title: &str, x, y, series| Panel {
-        title: title.into(),
-        x,
-        y,
-        series,
-        equal_aspect: false,
-    };
+    let panel = |title: &str, x, y, series| Panel::new(title, x, y, series);
     let mut panels = vec![panel(
         "",
         x(),

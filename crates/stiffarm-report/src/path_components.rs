@@ -62,13 +62,12 @@ pub fn path_components_figure(
             series.push(one.with_error(widths));
         }
         series.push(Series::new(what, Style::Curve, at, shift));
-        Panel {
-            title: format!("along {name} of the base"),
-            x: x(),
-            y: Axis::linear(what, "mm").from_zero(),
+        Panel::new(
+            format!("along {name} of the base"),
+            x(),
+            Axis::linear(what, "mm").from_zero(),
             series,
-            equal_aspect: false,
-        }
+        )
     });
     Figure {
         id: "path-components".into(),

@@ -29,12 +29,13 @@ pub fn point_deflection_figure(points: &[PointDeflection], confidence: Option<f6
             None => series,
         }
     };
-    let panel = |title: &str, label: &str, series| Panel {
-        title: title.into(),
-        x: Axis::categorical("", names.clone()),
-        y: Axis::linear(label, "mm").from_zero(),
-        series,
-        equal_aspect: false,
+    let panel = |title: &str, label: &str, series| {
+        Panel::new(
+            title,
+            Axis::categorical("", names.clone()),
+            Axis::linear(label, "mm").from_zero(),
+            series,
+        )
     };
     let band = match confidence {
         Some(confidence) => format!(", with its ± at {} %", crate::tell::level(confidence)),

@@ -117,20 +117,18 @@ pub fn validation_figure(found: &Validation) -> Figure {
         ),
         columns: 2,
         panels: vec![
-            Panel {
-                title: "deviation".into(),
-                x: Axis::categorical(x, labels),
-                y: Axis::linear("deviation δb", "mm").from_zero(),
-                series: deviations,
-                equal_aspect: false,
-            },
-            Panel {
-                title: "displacement".into(),
-                x: Axis::linear("measured", "mm").from_zero(),
-                y: Axis::linear("calculated", "mm").from_zero(),
-                series: against,
-                equal_aspect: false,
-            },
+            Panel::new(
+                "deviation",
+                Axis::categorical(x, labels),
+                Axis::linear("deviation δb", "mm").from_zero(),
+                deviations,
+            ),
+            Panel::new(
+                "displacement",
+                Axis::linear("measured", "mm").from_zero(),
+                Axis::linear("calculated", "mm").from_zero(),
+                against,
+            ),
         ],
     }
 }

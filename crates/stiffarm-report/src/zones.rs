@@ -110,13 +110,12 @@ fn panel(
             vec![rad_to_shortest_deg(best.best_q[2])],
         ));
     }
-    Panel {
-        title: title.into(),
-        x: fitted(&zones.joints[0], columns),
-        y: fitted(&zones.joints[1], rows),
+    Panel::new(
+        title,
+        fitted(&zones.joints[0], columns),
+        fitted(&zones.joints[1], rows),
         series,
-        equal_aspect: false,
-    }
+    )
 }
 
 fn degrees(angles: &[f64]) -> Vec<f64> {

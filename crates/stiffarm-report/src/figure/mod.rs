@@ -53,6 +53,37 @@ pub struct Panel {
     pub equal_aspect: bool,
 }
 
+impl Figure {
+    /// A figure of one panel.
+    pub fn one(
+        id: impl Into<String>,
+        title: impl Into<String>,
+        caption: impl Into<String>,
+        panel: Panel,
+    ) -> Self {
+        Figure {
+            id: id.into(),
+            title: title.into(),
+            caption: caption.into(),
+            columns: 1,
+            panels: vec![panel],
+        }
+    }
+}
+
+impl Panel {
+    /// A panel that is as tall and wide as there is room.
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis, series: Vec<Series>) -> Self {
+        Panel {
+            title: title.into(),
+            x,
+            y,
+            series,
+            equal_aspect: false,
+        }
+    }
+}
+
 /// An axis: its label, unit, scale and extent.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Axis {

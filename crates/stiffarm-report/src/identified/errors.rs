@@ -17,10 +17,10 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
     });
     let level = systematic.confidence;
     let assumed = systematic.sources.iter().any(|source| !source.declared);
-    Figure {
-        id: "systematic-errors".into(),
-        title: "Systematic errors by source".into(),
-        caption: format!(
+    Figure::one(
+        "systematic-errors",
+        "Systematic errors by source",
+        format!(
             "Relative standard uncertainty of each joint's stiffness by each source, as far as the readings leave it \
              possible: one standard deviation, while the ± of the tables is at {} %{}. The tallest bar of a joint is what to make better \
              first.{}",
@@ -35,15 +35,13 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
                 ""
             }
         ),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("", systematic.joints.clone()),
-            y: Axis::linear("standard uncertainty", "% of k").from_zero(),
-            series: series.collect(),
-            equal_aspect: false,
-        }],
-    }
+        Panel::new(
+            "",
+            Axis::categorical("", systematic.joints.clone()),
+            Axis::linear("standard uncertainty", "% of k").from_zero(),
+            series.collect(),
+        ),
+    )
 }
 
 /// How far the errors of two unknowns are one error.
@@ -62,19 +60,16 @@ pub fn correlation_figure(found: &Estimates) -> Figure {
         Axis::linear("|correlation|", "").with_range(0.0, 1.0),
         values,
     );
-    Figure {
-        id: "correlations".into(),
-        title: "Which joints the data tell apart".into(),
-        caption: "Size of the correlation between the errors of two compliances. A bright square off the diagonal: an error \
-                  of one is an error of the other, and other postures or loads would separate them."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("", found.unknowns.clone()),
-            y: Axis::categorical("", found.unknowns.clone()),
-            series: vec![series],
-            equal_aspect: false,
-        }],
-    }
+    Figure::one(
+        "correlations",
+        "Which joints the data tell apart",
+        "Size of the correlation between the errors of two compliances. A bright square off the diagonal: an error \
+         of one is an error of the other, and other postures or loads would separate them.",
+        Panel::new(
+            "",
+            Axis::categorical("", found.unknowns.clone()),
+            Axis::categorical("", found.unknowns.clone()),
+            vec![series],
+        ),
+    )
 }

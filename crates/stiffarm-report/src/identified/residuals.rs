@@ -68,34 +68,28 @@ pub fn residual_figure(found: &Identification) -> Figure {
             vec![1e3 * found.expected_std_m; 2],
         ));
     }
-    let mut figure = Figure {
-        id: "residuals".into(),
-        title: "Residuals against noise".into(),
-        caption: "What the fit leaves of each displacement component, posture by posture, with the band that holds 95 of \
-                  100 where noise is all there is. A posture outside, or points of one posture that lie together away from \
-                  zero, show an error of that posture or of the model."
-            .into(),
-        columns: 1,
-        panels: vec![
-            Panel {
-                title: if points.len() > 1 { "by posture" } else { "" }.into(),
-                x: Axis::categorical("posture", postures),
-                y: Axis::linear("residual component", "mm"),
-                series: all,
-                equal_aspect: false,
-            },
-            Panel {
-                title: "by measuring point".into(),
-                x: Axis::categorical("measuring point", points),
-                y: Axis::linear("residual RMS", "mm").from_zero(),
-                series: by_point,
-                equal_aspect: false,
-            },
-        ],
-    };
+    let mut figure = Figure::one(
+        "residuals",
+        "Residuals against noise",
+        "What the fit leaves of each displacement component, posture by posture, with the band that holds 95 of \
+         100 where noise is all there is. A posture outside, or points of one posture that lie together away from \
+         zero, show an error of that posture or of the model.",
+        Panel::new(
+            "",
+            Axis::categorical("posture", postures),
+            Axis::linear("residual component", "mm"),
+            all,
+        ),
+    );
     // One point has nothing to be compared with.
-    if found.points.len() < 2 {
-        figure.panels.truncate(1);
+    if points.len() > 1 {
+        figure.panels[0].title = "by posture".into();
+        figure.panels.push(Panel::new(
+            "by measuring point",
+            Axis::categorical("measuring point", points),
+            Axis::linear("residual RMS", "mm").from_zero(),
+            by_point,
+        ));
     }
     figure
 }
@@ -123,19 +117,16 @@ pub fn clamped_residual_figure(found: &ClampedIdentification) -> Figure {
         let line = vec![mdeg(expected); 2];
         series.push(Series::new("noise as given", Style::Dashed, ends, line));
     }
-    Figure {
-        id: "residuals".into(),
-        title: "Residual angles, posture by posture".into(),
-        caption: "RMS of what the fit leaves of the angles that the flange holds. A posture far above the others has an error \
-                  of its own."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("posture", postures),
-            y: Axis::linear("residual RMS", "mdeg").from_zero(),
+    Figure::one(
+        "residuals",
+        "Residual angles, posture by posture",
+        "RMS of what the fit leaves of the angles that the flange holds. A posture far above the others has an error \
+         of its own.",
+        Panel::new(
+            "",
+            Axis::categorical("posture", postures),
+            Axis::linear("residual RMS", "mdeg").from_zero(),
             series,
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }

@@ -27,10 +27,10 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
         let label = format!("posture {}", own.posture);
         Series::new(label, Style::Line, x, y)
     });
-    Figure {
-        id: "load-states".into(),
-        title: "Displacement beyond proportion to the load".into(),
-        caption: format!(
+    Figure::one(
+        "load-states",
+        "Displacement beyond proportion to the load",
+        format!(
             "Displacement less its share in proportion to the load, in the order the loads were taken: zero at the largest \
              load, and everywhere for an arm that is a spring. A loop is hysteresis, a bow a joint that stiffens or softens, \
              an offset near zero load lost motion. One component scatters by {:.3} mm.{}",
@@ -44,15 +44,13 @@ pub fn load_states_figure(states: &LoadStates) -> Figure {
                 String::new()
             }
         ),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::linear("load, share of the posture's largest", "%"),
-            y: Axis::linear("displacement beyond proportion", "mm"),
-            series: series.collect(),
-            equal_aspect: false,
-        }],
-    }
+        Panel::new(
+            "",
+            Axis::linear("load, share of the posture's largest", "%"),
+            Axis::linear("displacement beyond proportion", "mm"),
+            series.collect(),
+        ),
+    )
 }
 
 /// How far the most moved unknown moves without each posture.
@@ -73,22 +71,19 @@ pub fn influence_figure(influence: &LeaveOneOut) -> Figure {
         });
     let (x, largest) = largest.unzip();
     let ends = vec![-0.5, count as f64 - 0.5];
-    Figure {
-        id: "influence".into(),
-        title: "Change of the compliances without each posture".into(),
-        caption: "How far the compliance that moves most would move without each posture, in its standard errors. Beyond 2 the \
-                  result leans on that posture: look at it, and measure more like it."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("posture left out", names),
-            y: Axis::linear("largest change", "standard errors").from_zero(),
-            series: vec![
+    Figure::one(
+        "influence",
+        "Change of the compliances without each posture",
+        "How far the compliance that moves most would move without each posture, in its standard errors. Beyond 2 the \
+         result leans on that posture: look at it, and measure more like it.",
+        Panel::new(
+            "",
+            Axis::categorical("posture left out", names),
+            Axis::linear("largest change", "standard errors").from_zero(),
+            vec![
                 Series::new("change", Style::Bars, x, largest),
                 Series::new("worth a look", Style::Dashed, ends, vec![CLEAR; 2]),
             ],
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }

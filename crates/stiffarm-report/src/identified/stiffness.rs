@@ -68,12 +68,8 @@ pub fn stiffness_figure(
         // Without systematic errors the total is the readings'.
         .filter(|series| has_both || series.label != "total");
     let parts: Vec<Series> = parts.collect();
-    let panel = |title: &str, y: Axis, series: Vec<Series>| Panel {
-        title: title.into(),
-        x: Axis::categorical("", joints.clone()),
-        y,
-        series,
-        equal_aspect: false,
+    let panel = |title: &str, y: Axis, series: Vec<Series>| {
+        Panel::new(title, Axis::categorical("", joints.clone()), y, series)
     };
     let mut panels = vec![panel(
         "stiffness",

@@ -31,19 +31,16 @@ pub fn count_figure(index: Index, points: &[CountPoint]) -> Figure {
         let bound = |p: &CountPoint| p.value.and(p.bound);
         series.push(line("no plan goes below", Style::Dashed, &bound));
     }
-    Figure {
-        id: "count".into(),
-        title: "How many postures".into(),
-        caption: "Best value found for each number of postures, with the bound that no plan of as many goes below. Where the line \
-                  flattens, one more posture is hardly worth its time."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::linear("number of postures", ""),
-            y: Axis::linear(index_name(index), unit).from_zero(),
+    Figure::one(
+        "count",
+        "How many postures",
+        "Best value found for each number of postures, with the bound that no plan of as many goes below. Where the line \
+         flattens, one more posture is hardly worth its time.",
+        Panel::new(
+            "",
+            Axis::linear("number of postures", ""),
+            Axis::linear(index_name(index), unit).from_zero(),
             series,
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }

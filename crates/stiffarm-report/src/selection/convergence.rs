@@ -46,19 +46,11 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
     if let Some(bound) = bound {
         series.push(line("no plan goes below", Style::Outline, &across(bound)));
     }
-    Some(Figure {
-        id: "convergence".into(),
-        title: "How the search converged".into(),
-        caption: "Best value of the index after each round of local searches. The plan itself is searched to the end once more, \
-                  and its angles are rounded. A line that is level for long says that more rounds would hardly help."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: axis,
-            y: Axis::linear(index_name(index), unit),
-            series,
-            equal_aspect: false,
-        }],
-    })
+    Some(Figure::one(
+        "convergence",
+        "How the search converged",
+        "Best value of the index after each round of local searches. The plan itself is searched to the end once more, \
+         and its angles are rounded. A line that is level for long says that more rounds would hardly help.",
+        Panel::new("", axis, Axis::linear(index_name(index), unit), series),
+    ))
 }

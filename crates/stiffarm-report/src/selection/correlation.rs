@@ -29,11 +29,10 @@ fn panel(joints: &[String], group: &GroupEvaluation) -> Panel {
         all().map(|(i, _)| i as f64).collect(),
     );
     let axis = Axis::linear("|correlation|", "").with_range(0.0, 1.0);
-    Panel {
-        title: group.name.clone(),
-        x: Axis::categorical("", joints.to_vec()),
-        y: Axis::categorical("", joints.to_vec()),
-        series: vec![map.with_colour(axis, values.collect())],
-        equal_aspect: false,
-    }
+    Panel::new(
+        group.name.clone(),
+        Axis::categorical("", joints.to_vec()),
+        Axis::categorical("", joints.to_vec()),
+        vec![map.with_colour(axis, values.collect())],
+    )
 }

@@ -82,17 +82,15 @@ fn bars(
 ) -> Figure {
     let series = series.into_iter();
     let series = series.map(|(label, y)| Series::new(label, Style::Bars, places(y.len()), y));
-    Figure {
-        id: id.into(),
-        title: title.into(),
-        caption: caption.into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical(label, names),
-            y: Axis::linear(y, "%").from_zero(),
-            series: series.collect(),
-            equal_aspect: false,
-        }],
-    }
+    Figure::one(
+        id,
+        title,
+        caption,
+        Panel::new(
+            "",
+            Axis::categorical(label, names),
+            Axis::linear(y, "%").from_zero(),
+            series.collect(),
+        ),
+    )
 }

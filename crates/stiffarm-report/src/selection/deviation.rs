@@ -50,17 +50,15 @@ pub fn expected_deviation_figure(
         ));
         caption += " Stars: what a plan for this joint alone could reach.";
     }
-    Figure {
-        id: "expected-deviation".into(),
-        title: "Expected deviation of the joint stiffness".into(),
+    Figure::one(
+        "expected-deviation",
+        "Expected deviation of the joint stiffness",
         caption,
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("", joints.to_vec()),
-            y: Axis::log("expected deviation", "%"),
+        Panel::new(
+            "",
+            Axis::categorical("", joints.to_vec()),
+            Axis::log("expected deviation", "%"),
             series,
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }

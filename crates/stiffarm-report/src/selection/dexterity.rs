@@ -30,28 +30,26 @@ pub fn dexterity_figure(groups: &[(&GroupEvaluation, &[String])]) -> Option<Figu
         let y = [of.classical, of.condition, of.novel].map(|v| v.unwrap_or(f64::NAN));
         Series::new(&group.name, Style::Bars, places(3), y.to_vec())
     });
-    Some(Figure {
-        id: "novel-index".into(),
-        title: "The paper's novel index and its parts".into(),
-        caption: "k(J_N) of each posture, the largest of which is the classical index; and that times cond(Ψ), the novel \
-                  index. The lower, the better; a posture with a large k(J_N) is close to a singularity."
-            .into(),
-        columns: 2,
-        panels: vec![
-            Panel {
-                title: "each posture".into(),
-                x: Axis::categorical("posture", names),
-                y: Axis::log("k(J_N)", ""),
-                series: each.collect(),
-                equal_aspect: false,
-            },
-            Panel {
-                title: "the group".into(),
-                x: Axis::categorical("", ["max k(J_N)", "cond(Ψ)", "novel"]),
-                y: Axis::log("index", ""),
-                series: parts.collect(),
-                equal_aspect: false,
-            },
-        ],
-    })
+    let parts_of = Axis::categorical("", ["max k(J_N)", "cond(Ψ)", "novel"]);
+    let mut figure = Figure::one(
+        "novel-index",
+        "The paper's novel index and its parts",
+        "k(J_N) of each posture, the largest of which is the classical index; and that times cond(Ψ), the novel \
+         index. The lower, the better; a posture with a large k(J_N) is close to a singularity.",
+        Panel::new(
+            "each posture",
+            Axis::categorical("posture", names),
+            Axis::log("k(J_N)", ""),
+            each.collect(),
+        ),
+    );
+    figure.columns = 2;
+    let group = Panel::new(
+        "the group",
+        parts_of,
+        Axis::log("index", ""),
+        parts.collect(),
+    );
+    figure.panels.push(group);
+    Some(figure)
 }

@@ -9,12 +9,13 @@ pub fn deviation_by_noise_figure(
     groups: &[GroupSimulation],
     runs: usize,
 ) -> Figure {
-    let panel = |(j, joint): (usize, &String)| Panel {
-        title: joint.clone(),
-        x: Axis::linear("multiple of the noise variance", ""),
-        y: Axis::log("mean deviation", "%"),
-        series: groups.iter().flat_map(|group| series(group, j)).collect(),
-        equal_aspect: false,
+    let panel = |(j, joint): (usize, &String)| {
+        Panel::new(
+            joint.clone(),
+            Axis::linear("multiple of the noise variance", ""),
+            Axis::log("mean deviation", "%"),
+            groups.iter().flat_map(|group| series(group, j)).collect(),
+        )
     };
     let levels = groups.first().map_or(0, |group| group.levels.len());
     let levels = match levels {

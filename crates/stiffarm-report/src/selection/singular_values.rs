@@ -51,17 +51,10 @@ pub fn singular_values_figure(groups: &[&GroupEvaluation], noise_std_m: Option<f
              smaller cond(Ψ).",
         )
     };
-    Figure {
-        id: "singular-values".into(),
-        title: "Singular values of the observation matrix".into(),
-        caption: caption.into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("number", numbers),
-            y,
-            series,
-            equal_aspect: false,
-        }],
-    }
+    Figure::one(
+        "singular-values",
+        "Singular values of the observation matrix",
+        caption,
+        Panel::new("", Axis::categorical("number", numbers), y, series),
+    )
 }

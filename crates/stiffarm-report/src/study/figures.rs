@@ -125,21 +125,18 @@ fn other_starts(study: &Study) -> Option<Figure> {
             )
         })
         .collect();
-    Some(Figure {
-        id: "other-starts".into(),
-        title: "What other initial groups lead to".into(),
-        caption: "Mean over the joints of the expected deviation after selection under each index; box: quartiles, \
-                  whiskers: 5 to 95 %."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("", names),
-            y: Axis::log("mean expected deviation", "%"),
+    Some(Figure::one(
+        "other-starts",
+        "What other initial groups lead to",
+        "Mean over the joints of the expected deviation after selection under each index; box: quartiles, \
+         whiskers: 5 to 95 %.",
+        Panel::new(
+            "",
+            Axis::categorical("", names),
+            Axis::log("mean expected deviation", "%"),
             series,
-            equal_aspect: false,
-        }],
-    })
+        ),
+    ))
 }
 
 /// Distribution of the classical group's outcome over q1.
@@ -176,23 +173,21 @@ fn q1_range(study: &Study) -> Option<Figure> {
     {
         series.push(marker(&group.name, deviation(&group.name)));
     }
-    Some(Figure {
-        id: "classical-q1".into(),
-        title: "The classical group as a range over q1".into(),
-        caption: format!(
+    Some(Figure::one(
+        "classical-q1",
+        "The classical group as a range over q1",
+        format!(
             "Share of {} draws of q1 with at most this mean expected deviation; k(J_N) is the same for all of them. \
              Vertical: the other groups.",
             range.draws
         ),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::log("mean expected deviation", "%"),
-            y: Axis::linear("share of draws", "%").with_range(0.0, 100.0),
+        Panel::new(
+            "",
+            Axis::log("mean expected deviation", "%"),
+            Axis::linear("share of draws", "%").with_range(0.0, 100.0),
             series,
-            equal_aspect: false,
-        }],
-    })
+        ),
+    ))
 }
 
 /// Eq. (22) at the validation postures (Fig. 10).
@@ -230,20 +225,17 @@ fn validation(study: &Study) -> Option<Figure> {
         vec![0.0, labels.len() as f64 - 1.0],
         vec![1e3 * noise; 2],
     ));
-    Some(Figure {
-        id: "validation".into(),
-        title: "Deviation at the validation postures, Eq. (22)".into(),
-        caption: "Simulated measurement with tracker noise as the only error; m-n is measuring point n of posture m."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("measuring point", labels),
-            y: Axis::log("deviation δb", "mm"),
+    Some(Figure::one(
+        "validation",
+        "Deviation at the validation postures, Eq. (22)",
+        "Simulated measurement with tracker noise as the only error; m-n is measuring point n of posture m.",
+        Panel::new(
+            "",
+            Axis::categorical("measuring point", labels),
+            Axis::log("deviation δb", "mm"),
             series,
-            equal_aspect: false,
-        }],
-    })
+        ),
+    ))
 }
 
 /// A group's name as its files have it: `Group 2 (classical)` → `group-2-classical`.

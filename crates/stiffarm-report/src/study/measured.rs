@@ -40,18 +40,17 @@ pub fn measured_figure(study: &MeasuredStudy) -> Figure {
             ));
         }
         let names: Vec<String> = counts.iter().map(usize::to_string).collect();
-        Panel {
-            title: model.in_words().into(),
-            x: Axis::categorical("postures chosen", names),
-            y: {
+        Panel::new(
+            model.in_words(),
+            Axis::categorical("postures chosen", names),
+            {
                 let mut axis = Axis::linear("error at the other postures", "mm");
                 // Both models on one scale.
                 axis.range = (highest > 0.0).then_some([0.0, 1.05 * highest]);
                 axis
             },
             series,
-            equal_aspect: false,
-        }
+        )
     });
     Figure {
         id: "measured-choices".into(),

@@ -135,24 +135,21 @@ fn uncertainty(given: &Given<'_>, found: &RegistrationRecord) -> Section {
 
 fn figure(found: &RegistrationRecord) -> Figure {
     let all = 0..found.residuals_m.len();
-    Figure {
-        id: "registration".into(),
-        title: "What the registration leaves at each point".into(),
-        caption: "Distance between a point's base position and its transformed tracker position. One point far above the \
-                  others is mistaken or moved."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("point", all.clone().map(|i| name(found, i))),
-            y: Axis::linear("distance", "mm").from_zero(),
-            series: vec![Series::new(
+    Figure::one(
+        "registration",
+        "What the registration leaves at each point",
+        "Distance between a point's base position and its transformed tracker position. One point far above the \
+         others is mistaken or moved.",
+        Panel::new(
+            "",
+            Axis::categorical("point", all.clone().map(|i| name(found, i))),
+            Axis::linear("distance", "mm").from_zero(),
+            vec![Series::new(
                 "residual",
                 Style::Bars,
                 all.clone().map(|i| i as f64).collect(),
                 all.map(|i| 1e3 * distance(found, i)).collect(),
             )],
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }

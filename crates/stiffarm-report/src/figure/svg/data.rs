@@ -155,16 +155,15 @@ mod tests {
 
     #[test]
     fn a_long_error_bar_does_not_stretch_a_log_axis() {
-        let panel = Panel {
-            title: String::new(),
-            x: Axis::default(),
-            y: Axis::log("", ""),
-            series: vec![
+        let panel = Panel::new(
+            "",
+            Axis::default(),
+            Axis::log("", ""),
+            vec![
                 Series::new("s", Style::Line, vec![1.0, 2.0], vec![10.0, 20.0])
                     .with_error(vec![9.999, 5.0]),
             ],
-            equal_aspect: false,
-        };
+        );
         let covered = Coverage::of(&panel);
         assert_eq!(covered.lost, 0);
         assert_eq!(ends(&covered.y).0, 10.0);

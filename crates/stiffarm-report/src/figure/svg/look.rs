@@ -289,22 +289,20 @@ mod tests {
     use crate::figure::{Axis, Panel, Series};
 
     fn figure(labels: &[&str]) -> Figure {
-        Figure {
-            id: String::new(),
-            title: String::new(),
-            caption: String::new(),
-            columns: 1,
-            panels: vec![Panel {
-                title: String::new(),
-                x: Axis::default(),
-                y: Axis::default(),
-                series: labels
+        Figure::one(
+            "",
+            "",
+            "",
+            Panel::new(
+                "",
+                Axis::default(),
+                Axis::default(),
+                labels
                     .iter()
                     .map(|l| Series::new(*l, Style::Line, vec![], vec![]))
                     .collect(),
-                equal_aspect: false,
-            }],
-        }
+            ),
+        )
     }
 
     #[test]

@@ -52,19 +52,17 @@ mod tests {
 
     fn figure(unit: &str, style: Style, values: Vec<f64>) -> Figure {
         let x = (0..values.len()).map(|i| i as f64).collect();
-        Figure {
-            id: "f".into(),
-            title: String::new(),
-            caption: String::new(),
-            columns: 1,
-            panels: vec![Panel {
-                title: String::new(),
-                x: Axis::categorical("joint", ["1", "2"]),
-                y: Axis::linear("deviation", unit),
-                series: vec![Series::new("s", style, x, values)],
-                equal_aspect: false,
-            }],
-        }
+        Figure::one(
+            "f",
+            "",
+            "",
+            Panel::new(
+                "",
+                Axis::categorical("joint", ["1", "2"]),
+                Axis::linear("deviation", unit),
+                vec![Series::new("s", style, x, values)],
+            ),
+        )
     }
 
     #[test]

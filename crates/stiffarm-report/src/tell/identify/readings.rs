@@ -221,19 +221,16 @@ fn registration_figure(registration: &UnloadedRegistration) -> Figure {
         series.push(bars("left out: disagrees with the others", false));
     }
     let names = postures.iter().map(|p| visible(&p.posture).into_owned());
-    Figure {
-        id: "registration".into(),
-        title: "Unloaded points against the kinematic model".into(),
-        caption: "RMS distance between where the unloaded measuring points are and where the angles put them. One posture far \
-                  above the others has wrong angles or exchanged rows; all of them large is the calibration of the robot."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("posture", names),
-            y: Axis::linear("RMS distance", "mm").from_zero(),
+    Figure::one(
+        "registration",
+        "Unloaded points against the kinematic model",
+        "RMS distance between where the unloaded measuring points are and where the angles put them. One posture far \
+         above the others has wrong angles or exchanged rows; all of them large is the calibration of the robot.",
+        Panel::new(
+            "",
+            Axis::categorical("posture", names),
+            Axis::linear("RMS distance", "mm").from_zero(),
             series,
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }

@@ -279,21 +279,18 @@ fn prediction_figure(result: &ElasticSimulation) -> Figure {
             l.expected_prediction_m
         }));
     }
-    Figure {
-        id: "prediction-error".into(),
-        title: "Error of predicted deflections".into(),
-        caption: "RMS error of a predicted deflection over all runs. The lower, the better; expected: what the mixed model would \
-                  reach if the sizes of all springs and of the noise were known."
-            .into(),
-        columns: 1,
-        panels: vec![Panel {
-            title: String::new(),
-            x: Axis::categorical("", all.iter().map(|row| row.1.clone())),
-            y: Axis::linear("RMS error", "mm").from_zero(),
+    Figure::one(
+        "prediction-error",
+        "Error of predicted deflections",
+        "RMS error of a predicted deflection over all runs. The lower, the better; expected: what the mixed model would \
+         reach if the sizes of all springs and of the noise were known.",
+        Panel::new(
+            "",
+            Axis::categorical("", all.iter().map(|row| row.1.clone())),
+            Axis::linear("RMS error", "mm").from_zero(),
             series,
-            equal_aspect: false,
-        }],
-    }
+        ),
+    )
 }
 
 /// Median deviation of each joint at the first noise level, a panel per group.
@@ -314,13 +311,12 @@ fn joint_figure(result: &ElasticSimulation) -> Figure {
             let x = (0..names.len()).map(|i| i as f64).collect();
             Some(Series::new(label, Style::Bars, x, y))
         });
-        Some(Panel {
-            title: group.name.clone(),
-            x: Axis::categorical("", names.clone()),
-            y: Axis::log("median deviation", "%"),
-            series: series.collect(),
-            equal_aspect: false,
-        })
+        Some(Panel::new(
+            group.name.clone(),
+            Axis::categorical("", names.clone()),
+            Axis::log("median deviation", "%"),
+            series.collect(),
+        ))
     });
     let panels: Vec<Panel> = panels.collect();
     Figure {
