@@ -17,6 +17,7 @@ mod cell;
 pub mod figure;
 pub mod identified;
 mod map;
+mod order;
 pub mod page;
 pub mod paper;
 mod part;

@@ -111,6 +111,23 @@ pub(crate) fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
+/// The axis of what lies along a path: its length, or the points' numbers where it has none.
+pub(crate) fn way_axis(moves: bool) -> Axis {
+    if moves {
+        Axis::linear("distance along the path", "mm")
+    } else {
+        Axis::linear("point of the path", "")
+    }
+}
+
+/// What a band is called in a legend.
+pub(crate) fn band_name(confidence: Option<f64>) -> String {
+    confidence.map_or_else(
+        || "band".to_string(),
+        |c| format!("{} % band", (1000.0 * c).round() / 10.0),
+    )
+}
+
 /// Deflection along a path with its band (`confidence` as a fraction) and, where
 /// the points have it, what compensation leaves on a logarithmic scale below.
 ///
@@ -122,13 +139,6 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
         points.iter().map(|p| 1e3 * p.along_m).collect()
     } else {
         (1..=points.len()).map(|i| i as f64).collect()
-    };
-    let x = || {
-        if moves {
-            Axis::linear("distance along the path", "mm")
-        } else {
-            Axis::linear("point of the path", "")
-        }
     };
     let curve = |value: &dyn Fn(&PathCurvePoint) -> Option<f64>| {
         let values: Vec<Option<f64>> = points.iter().map(|p| value(p).map(|v| 1e3 * v)).collect();
@@ -147,27 +157,23 @@ pub fn path_figure(points: &[PathCurvePoint], confidence: Option<f64>) -> Figure
         .iter()
         .map(|(i, ..)| points[*i].half_width_m.map(|w| 1e3 * w))
         .collect();
-    let band = confidence.map_or_else(
-        || "band".to_string(),
-        |c| format!("{} % band", (1000.0 * c).round() / 10.0),
-    );
+    let band = band_name(confidence);
     if let Some(widths) = widths {
         let label = format!("without compensation, its {band}");
         first.push(series(&label, Style::Band, &deflection).with_error(widths));
     }
     first.push(series("without compensation", Style::Curve, &deflection));
-    let panel = |title: &str, x, y, series| Panel::new(title, x, y, series);
-    let mut panels = vec![panel(
+    let mut panels = vec![Panel::new(
         "",
-        x(),
+        way_axis(moves),
         Axis::linear("deflection", "mm").from_zero(),
         first,
     )];
     let left = curve(&|p| p.left_m);
     if !left.is_empty() {
-        panels.push(panel(
+        panels.push(Panel::new(
             "",
-            x(),
+            way_axis(moves),
             Axis::log("error of the path", "mm"),
             vec![
                 series("without compensation", Style::Curve, &deflection),

@@ -1,7 +1,7 @@
 //! Components of a shift along a path, each with its band, as a figure.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::path::thinned;
+use crate::path::{band_name, thinned, way_axis};
 
 /// A shift along a path.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -25,17 +25,7 @@ pub fn path_components_figure(
     caption: String,
 ) -> Figure {
     let moves = points.iter().any(|p| p.along_m > 0.0);
-    let x = || {
-        if moves {
-            Axis::linear("distance along the path", "mm")
-        } else {
-            Axis::linear("point of the path", "")
-        }
-    };
-    let band = confidence.map_or_else(
-        || "band".to_string(),
-        |c| format!("{} % band", (1000.0 * c).round() / 10.0),
-    );
+    let band = band_name(confidence);
     let panels = ["x", "y", "z"].iter().enumerate().map(|(axis, name)| {
         let values: Vec<Option<f64>> = points.iter().map(|p| Some(1e3 * p.shift_m[axis])).collect();
         let kept = thinned(&values);
@@ -64,7 +54,7 @@ pub fn path_components_figure(
         series.push(Series::new(what, Style::Curve, at, shift));
         Panel::new(
             format!("along {name} of the base"),
-            x(),
+            way_axis(moves),
             Axis::linear(what, "mm").from_zero(),
             series,
         )

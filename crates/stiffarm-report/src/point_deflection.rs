@@ -1,6 +1,7 @@
 //! Deflection at single postures, which no path joins.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 
 /// The deflection at one posture.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +21,7 @@ pub struct PointDeflection {
 pub fn point_deflection_figure(points: &[PointDeflection], confidence: Option<f64>) -> Figure {
     let names: Vec<&str> = points.iter().map(|point| point.name.as_str()).collect();
     let series = |label: &str, axis: usize, value: &dyn Fn(&PointDeflection) -> f64| {
-        let x = (0..points.len()).map(|i| i as f64).collect();
+        let x = places(points.len());
         let y = points.iter().map(|point| 1e3 * value(point)).collect();
         let widths = points.iter().map(|p| p.half_width_m.map(|w| 1e3 * w[axis]));
         let series = Series::new(label, Style::Bars, x, y);

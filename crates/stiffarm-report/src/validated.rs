@@ -1,7 +1,8 @@
 //! Calculated against measured displacements, Eq. (22) and Fig. 10.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::identified::{in_order, place, places};
+use crate::identified::place;
+use crate::order::{in_order, places};
 use stiffarm::estimate::validate::{PointDeviation, Validation};
 use stiffarm::findings::visible;
 

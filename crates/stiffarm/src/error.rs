@@ -279,18 +279,16 @@ impl Error {
 
     /// Adds what the user can do, where there is something.
     #[must_use]
-    pub fn hint_if(self, hint: Option<impl Into<String>>) -> Self {
-        match hint {
-            Some(hint) => self.hint(hint),
-            None => self,
-        }
+    pub fn hint_if(mut self, hint: Option<impl Into<String>>) -> Self {
+        let hint = hint.map(|hint| readable(hint.into()));
+        self.0.hint = hint.or(self.0.hint);
+        self
     }
 
     /// Adds what the user can do.
     #[must_use]
-    pub fn hint(mut self, hint: impl Into<String>) -> Self {
-        self.0.hint = Some(readable(hint.into()));
-        self
+    pub fn hint(self, hint: impl Into<String>) -> Self {
+        self.hint_if(Some(hint))
     }
 
     /// Adds the key path or column name.
@@ -430,11 +428,8 @@ pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) ->
     let lower = name.to_lowercase();
     let known: Vec<&str> = known.into_iter().collect();
     let begins = |k: &&&str| k.to_lowercase().starts_with(&lower);
-    let longer: Vec<String> = known
-        .iter()
-        .filter(begins)
-        .map(|k| format!("\"{k}\""))
-        .collect();
+    let longer = known.iter().filter(begins);
+    let longer: Vec<String> = longer.map(|k| format!("\"{k}\"")).collect();
     if let (Some((last, others)), true) = (longer.split_last(), lower.chars().count() >= BEGINNING)
     {
         return Some(match others {

@@ -1,6 +1,7 @@
 //! Systematic errors by source, and which unknowns the data tell apart.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::selection::correlation_panel;
 use stiffarm::estimate::identify::Estimates;
 use stiffarm::estimate::systematic::SystematicErrors;
 
@@ -46,30 +47,14 @@ pub fn errors_figure(systematic: &SystematicErrors) -> Figure {
 
 /// How far the errors of two unknowns are one error.
 pub fn correlation_figure(found: &Estimates) -> Figure {
-    let count = found.unknowns.len();
-    let (mut x, mut y, mut values) = (Vec::new(), Vec::new(), Vec::new());
-    for row in 0..count {
-        for column in 0..count {
-            x.push(column as f64);
-            y.push(row as f64);
-            let own = found.correlation.get(row).and_then(|r| r.get(column));
-            values.push(own.copied().flatten().map_or(f64::NAN, f64::abs));
-        }
-    }
-    let series = Series::new("not determined", Style::Map, x, y).with_colour(
-        Axis::linear("|correlation|", "").with_range(0.0, 1.0),
-        values,
-    );
+    let names = &found.unknowns;
+    let of = |row: usize, column: usize| *found.correlation.get(row)?.get(column)?;
+    let panel = correlation_panel("", "not determined", names, names.len(), of);
     Figure::one(
         "correlations",
         "Which joints the data tell apart",
         "Size of the correlation between the errors of two compliances. A bright square off the diagonal: an error \
          of one is an error of the other, and other postures or loads would separate them.",
-        Panel::new(
-            "",
-            Axis::categorical("", found.unknowns.clone()),
-            Axis::categorical("", found.unknowns.clone()),
-            vec![series],
-        ),
+        panel,
     )
 }

@@ -1,7 +1,8 @@
 //! Residuals against noise, posture by posture and point by point.
 
-use super::{in_order, place, places};
+use super::place;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::{in_order, places};
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::identify::Identification;
 use stiffarm::units::rad_to_deg;

@@ -1,7 +1,7 @@
 //! Joint stiffness with its uncertainty beside prior and published values.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 
 /// Half widths from this share of k on are no ±: 1/H is far from linear there.
 const NO_LONGER: f64 = 0.95;

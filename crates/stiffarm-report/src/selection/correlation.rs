@@ -6,7 +6,11 @@ use stiffarm::plan::index::GroupEvaluation;
 /// Size of the correlation of the joints' errors, a map per group; `None` where no group has one.
 pub fn correlation_figure(joints: &[String], groups: &[&GroupEvaluation]) -> Option<Figure> {
     let known = groups.iter().filter(|group| !group.correlation.is_empty());
-    let panels: Vec<Panel> = known.map(|group| panel(joints, group)).collect();
+    let panel = |group: &&GroupEvaluation| {
+        let (name, all) = (group.name.clone(), &group.correlation);
+        correlation_panel(name, "", joints, all.len(), |i, j| all[i].get(j).copied())
+    };
+    let panels: Vec<Panel> = known.map(panel).collect();
     (!panels.is_empty()).then(|| Figure {
         id: "correlation".into(),
         title: "Correlation of the joints' errors".into(),
@@ -18,21 +22,22 @@ pub fn correlation_figure(joints: &[String], groups: &[&GroupEvaluation]) -> Opt
     })
 }
 
-fn panel(joints: &[String], group: &GroupEvaluation) -> Panel {
-    let n = group.correlation.len();
-    let all = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
-    let values = all().map(|(i, j)| group.correlation[i].get(j).map_or(f64::NAN, |c| c.abs()));
-    let map = Series::new(
-        "",
-        Style::Map,
-        all().map(|(_, j)| j as f64).collect(),
-        all().map(|(i, _)| i as f64).collect(),
-    );
+/// A map of correlations between `names`, `of` row and column; `label` is that of squares without a value.
+pub(crate) fn correlation_panel(
+    title: impl Into<String>,
+    label: &str,
+    names: &[String],
+    count: usize,
+    of: impl Fn(usize, usize) -> Option<f64>,
+) -> Panel {
+    let all = || (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+    let values = all().map(|(i, j)| of(i, j).map_or(f64::NAN, f64::abs));
+    let (y, x) = all().map(|(i, j)| (i as f64, j as f64)).unzip();
     let axis = Axis::linear("|correlation|", "").with_range(0.0, 1.0);
     Panel::new(
-        group.name.clone(),
-        Axis::categorical("", joints.to_vec()),
-        Axis::categorical("", joints.to_vec()),
-        vec![map.with_colour(axis, values.collect())],
+        title,
+        Axis::categorical("", names.to_vec()),
+        Axis::categorical("", names.to_vec()),
+        vec![Series::new(label, Style::Map, x, y).with_colour(axis, values.collect())],
     )
 }

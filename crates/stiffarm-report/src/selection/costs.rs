@@ -1,7 +1,7 @@
 //! What limits, postures and wrong assumptions cost a plan.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::{in_order, places};
 use stiffarm::plan::select::{LimitPrice, PostureValue, Sensitivity};
 
 /// How much each kind of limit worsens the index, the dearest first.
@@ -37,16 +37,8 @@ pub fn worth_figure(values: &[PostureValue], names: &[String]) -> Figure {
 
 /// How much better another plan would be if one joint's stiffness were another; `None` where the index has no prior.
 pub fn sensitivity_figure(found: &Sensitivity) -> Option<Figure> {
-    let mut joints: Vec<String> = Vec::new();
-    let mut factors: Vec<f64> = Vec::new();
-    for case in &found.priors {
-        if !joints.contains(&case.joint) {
-            joints.push(case.joint.clone());
-        }
-        if !factors.contains(&case.factor) {
-            factors.push(case.factor);
-        }
-    }
+    let joints = in_order(found.priors.iter().map(|case| case.joint.clone()));
+    let factors = in_order(found.priors.iter().map(|case| case.factor));
     if joints.is_empty() {
         return None;
     }

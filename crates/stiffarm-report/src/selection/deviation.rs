@@ -1,7 +1,7 @@
 //! What each group can be expected to give, joint by joint.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 
 /// Expected deviations of a group.
 #[derive(Debug, Clone, Copy)]

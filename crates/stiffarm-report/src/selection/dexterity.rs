@@ -1,7 +1,7 @@
 //! The parts of the paper's novel index.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 use stiffarm::plan::index::GroupEvaluation;
 
 /// k(J_N) of each posture, and max k(J_N), cond(Ψ) and their product, for each group; `None` where no group has a

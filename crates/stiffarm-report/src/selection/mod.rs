@@ -13,14 +13,10 @@ mod unit;
 pub use bounds::{CountPoint, count_figure};
 pub use convergence::convergence_figure;
 pub use correlation::correlation_figure;
+pub(crate) use correlation::correlation_panel;
 pub use costs::{price_figure, sensitivity_figure, worth_figure};
 pub use deviation::{Deviations, expected_deviation_figure};
 pub use dexterity::dexterity_figure;
 pub use noise::deviation_by_noise_figure;
 pub use singular_values::singular_values_figure;
 pub use unit::{IndexUnit, index_name};
-
-/// 0, 1, 2, …: places of categories.
-fn places(count: usize) -> Vec<f64> {
-    (0..count).map(|i| i as f64).collect()
-}

@@ -1,7 +1,7 @@
 //! What the observation matrix tells apart.
 
-use super::places;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 use stiffarm::plan::index::GroupEvaluation;
 
 /// Singular values of each group, the largest first: those of Ψ·diag(1/k) where every group has them, else those of

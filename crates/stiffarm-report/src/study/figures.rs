@@ -1,6 +1,7 @@
 //! The figures of a study, as data.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 use crate::selection::{Deviations, deviation_by_noise_figure, expected_deviation_figure};
 use stiffarm::study::{Study, StudyGroup};
 
@@ -23,10 +24,6 @@ pub fn figures(study: &Study) -> Vec<Figure> {
     out.extend(q1_range(study));
     out.extend(validation(study));
     out
-}
-
-fn numbers(count: usize) -> Vec<f64> {
-    (0..count).map(|i| i as f64).collect()
 }
 
 /// Bars per joint and group: what each group can be expected to give.
@@ -211,7 +208,7 @@ fn validation(study: &Study) -> Option<Figure> {
                 .iter()
                 .map(|p| 1e3 * p.deviation_m)
                 .collect();
-            Some(Series::new(&g.name, Style::Line, numbers(labels.len()), y))
+            Some(Series::new(&g.name, Style::Line, places(labels.len()), y))
         })
         .collect();
     let noise = study

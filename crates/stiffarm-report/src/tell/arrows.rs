@@ -1,6 +1,6 @@
 //! Residuals as arrows at the measuring points, on the cell in 3D.
 
-use crate::identified::in_order;
+use crate::order::in_order;
 use crate::scene::{Arrow, SceneGroup, SceneOptions};
 use crate::tell::Given;
 use crate::tell::Section;

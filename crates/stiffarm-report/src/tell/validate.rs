@@ -2,7 +2,7 @@
 
 use super::arrows::{Residuals, residual_section};
 use super::identify::readings;
-use crate::identified::in_order;
+use crate::order::in_order;
 use crate::path::norm;
 use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
 use crate::validated::validation_figure;

@@ -15,7 +15,7 @@ pub(super) use by_sheet::{put, take};
 pub(super) use heading::{find, own_unit};
 pub(super) use join::join;
 pub(super) use suggest::suggestion;
-pub(super) use times::{DATED, date_of};
+pub(super) use times::DATED;
 
 use super::grid::Table;
 use stiffarm::error::Result;

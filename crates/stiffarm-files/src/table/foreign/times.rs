@@ -373,22 +373,3 @@ fn day_number(year: i64, month: u32, day: u32) -> Option<i64> {
     let of_year = (153 * month + 2) / 5 + day - 1;
     Some(365 * year + year / 4 - year / 100 + year / 400 + of_year - 719_468)
 }
-
-/// Year, month and day of the month of a number of days since 1970-01-01: [`day_number`]
-/// backwards, from the same source.
-pub(in crate::table) fn date_of(day: i64) -> (i64, i64, i64) {
-    let day = day + 719_468;
-    let century = day.div_euclid(146_097);
-    let of_century = day.rem_euclid(146_097);
-    let year_of =
-        (of_century - of_century / 1460 + of_century / 36_524 - of_century / 146_096) / 365;
-    let of_year = of_century - (365 * year_of + year_of / 4 - year_of / 100);
-    let month = (5 * of_year + 2) / 153;
-    let date = of_year - (153 * month + 2) / 5 + 1;
-    let (month, next) = if month < 10 {
-        (month + 3, 0)
-    } else {
-        (month - 9, 1)
-    };
-    (400 * century + year_of + next, month, date)
-}

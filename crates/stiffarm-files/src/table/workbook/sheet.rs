@@ -2,10 +2,10 @@
 
 use super::HINT;
 use super::unpacked;
-use crate::table::foreign::{DATED, date_of, find};
+use crate::table::foreign::{DATED, find};
 use crate::table::grid::{Field, Rows, Style, Table};
 use crate::table::text::named;
-use calamine::{DataRef, Dimensions, Reader, SheetType, Xlsx, XlsxError};
+use calamine::{DataRef, Dimensions, ExcelDateTime, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -180,7 +180,7 @@ fn held(value: &DataRef<'_>) -> Option<Held> {
         DataRef::String(text) => Ok(text.trim().to_string()),
         DataRef::SharedString(text) => Ok(text.trim().to_string()),
         DataRef::Bool(_) => Err("true or false".to_string()),
-        DataRef::DateTime(time) => Err(shown_time(time.as_f64())),
+        DataRef::DateTime(time) => Err(shown_time(time)),
         DataRef::DateTimeIso(text) => Err(format!("{DATED}{text}")),
         DataRef::DurationIso(_) => Err("a duration".to_string()),
         DataRef::Error(_) => Err("an error of its formula".to_string()),
@@ -188,24 +188,15 @@ fn held(value: &DataRef<'_>) -> Option<Held> {
     (!held.as_ref().is_ok_and(String::is_empty)).then_some(held)
 }
 
-/// A count of days from the beginning of 1900, as spreadsheets keep times, to a microsecond.
-fn shown_time(days: f64) -> String {
-    // 25569 days lie between the first day of spreadsheets and 1970-01-01.
-    let (day, time) = (days.floor(), (days - days.floor()) * 86400e6);
-    let alone = day == 0.0;
-    let (mut day, mut micros) = (day as i64 - 25569, time.round() as i64);
-    if micros >= 86_400_000_000 {
-        (day, micros) = (day + 1, 0);
-    }
-    let (year, month, date) = date_of(day);
-    let (seconds, micros) = (micros / 1_000_000, micros % 1_000_000);
-    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
-    let time = format!("{hours:02}:{minutes:02}:{seconds:02}.{micros:06}");
-    if alone {
+/// Date and time to a millisecond, by the calendar of the workbook (from 1900 or 1904).
+fn shown_time(time: &ExcelDateTime) -> String {
+    let (year, month, day, hour, minute, second, milli) = time.to_ymd_hms_milli();
+    let clock = format!("{hour:02}:{minute:02}:{second:02}.{milli:03}");
+    if time.as_f64() < 1.0 {
         // A time without a date is a part of the first day.
-        format!("{DATED}{time}")
+        format!("{DATED}{clock}")
     } else {
-        format!("{DATED}{year:04}-{month:02}-{date:02} {time}")
+        format!("{DATED}{year:04}-{month:02}-{day:02} {clock}")
     }
 }
 

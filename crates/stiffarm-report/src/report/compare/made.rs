@@ -1,5 +1,6 @@
 //! What is not the same in how results were made.
 
+use crate::order::in_order;
 use crate::page::{DataTable, Part, Text};
 
 /// Inputs, seed and options that are not the same in all results.
@@ -36,7 +37,7 @@ pub(super) fn made_differently(parts: &[(usize, &Part)]) -> DataTable {
         let lists: Vec<_> = parts.iter().map(|(_, part)| list(part)).collect();
         for name in names_of(&lists) {
             let values = lists.iter().map(|list| {
-                let found = list.iter().find(|(own, _)| *own == name);
+                let found = list.iter().find(|(own, _)| own == name);
                 let value = found.map_or("–", |(_, value)| value.as_str());
                 match word {
                     // Enough of a hash to tell files apart.
@@ -51,12 +52,6 @@ pub(super) fn made_differently(parts: &[(usize, &Part)]) -> DataTable {
 }
 
 /// Names in any of several lists, each once, in order.
-fn names_of(lists: &[Vec<(String, String)>]) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for (name, _) in lists.iter().flatten() {
-        if !names.contains(name) {
-            names.push(name.clone());
-        }
-    }
-    names
+fn names_of(lists: &[Vec<(String, String)>]) -> Vec<&String> {
+    in_order(lists.iter().flatten().map(|(name, _)| name))
 }

@@ -6,6 +6,7 @@ mod story;
 
 use crate::figure::Figure;
 use crate::figure::svg::share_axes;
+use crate::order::in_order;
 use crate::page::{Block, Comparison, DataTable, Outcome, Part, Section, Text};
 use made::made_differently;
 use numbers::{Numbers, of_result};
@@ -53,12 +54,7 @@ struct Kind<'a> {
 impl<'a> Kind<'a> {
     /// One for each command, in the order of the results.
     fn all(parts: &'a [Part]) -> Vec<Self> {
-        let mut commands: Vec<&str> = Vec::new();
-        for part in parts {
-            if !commands.contains(&part.command.as_str()) {
-                commands.push(&part.command);
-            }
-        }
+        let commands = in_order(parts.iter().map(|part| part.command.as_str()));
         let kinds = commands.into_iter().map(|command| {
             let own = parts.iter().enumerate();
             let own: Vec<_> = own.filter(|(_, part)| part.command == command).collect();

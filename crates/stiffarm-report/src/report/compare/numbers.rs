@@ -1,5 +1,6 @@
 //! Key tables of results, number by number.
 
+use crate::order::in_order;
 use crate::page::{DataTable, Number, Part, Piece, Text};
 
 /// Heading of the total ± of a stiffness.
@@ -56,22 +57,11 @@ impl Numbers {
             "The key tables, number by number; what is in percent differs by percentage points",
             headings,
         );
-        let mut rows: Vec<String> = Vec::new();
-        for row in tables.iter().flat_map(|(_, table)| &table.rows) {
-            let name = row.first().map(Text::plain).unwrap_or_default();
-            if !rows.contains(&name) {
-                rows.push(name);
-            }
-        }
-        let mut columns: Vec<&String> = Vec::new();
-        for heading in tables
-            .iter()
-            .flat_map(|(_, table)| table.headings.iter().skip(1))
-        {
-            if !columns.contains(&heading) {
-                columns.push(heading);
-            }
-        }
+        let rows = tables.iter().flat_map(|(_, table)| &table.rows);
+        let rows = rows.map(|row| row.first().map(Text::plain).unwrap_or_default());
+        let rows = in_order(rows);
+        let columns = tables.iter().flat_map(|(_, table)| &table.headings[1..]);
+        let columns = in_order(columns);
         let mut differ = 0;
         let mut stiffness: Option<StiffnessChange> = None;
         // All of one quantity together: what is sought first, then how sure it is.

@@ -2,7 +2,7 @@
 
 use super::findings::is_noted;
 use super::shown;
-use crate::identified::in_order;
+use crate::order::in_order;
 use crate::tell::{Block, Form, Given, Number, Quantity, Section, Text};
 use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{Estimates, Estimator};

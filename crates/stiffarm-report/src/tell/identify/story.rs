@@ -5,7 +5,7 @@ use super::findings::is_brief;
 use super::joints::{Joints, is_wide, is_within};
 use super::readings::shortened;
 use super::{counted, level};
-use crate::identified::in_order;
+use crate::order::in_order;
 use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
 use stiffarm::estimate::elastic::Elastic;

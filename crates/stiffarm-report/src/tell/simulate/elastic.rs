@@ -2,6 +2,7 @@
 
 use super::{DEVIATION, cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
+use crate::order::places;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{
@@ -268,7 +269,7 @@ fn prediction_figure(result: &ElasticSimulation) -> Figure {
         let y = all
             .iter()
             .map(|row| of(row.2).map_or(f64::NAN, |m| 1e3 * m));
-        let x = (0..all.len()).map(|i| i as f64).collect();
+        let x = places(all.len());
         Series::new(label, Style::Bars, x, y.collect())
     };
     let mut series = vec![bars("joint axes alone", &|l| Some(l.axes.prediction_rms_m))];
@@ -308,7 +309,7 @@ fn joint_figure(result: &ElasticSimulation) -> Figure {
         ];
         let series = models.into_iter().filter_map(|(label, model)| {
             let y = model?.median_deviation.iter().map(|d| 100.0 * d).collect();
-            let x = (0..names.len()).map(|i| i as f64).collect();
+            let x = places(names.len());
             Some(Series::new(label, Style::Bars, x, y))
         });
         Some(Panel::new(

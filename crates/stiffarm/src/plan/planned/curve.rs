@@ -110,7 +110,7 @@ pub struct CurveSize {
 /// stop of `control` ends it with the sizes done so far.
 ///
 /// # Errors
-/// As [`select`], except where too few postures are the reason.
+/// As [`select`](crate::plan::select::select), except where too few postures are the reason.
 pub fn plan_curve(
     cell: &Cell,
     request: &CurveRequest,
