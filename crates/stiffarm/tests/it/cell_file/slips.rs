@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::common::cases::cases;
+use stiffarm_files::table::{read_measurements, read_postures};
 
 #[test]
 fn byte_order_mark_and_carriage_returns_leave_the_places_right() {
@@ -109,4 +110,25 @@ fn bytes_that_are_not_utf8() {
         report += &format!("[{}] {error}\n\n", error.code().as_str());
     }
     insta::assert_snapshot!("cell_encoding", report);
+}
+
+#[test]
+fn deep_nesting_and_long_lines_end() {
+    let cell = builtin::cell("fanuc-r2000ic").unwrap();
+    let deep = format!("format = 1\nname = {}", "[".repeat(100_000));
+    let tables = format!("format = 1\n[{}]", ["a"; 10_000].join("."));
+    let inline = format!("format = 1\nx = {}", "{a=".repeat(50_000));
+    let columns = format!("posture,{}", "q1_deg,".repeat(100_000));
+    let quotes = "\"".repeat(100_001);
+    for text in [deep, tables, inline, columns, quotes] {
+        let text = text.as_bytes();
+        let refused = [
+            parse_cell_bytes(text, "a").err(),
+            read_postures(text, "a", &cell.setup.robot).err(),
+            read_measurements(text, "a", &cell, None).err(),
+        ];
+        for error in refused.map(Option::unwrap) {
+            assert!(error.to_string().starts_with("a:"), "{error}");
+        }
+    }
 }
