@@ -41,7 +41,22 @@ pub fn change(mut now: Vec<u8>, seed: &[u8], random: &mut Random) -> Vec<u8> {
 
 /// Marks of the grammars, and lines that change the meaning of what follows.
 const MARKS: [&str; 16] = [
-    "\n", "\r", "[", "]", "[[", "{", "}", ",", ";", "=", ".", "'", "\"\"\"", "#", "[robot]\n", "sep=;\n",
+    "\n",
+    "\r",
+    "[",
+    "]",
+    "[[",
+    "{",
+    "}",
+    ",",
+    ";",
+    "=",
+    ".",
+    "'",
+    "\"\"\"",
+    "#",
+    "[robot]\n",
+    "sep=;\n",
 ];
 
 /// No file at all: marks, words and numbers in any order, or any bytes.

@@ -55,6 +55,10 @@ fn readers_take_some_inputs_and_refuse_others() {
                 Err(fault) => panic!("{}, input {i} of seed 11: {fault}", target.name),
             })
             .count();
-        assert!(accepted > 0 && accepted < 400, "{}: {accepted}", target.name);
+        assert!(
+            accepted > 0 && accepted < 400,
+            "{}: {accepted}",
+            target.name
+        );
     }
 }
