@@ -4,6 +4,7 @@
 #![allow(dead_code, missing_docs)]
 
 pub mod cases;
+pub mod differences;
 pub mod groups;
 pub mod meshes;
 pub mod model;
