@@ -14,6 +14,7 @@ pub mod readings;
 pub mod runs;
 pub mod segments;
 pub mod set_ups;
+pub mod small;
 
 use nalgebra::{DMatrix, Vector3};
 use proptest::test_runner::{Config, RngSeed};
