@@ -1,7 +1,7 @@
 //! Every mistake in a cell file is reported with its place.
 
 use super::*;
-use crate::common::cases::cases;
+use crate::common::cases::{cases, shown, slip};
 use stiffarm_files::table::{read_measurements, read_postures};
 
 #[test]
@@ -39,16 +39,7 @@ fn every_slip_is_reported_with_its_place() {
             _ => FULL.replacen(&from, &to, 1),
         };
         assert_ne!(text, FULL, "{from}");
-        let error = match parse_cell(&text, "cell.toml") {
-            Ok(_) => panic!("accepted: {to}"),
-            Err(error) => error,
-        };
-        let shown = if to.is_empty() {
-            format!("without {}", from.trim_end())
-        } else {
-            to.trim_end().replace('\n', "; ")
-        };
-        report += &format!("» {shown}\n[{}] {error}\n\n", error.code().as_str());
+        report += &slip(&shown(&from, &to), parse_cell(&text, "cell.toml"));
     }
     insta::assert_snapshot!("cell_slips", report);
 }

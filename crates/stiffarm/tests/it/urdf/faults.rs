@@ -44,7 +44,7 @@ fn arm() -> [String; 2] {
 fn faults_are_named_with_their_lines() {
     let [j1, j2] = arm();
     let whole = robot("abc", &[j1.clone(), j2.clone()]);
-    assert!(read_urdf(&whole, "robot.urdf", &UrdfOptions::default()).is_ok());
+    assert!(read_urdf(whole.as_str(), "robot.urdf", &UrdfOptions::default()).is_ok());
     let child = "<child link=\"c\"/>";
     // Most others: `reader.rs`.
     for (from, to, code, line) in [
@@ -58,9 +58,24 @@ fn faults_are_named_with_their_lines() {
         ),
         ("0.3 0 0.4", "300 0 4e5", Code::InvalidValue, Some(6)),
         ("0 1 0", "0 0 0", Code::InvalidValue, Some(6)),
-        ("\"j2\" type=\"revolute\"", "\"j2\" type=\"revolut\"", Code::Urdf, Some(6)),
-        ("\"j2\" type=\"revolute\"", "\"j2\" type=\"prismatic\"", Code::Unsupported, Some(6)),
-        ("\"j2\" type=\"revolute\"", "\"j2\" type=\"planar\"", Code::Unsupported, Some(6)),
+        (
+            "\"j2\" type=\"revolute\"",
+            "\"j2\" type=\"revolut\"",
+            Code::Urdf,
+            Some(6),
+        ),
+        (
+            "\"j2\" type=\"revolute\"",
+            "\"j2\" type=\"prismatic\"",
+            Code::Unsupported,
+            Some(6),
+        ),
+        (
+            "\"j2\" type=\"revolute\"",
+            "\"j2\" type=\"planar\"",
+            Code::Unsupported,
+            Some(6),
+        ),
         (child, "<child link=\"d\"/>", Code::UnknownName, Some(6)),
         (child, "<child link=\"b\"/>", Code::Urdf, Some(6)),
         ("\"j2\"", "\"j1\"", Code::Duplicate, Some(5)),
@@ -72,11 +87,16 @@ fn faults_are_named_with_their_lines() {
             Some(4),
         ),
         ("<link name=\"c\"/>", "<link/>", Code::Urdf, Some(4)),
-        ("xyz=\"0.3 0 0.4\"", "quat_xyzw=\"0 0 0 1\"", Code::Unsupported, Some(6)),
+        (
+            "xyz=\"0.3 0 0.4\"",
+            "quat_xyzw=\"0 0 0 1\"",
+            Code::Unsupported,
+            Some(6),
+        ),
         ("0.3 0 0.4", "${x} 0 0.4", Code::Unsupported, Some(6)),
         ("robot", "sdf", Code::Urdf, Some(1)),
-        (&whole, "<robot name=\"x\"/>", Code::Urdf, None),
-        (&whole, "", Code::Urdf, Some(1)),
+        (whole.as_str(), "<robot name=\"x\"/>", Code::Urdf, None),
+        (whole.as_str(), "", Code::Urdf, Some(1)),
     ] {
         assert!(whole.contains(from), "{from}");
         let text = whole.replace(from, to);
