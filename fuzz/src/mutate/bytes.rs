@@ -1,6 +1,6 @@
 //! Changes that know nothing of what the bytes mean.
 
-use super::numbers::WORDS;
+use super::numbers::{WORDS, edge_number};
 use crate::random::Random;
 
 /// No input grows beyond this \[bytes\].
@@ -37,6 +37,41 @@ pub fn change(mut now: Vec<u8>, seed: &[u8], random: &mut Random) -> Vec<u8> {
         _ => insert(&mut now, at, &[random.next() as u8]),
     }
     now
+}
+
+/// Marks of the grammars, and lines that change the meaning of what follows.
+const MARKS: [&str; 16] = [
+    "\n",
+    "\r",
+    "[",
+    "]",
+    "[[",
+    "{",
+    "}",
+    ",",
+    ";",
+    "=",
+    ".",
+    "'",
+    "\"\"\"",
+    "#",
+    "[robot]\n",
+    "sep=;\n",
+];
+
+/// No file at all: marks, words and numbers in any order, or any bytes.
+pub fn scraps(random: &mut Random) -> Vec<u8> {
+    let of_bytes = random.one_in(3);
+    let mut out = Vec::new();
+    for _ in 0..random.below(400) {
+        match random.below(4) {
+            _ if of_bytes => out.push(random.next() as u8),
+            0 => out.extend(random.pick(&WORDS).bytes()),
+            1 => out.extend(edge_number(None, random).bytes()),
+            _ => out.extend(random.pick(&MARKS).bytes()),
+        }
+    }
+    out
 }
 
 fn insert(into: &mut Vec<u8>, at: usize, piece: &[u8]) {

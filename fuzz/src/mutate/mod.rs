@@ -6,6 +6,7 @@ mod numbers;
 mod table;
 mod toml;
 
+pub use bytes::scraps;
 pub use numbers::{COUNTS, NUMBERS, WORDS, edge_number};
 
 use crate::random::Random;

@@ -76,6 +76,10 @@ pub fn check(input: &Input) -> Verdict {
             Ok(mesh) => {
                 accepted = true;
                 is_finite(&mesh)?;
+                let count = mesh.vertices.len();
+                if mesh.triangles.iter().flatten().any(|v| *v >= count) {
+                    return Err("a corner that the mesh has not".to_string());
+                }
                 let capsules = capsules_of_mesh(&mesh, 1);
                 is_finite(&capsules)?;
                 let holds = |p| capsules.iter().any(|c| c.distance_to(p) <= 0.0);

@@ -2,7 +2,7 @@
 
 use super::{Verdict, logs};
 use crate::input::Input;
-use crate::mutate::{Grammar, mutate};
+use crate::mutate::{Grammar, mutate, scraps};
 use crate::oracle::{error_is_sound, is_finite, same_but_digits};
 use crate::random::Random;
 use crate::seeds::{self, Kind};
@@ -58,7 +58,11 @@ fn made(kind: Kind, grammar: Grammar, random: &mut Random) -> Input {
         .find(|(k, _)| *k == kind)
         .map_or(&[][..], |(_, texts)| texts);
     let text = texts[random.below(texts.len())];
-    Input::File(mutate(text.as_bytes(), grammar, random))
+    Input::File(if random.one_in(16) {
+        scraps(random)
+    } else {
+        mutate(text.as_bytes(), grammar, random)
+    })
 }
 
 macro_rules! makers {
@@ -101,6 +105,16 @@ fn judged<T: Debug>(read: &Result<T>) -> Verdict {
     match read {
         Ok(value) => is_finite(value).map(|()| true),
         Err(error) => error_is_sound(error).map(|()| false),
+    }
+}
+
+/// As [`judged`]; an error begins with the file that it is about.
+fn judged_in_file<T: Debug>(read: &Result<T>) -> Verdict {
+    match read {
+        Err(error) if !error.to_string().starts_with("input:") => {
+            Err(format!("an error without its file: {error}"))
+        }
+        read => judged(read),
     }
 }
 
@@ -162,7 +176,7 @@ pub fn takes(kind: Kind, file: &[u8]) -> bool {
 
 /// The cell file.
 pub fn cell(input: &Input) -> Verdict {
-    judged(&parse_cell_bytes(bytes(input), NAME))
+    judged_in_file(&parse_cell_bytes(bytes(input), NAME))
 }
 
 /// The table of postures.
@@ -173,7 +187,7 @@ pub fn postures(input: &Input) -> Verdict {
     if let Ok(postures) = &first {
         written_again(postures, |p: &Vec<Posture>| Ok(write_postures(p)), read)?;
     }
-    judged(&first)
+    judged_in_file(&first)
 }
 
 /// Displacements or raw readings, with and without angles of their own.
@@ -192,7 +206,7 @@ pub fn measurements(input: &Input) -> Verdict {
     } else {
         judged(&read_measurements(bytes(input), NAME, cell, Some(group())))?;
     }
-    judged(&first)
+    judged_in_file(&first)
 }
 
 /// The table of a clamped flange.

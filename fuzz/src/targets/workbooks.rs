@@ -82,8 +82,14 @@ pub fn make(random: &mut Random) -> Input {
     Input::File(workbook_with(&sheets, &more))
 }
 
+/// A workbook as a spreadsheet packs it.
+const PACKED: &[u8] = include_bytes!("../../../crates/stiffarm/tests/golden/xlsx/readings.xlsx");
+
 /// A workbook with other bytes: in its archive, or in the parts with their sums right.
 pub fn make_bytes(random: &mut Random) -> Input {
+    if random.one_in(4) {
+        return Input::File(mutate_bytes(PACKED, random));
+    }
     let texts = seeds::of(*random.pick(&[Kind::Postures, Kind::Pairs]));
     let sound = workbook_with(&[("Sheet1", cells(texts[random.below(texts.len())]))], "");
     if random.one_in(2) {

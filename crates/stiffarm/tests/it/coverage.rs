@@ -94,6 +94,11 @@ fn exact_intervals_cover_at_3_6_12_and_66_degrees_of_freedom() {
             &count(&informed, &postures, &weighted),
             &format!("weighted, {dof}"),
         );
+        weighted.options.noise = NoiseSource::Known;
+        assert_exact(
+            &count(&informed, &postures, &weighted),
+            &format!("weighted and known, {dof}"),
+        );
         let mut three = case(Estimator::Weighted, experiments);
         three.world.load_states = vec![0.4, 1.0, -0.7];
         assert_exact(

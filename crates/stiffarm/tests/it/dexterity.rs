@@ -1,5 +1,6 @@
 //! The condition number k(J_N) and its derivatives.
 
+use crate::common::differences::slope;
 use crate::common::prelude::*;
 use stiffarm::model::dexterity::{condition_number, log_condition_gradient};
 
@@ -30,11 +31,6 @@ fn derivatives_by_the_length_and_the_angles_are_those_of_differences() {
                 .unwrap()
                 .ln()
         };
-        // Richardson: the error of order h² cancels.
-        let slope = |f: &dyn Fn(f64) -> f64| {
-            let central = |h: f64| (f(h) - f(-h)) / (2.0 * h);
-            (4.0 * central(1e-3) - central(2e-3)) / 3.0
-        };
         for length in [0.1, 0.7, 3.0_f64] {
             let frames = Frames::at_serial_angles(&robot, &theta);
             let mut gradient = vec![0.0; n];
@@ -42,7 +38,7 @@ fn derivatives_by_the_length_and_the_angles_are_those_of_differences() {
                 log_condition_gradient(&frames, &frames.point(&in_flange), length, &mut gradient);
             let at = length.ln();
             assert!((value - log_k(&theta, at)).abs() < 1e-10);
-            let expected = slope(&|h| log_k(&theta, at + h));
+            let expected = slope(|h| log_k(&theta, at + h), 2e-3);
             assert!(
                 (by_length - expected).abs() < 1e-8,
                 "n {n} L {length}: {by_length} {expected}"
@@ -50,11 +46,12 @@ fn derivatives_by_the_length_and_the_angles_are_those_of_differences() {
             // k(J_N) changes with the length, or the test says nothing.
             assert!(expected.abs() > 1e-3);
             for k in 0..n {
-                let expected = slope(&|h| {
+                let moved = |h: f64| {
                     let mut theta = theta.clone();
                     theta[k] += h;
                     log_k(&theta, at)
-                });
+                };
+                let expected = slope(moved, 2e-3);
                 assert!(
                     (gradient[k] - expected).abs() < 1e-7,
                     "n {n} joint {k}: {} {expected}",

@@ -102,18 +102,6 @@ fn springs_make_the_axes_err_and_the_mixed_model_as_much_as_the_index_says() {
 }
 
 #[test]
-fn results_do_not_depend_on_the_number_of_threads() {
-    let mut options = options(ElasticChoice::Mixed, 4);
-    options.seed = 5;
-    let with = |threads: usize| on_threads(threads, || run(&cell(1.0), &options));
-    let one = with(1);
-    assert_eq!(
-        serde_json::to_string(&one).unwrap(),
-        serde_json::to_string(&with(2)).unwrap()
-    );
-}
-
-#[test]
 fn a_stopped_simulation_keeps_its_runs_and_wrong_requests_are_refused() {
     let stop = || true;
     let control = stopped_by(&stop);

@@ -1,6 +1,7 @@
 //! A simulated experiment, undone by hand, gives what the model says.
 
 use crate::common::prelude::*;
+use crate::common::readings::{postures, take};
 use stiffarm::model::measurement::{PostureReadings, Role, StateReadings};
 use stiffarm::model::tool::NamedPoint;
 
@@ -12,10 +13,6 @@ fn cell_with_sensor() -> Cell {
             reports_by_robot: true,
         });
     })
-}
-
-fn postures() -> Vec<Posture> {
-    numbered(group1())
 }
 
 fn state(posture: &PostureReadings, name: &str) -> StateReadings {
@@ -36,8 +33,7 @@ fn way(from: &StateReadings, to: &StateReadings, point: usize) -> Vector3<f64> {
 }
 
 fn run(cell: &Cell, options: &Experiment) -> ReadingTable {
-    let truth = cell.prior.clone().unwrap();
-    experiment(cell, &postures(), &truth, options, 7, 0).unwrap()
+    take(cell, options, 7)
 }
 
 /// ΨH of one posture: rows for point, x, y, z.

@@ -119,26 +119,6 @@ fn any_number_of_postures() {
     assert_eq!(error.unwrap_err().code(), Code::TooFewData);
 }
 
-/// The same rounds and seed give the same bytes for any number of threads.
-#[test]
-fn threads_change_nothing() {
-    for (cell, index) in [
-        (reference_cell(), Index::Novel),
-        (default_cell(), Index::ExpectedError),
-    ] {
-        let texts: Vec<String> = [1, 3]
-            .into_iter()
-            .map(|threads| {
-                let plan = on_threads(threads, || selected(&cell, index, 6, &rounds(3, 2)));
-                serde_json::to_string(&plan).unwrap()
-            })
-            .collect();
-        assert_eq!(texts[0], texts[1]);
-        let other = selected(&cell, index, 6, &rounds(4, 2));
-        assert_ne!(texts[0], serde_json::to_string(&other).unwrap());
-    }
-}
-
 /// A search that was cut short says after how many rounds, and as many rounds
 /// give the same plan.
 #[test]

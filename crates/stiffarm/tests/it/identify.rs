@@ -178,37 +178,3 @@ fn further_springs_in_the_truth_are_found_and_judged_by_postures_left_out() {
     let (without, better) = (rms(&plain), rms(&with));
     assert!(better < 0.5 * without, "{better} {without}");
 }
-
-#[test]
-fn the_next_posture_beats_random_ones() {
-    let cell = reference_cell();
-    let group = random_group(&cell, StartKind::SmallWrist, 6, 3, 0).unwrap();
-    let postures = numbered(group);
-    let truth = cell.require_prior().unwrap().to_vec();
-    let measured = simulate_measurements(&cell, &postures, &truth, Model::Linear, 5, 0).unwrap();
-    let options = by(Estimator::Weighted);
-    let result = identify(&cell, &measured, &options).unwrap();
-    let fit = Fit::new(&cell, &measured, &options).unwrap();
-    let advice = next_posture(&fit, &GlobalOptions::default(), Control::default()).unwrap();
-    let mut judged = cell.clone();
-    judged.prior = result.estimates.stiffness();
-    judged.noise.reading_variance = result.residual_std_m.unwrap().powi(2);
-    let error = |q: Vec<f64>| {
-        let mut all = postures.clone();
-        all.push(Posture {
-            name: "next".into(),
-            q,
-        });
-        let found = evaluate(&judged, "all", &all).unwrap();
-        found.indices.get(Index::ExpectedError).unwrap()
-    };
-    let own = error(advice.angles.clone());
-    assert!((own / advice.expected_error - 1.0).abs() < 1e-9);
-    for i in 0..50 {
-        let other = random_group(&cell, StartKind::Uniform, 1, 8, i).unwrap();
-        assert!(own <= error(other.concat()), "random posture {i}");
-    }
-    for (before, after) in advice.before.iter().zip(&advice.after) {
-        assert!(after.unwrap() <= before.unwrap() * (1.0 + 1e-12));
-    }
-}

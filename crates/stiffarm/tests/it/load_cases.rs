@@ -1,5 +1,6 @@
 //! Several loads, under each of which every posture is measured.
 
+use crate::common::differences::assert_gradient;
 use crate::common::groups::ln_index;
 use crate::common::prelude::*;
 use stiffarm::estimate::simulate::ModelErrors;
@@ -162,22 +163,9 @@ fn values_and_gradients_of_the_kernel() {
         );
         let mut gradient = vec![0.0; q.len()];
         function.smoothed(&q, 30.0, &mut gradient);
-        let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let mut unused = vec![0.0; q.len()];
-        for k in 0..q.len() {
-            let mut at = |step: f64| {
-                let mut moved = q.clone();
-                moved[k] += step;
-                function.smoothed(&moved, 30.0, &mut unused).objective
-            };
-            let (coarse, fine) = (at(2e-4) - at(-2e-4), at(1e-4) - at(-1e-4));
-            let expected = (8.0 * fine - coarse) / 12e-4;
-            assert!(
-                (gradient[k] - expected).abs() < 1e-7 * largest,
-                "{index:?} {k}: {} {expected}",
-                gradient[k]
-            );
-        }
+        let at = |q: &[f64]| function.smoothed(q, 30.0, &mut unused).objective;
+        assert_gradient(index.as_str(), &gradient, &q, at, 2e-4, 1e-7);
     }
 }
 

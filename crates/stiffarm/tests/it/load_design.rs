@@ -1,5 +1,6 @@
 //! The load as a variable of a search.
 
+use crate::common::differences::assert_gradient;
 use crate::common::prelude::*;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 
@@ -13,33 +14,21 @@ fn derivatives_by_anchor_and_loading_point_are_those_of_differences() {
     );
     cell.setup.robot = cell.setup.robot.with_base(&base);
     let q: Vec<f64> = (0..24).map(|i| (0.9 * i as f64).sin()).collect();
-    let start = [*rope_anchor(&mut cell), cell.setup.tool.loading_point];
+    let (anchor, point) = (*rope_anchor(&mut cell), cell.setup.tool.loading_point);
+    let start = [anchor.as_slice(), point.as_slice()].concat();
     for index in [Index::ExpectedError, Index::Novel, Index::DropOne] {
         let mut function = IndexFunction::new(&cell, index, 4).unwrap();
         let mut slope = vec![0.0; q.len()];
-        let mut at = |[anchor, point]: [Vector3<f64>; 2]| {
-            function.set_anchor(anchor.into());
-            function.set_loading_point(point.into());
+        let mut at = |load: &[f64]| {
+            function.set_anchor([load[0], load[1], load[2]]);
+            function.set_loading_point([load[3], load[4], load[5]]);
             let value = function.smoothed(&q, 20.0, &mut slope).objective;
             let (by_anchor, by_point) = function.load_gradient();
             (value, [by_anchor, by_point].concat())
         };
-        let (_, gradient) = at(start);
-        let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
-        for k in 0..6 {
-            let mut moved = |step: f64| {
-                let mut load = start;
-                load[k / 3][k % 3] += step;
-                at(load).0
-            };
-            let (coarse, fine) = (moved(2e-4) - moved(-2e-4), moved(1e-4) - moved(-1e-4));
-            let expected = (8.0 * fine - coarse) / 12e-4;
-            assert!(
-                (gradient[k] - expected).abs() < 1e-7 * largest,
-                "{index:?} {k}: {} {expected}",
-                gradient[k]
-            );
-        }
+        let (_, gradient) = at(&start);
+        let value = |load: &[f64]| at(load).0;
+        assert_gradient(index.as_str(), &gradient, &start, value, 2e-4, 1e-7);
     }
 }
 

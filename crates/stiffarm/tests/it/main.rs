@@ -1,7 +1,6 @@
 //! The tests of the library but for those of `../formulas.rs`; a file per subject.
 
 mod accept;
-mod bytes;
 mod cell_file;
 mod check;
 mod clamped;

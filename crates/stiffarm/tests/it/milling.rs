@@ -146,6 +146,8 @@ fn a_full_slot_by_hand() {
             (load.moment.z - torque).abs() < 1e-12 * torque.abs(),
             "{load:?}"
         );
+        let process = Process::Milling(cut(0.016, direction));
+        assert_eq!(process.load(), load.into());
         // Half of 3 mm above the tip, and the axial force beside the axis, at +x on average.
         let tilt_x = 1.5e-3 * force.y;
         let tilt_y = -1.5e-3 * force.x - share * 8e-3 * (100.0 * h * pi / 2.0 + 2.0);
@@ -179,53 +181,7 @@ fn the_table_of_the_guide() {
     }
 }
 
-#[test]
-fn signs_that_a_machinist_knows() {
-    let up = cut(0.002, MillingDirection::Up).mean_load();
-    let down = cut(0.002, MillingDirection::Down).mean_load();
-    // Conventional milling pushes the tool back, shallow climb milling pulls it along.
-    assert!(up.force.x < 0.0 && down.force.x > 0.0, "{up:?} {down:?}");
-    // Radial forces push the tool off the workpiece: it lies at −y for up, at +y for down.
-    let radial = |direction| {
-        let mut milling = cut(0.004, direction);
-        milling.coefficients.k_tc = 0.0;
-        milling.coefficients.k_te = 0.0;
-        milling.mean_load().force
-    };
-    assert!(radial(MillingDirection::Up).y > 0.0);
-    assert!(radial(MillingDirection::Down).y < 0.0);
-    // A positive k_ac pulls towards the workpiece; the torque is against the turn.
-    assert!(up.force.z > 0.0 && up.moment.z < 0.0 && down.moment.z < 0.0);
-    assert_eq!(
-        Process::Milling(cut(0.002, MillingDirection::Up)).load(),
-        up.into()
-    );
-}
-
 proptest! {
-    /// Down milling is up milling in a mirror: tangential forces along the feed and
-    /// radial forces across it change sign, the others stay.
-    #[test]
-    fn up_and_down_mirror_each_other(radial_depth in 1e-4..0.016f64, teeth in 1u32..9) {
-        let one = |direction, tangential: bool| {
-            let mut milling = Milling { teeth, ..cut(radial_depth, direction) };
-            let k = &mut milling.coefficients;
-            if tangential {
-                (k.k_rc, k.k_re) = (0.0, 0.0);
-            } else {
-                (k.k_tc, k.k_te) = (0.0, 0.0);
-            }
-            milling.mean_load()
-        };
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + a.abs());
-        use MillingDirection::{Down, Up};
-        let (up, down) = (one(Up, true), one(Down, true));
-        prop_assert!(close(up.force.x, -down.force.x) && close(up.force.y, down.force.y));
-        prop_assert!(close(up.moment.z, down.moment.z) && close(up.force.z, down.force.z));
-        let (up, down) = (one(Up, false), one(Down, false));
-        prop_assert!(close(up.force.x, down.force.x) && close(up.force.y, -down.force.y));
-    }
-
     /// The spindle gives power, and that is what the teeth take: mean tangential
     /// force times speed, from the force's line of action as well as the torque.
     #[test]

@@ -13,13 +13,8 @@ fn arm(cell: &Cell) -> LoadedArm {
 
 fn point(i: usize, target: PathTarget) -> PathPoint {
     PathPoint {
-        feature: None,
-        feed: None,
-        rapid: false,
-        name: (i + 1).to_string().into(),
         line: Some(i + 2),
-        target,
-        load: None,
+        ..path_point(i + 1, target)
     }
 }
 

@@ -6,7 +6,6 @@ use num_dual::Dual64;
 use proptest::prelude::*;
 use stiffarm::estimate::validate::Model as Deflection;
 use stiffarm::internals::information::posture_information;
-use stiffarm::model::dexterity;
 use stiffarm::model::stiffness::{cartesian_compliance, cartesian_stiffness, rope_correction};
 use stiffarm::plan::index::error_bound;
 
@@ -307,44 +306,6 @@ proptest! {
     }
 
     #[test]
-    fn expected_error_is_that_of_generalised_least_squares((model, mut dice) in models(4..=7), count in 3..7_usize) {
-        let n = model.joint_count();
-        let cell = model.cell();
-        let postures = dice.postures(n, count);
-        let psi = model.stacked(&postures);
-        prop_assume!(condition(&psi) < 1e6);
-        let lower = full_covariance(&model, count).cholesky().unwrap().unpack();
-        let whitened = lower.solve_lower_triangular(&psi).unwrap();
-        let errors: Vec<f64> = inverse_gram_diagonal(&whitened)
-            .iter()
-            .zip(&model.prior)
-            .map(|(v, k)| k * v.sqrt())
-            .collect();
-        let ours = evaluate(&cell, "", &postures).unwrap();
-        for (ours, expected) in ours.relative_standard_error.iter().zip(&errors) {
-            prop_assert!((ours.unwrap() / expected - 1.0).abs() < 1e-9);
-        }
-        let rms = (errors.iter().map(|e| e * e).sum::<f64>() / n as f64).sqrt();
-        let worst = errors.iter().copied().fold(0.0, f64::max);
-        prop_assert!((ours.indices.expected_error.unwrap() / rms - 1.0).abs() < 1e-9);
-        prop_assert!((ours.indices.worst_joint.unwrap() / worst - 1.0).abs() < 1e-9);
-        // One posture fewer, each in turn.
-        let rows = 3 * model.measuring_points.len();
-        let lost = (0..count).map(|p| {
-            let rest = whitened.clone().remove_rows(rows * p, rows);
-            let sum: f64 = inverse_gram_diagonal(&rest).iter().zip(&model.prior).map(|(v, k)| v * k * k).sum();
-            (sum / n as f64).sqrt()
-        });
-        let drop_one = lost.fold(0.0, f64::max);
-        if let Some(ours) = ours.indices.drop_one {
-            // One posture less may leave less than digits tell.
-            if drop_one < 1e4 * rms {
-                prop_assert!((ours / drop_one - 1.0).abs() < 1e-7, "{ours} {drop_one}");
-            }
-        }
-    }
-
-    #[test]
     fn identification_is_generalised_least_squares_for_any_choice_of_points(
         (model, mut dice) in models(4..=7),
         count in 4..7_usize,
@@ -388,23 +349,6 @@ proptest! {
         let residual = (delta - psi * best).norm_squared() / (rows - n) as f64;
         let ours = (ours.residual_std_m.unwrap() / model.sigma).powi(2);
         prop_assert!((ours / residual - 1.0).abs() < 1e-8);
-    }
-
-    #[test]
-    fn condition_number_is_at_least_one_and_blind_to_joint_1((model, mut dice) in models(6..=7)) {
-        let cell = model.cell();
-        let mut q = dice.posture(model.joint_count());
-        let point = cell.setup.tool.tcp();
-        let k = |q: &[f64]| {
-            let frames = Frames::new(&cell.setup.robot, q);
-            dexterity::condition_number(&frames, &frames.point(&point), model.length)
-        };
-        let first = k(&q).unwrap();
-        prop_assert!(first >= 1.0 - 1e-12);
-        let golden = common::model::condition_number(&model.normalised_jacobian(&q));
-        prop_assert!((first / golden - 1.0).abs() < 1e-11 * first, "{first} {golden}");
-        q[0] += dice.between(-3.0, 3.0);
-        prop_assert!((k(&q).unwrap() / first - 1.0).abs() < 1e-11 * first);
     }
 
     #[test]

@@ -153,12 +153,8 @@ fn what_stands_in_the_way_is_driven_around() {
     };
     let half = 0.5 * cell.scene.clearance();
     let along = |from: &[f64], to: &[f64]| {
-        let share = |s: f64| -> Vec<f64> {
-            let joints = from.iter().zip(to);
-            joints.map(|(a, b)| a + (b - a) * s).collect()
-        };
-        (0..=400)
-            .map(|i| margin(&share(f64::from(i) / 400.0)) + half)
+        looks(&[from.to_vec(), to.to_vec()], 400)
+            .map(|q| margin(&q) + half)
             .fold(f64::INFINITY, f64::min)
     };
     assert!(along(&plan[0], &plan[1]) < 0.0);
@@ -271,23 +267,6 @@ fn postures_in_the_way_are_not_searched_for() {
     let error = route(&cell, &bad, &options, control).unwrap_err();
     assert_eq!(error.code(), Code::Interrupted);
     assert!(count.into_inner() < 30);
-}
-
-#[test]
-fn a_group_of_the_paper_keeps_its_order_and_names_its_moves() {
-    let cell = builtin::cell("comau").unwrap();
-    let start = builtin::postures("comau-group1", &cell.setup.robot).unwrap();
-    let mut options = LocalOptions::default();
-    options.max_iterations = 20;
-    let found = select_from(&cell, Index::Novel, &start, options, Control::default()).unwrap();
-    let value = found.value;
-    let group = rounded(&cell, &found.group, 0.01).unwrap();
-    let typed = found.with_group::<Vec<f64>>(&cell, &[], group).unwrap();
-    assert!(
-        (typed.value / value - 1.0).abs() < 0.02,
-        "{} {value}",
-        typed.value
-    );
 }
 
 #[test]

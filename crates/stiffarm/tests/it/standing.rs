@@ -1,6 +1,7 @@
 //! How a running experiment stands: forecasts against what the further postures bring.
 
 use crate::common::prelude::*;
+use std::sync::LazyLock;
 use stiffarm::estimate::forecast::forecast;
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::next_posture::planned_errors;
@@ -102,6 +103,13 @@ fn identified(fit: &Fit) -> Vec<Option<f64>> {
     systematic.uncertainty.iter().map(|own| own.total).collect()
 }
 
+/// What `identify` prints of twelve postures, for each seed.
+static OF_TWELVE: LazyLock<Vec<Vec<Option<f64>>>> = LazyLock::new(|| {
+    (0..12)
+        .map(|seed| identified(&fitted(12, seed).0))
+        .collect()
+});
+
 #[test]
 fn it_stands_as_identify_says_and_three_postures_reach_no_goal() {
     for count in [3, 4, 7] {
@@ -126,11 +134,9 @@ fn it_stands_as_identify_says_and_three_postures_reach_no_goal() {
 
 #[test]
 fn the_first_postures_foresee_what_the_whole_plan_will_say() {
-    let really = (0..8).map(|seed| identified(&fitted(12, seed).0));
-    let really: Vec<_> = really.collect();
     for done in [1, 3, 6] {
         let mut ratios = Vec::new();
-        for (seed, really) in (0..).zip(&really) {
+        for (seed, really) in (0..8).zip(OF_TWELVE.iter()) {
             let (early, plan) = fitted(done, seed);
             let so_far = SoFar::new(&early).unwrap();
             let found = standing(&so_far, &plan[done..], None).unwrap();
@@ -150,10 +156,10 @@ fn the_first_postures_foresee_what_the_whole_plan_will_say() {
 #[test]
 fn a_plan_promises_what_identify_prints_of_it() {
     let mut ratios = Vec::new();
-    for seed in 0..12 {
+    for (seed, really) in (0..).zip(OF_TWELVE.iter()) {
         let (fit, plan) = fitted(12, seed);
         let promised = forecast(fit.cell(), &plan).unwrap();
-        for (total, really) in promised.total.iter().zip(identified(&fit)) {
+        for (total, really) in promised.total.iter().zip(really) {
             ratios.push(total.unwrap() / really.unwrap());
         }
         // Systematic errors are most of it, and noise alone says far less.

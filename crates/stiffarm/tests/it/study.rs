@@ -90,19 +90,6 @@ fn the_default_cell_has_every_part_of_the_paper() {
 }
 
 #[test]
-fn the_number_of_threads_changes_nothing() {
-    let cell = cell();
-    let with = |threads: usize| {
-        on_threads(threads, || {
-            serde_json::to_string(&run(&cell, &options(2, 60))).unwrap()
-        })
-    };
-    let one = with(1);
-    assert_eq!(one, with(2));
-    assert_eq!(one, with(4));
-}
-
-#[test]
 fn a_stopped_study_keeps_what_it_has() {
     let cell = cell();
     let initial = group_1(&cell);

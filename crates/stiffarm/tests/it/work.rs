@@ -1,5 +1,6 @@
 //! `[work]` of the cell file: each slip with its place, and what may be left out.
 
+use crate::common::cases::{shown, slip};
 use crate::common::prelude::*;
 use stiffarm::model::process::Process;
 
@@ -186,16 +187,7 @@ fn every_slip_in_the_work_is_reported_with_its_place() {
     for (text, from, to) in SLIPS {
         assert!(text.contains(from), "{from}");
         let text = CELL.to_string() + &text.replacen(from, to, 1);
-        let error = match parse_cell(&text, "cell.toml") {
-            Ok(_) => panic!("accepted: {to}"),
-            Err(error) => error,
-        };
-        let shown = if to.is_empty() {
-            format!("without {}", from.trim_end())
-        } else {
-            to.trim_end().replace('\n', "; ")
-        };
-        report += &format!("» {shown}\n[{}] {error}\n\n", error.code().as_str());
+        report += &slip(&shown(from, to), parse_cell(&text, "cell.toml"));
     }
     insta::assert_snapshot!("work_slips", report);
 }

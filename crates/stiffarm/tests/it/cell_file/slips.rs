@@ -1,7 +1,8 @@
 //! Every mistake in a cell file is reported with its place.
 
 use super::*;
-use crate::common::cases::cases;
+use crate::common::cases::{cases, shown, slip};
+use stiffarm_files::table::{read_measurements, read_postures};
 
 #[test]
 fn byte_order_mark_and_carriage_returns_leave_the_places_right() {
@@ -38,16 +39,7 @@ fn every_slip_is_reported_with_its_place() {
             _ => FULL.replacen(&from, &to, 1),
         };
         assert_ne!(text, FULL, "{from}");
-        let error = match parse_cell(&text, "cell.toml") {
-            Ok(_) => panic!("accepted: {to}"),
-            Err(error) => error,
-        };
-        let shown = if to.is_empty() {
-            format!("without {}", from.trim_end())
-        } else {
-            to.trim_end().replace('\n', "; ")
-        };
-        report += &format!("» {shown}\n[{}] {error}\n\n", error.code().as_str());
+        report += &slip(&shown(&from, &to), parse_cell(&text, "cell.toml"));
     }
     insta::assert_snapshot!("cell_slips", report);
 }
@@ -109,4 +101,25 @@ fn bytes_that_are_not_utf8() {
         report += &format!("[{}] {error}\n\n", error.code().as_str());
     }
     insta::assert_snapshot!("cell_encoding", report);
+}
+
+#[test]
+fn deep_nesting_and_long_lines_end() {
+    let cell = builtin::cell("fanuc-r2000ic").unwrap();
+    let deep = format!("format = 1\nname = {}", "[".repeat(100_000));
+    let tables = format!("format = 1\n[{}]", ["a"; 10_000].join("."));
+    let inline = format!("format = 1\nx = {}", "{a=".repeat(50_000));
+    let columns = format!("posture,{}", "q1_deg,".repeat(100_000));
+    let quotes = "\"".repeat(100_001);
+    for text in [deep, tables, inline, columns, quotes] {
+        let text = text.as_bytes();
+        let refused = [
+            parse_cell_bytes(text, "a").err(),
+            read_postures(text, "a", &cell.setup.robot).err(),
+            read_measurements(text, "a", &cell, None).err(),
+        ];
+        for error in refused.map(Option::unwrap) {
+            assert!(error.to_string().starts_with("a:"), "{error}");
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Criteria, weights on finitely many points, and the postures of a cell as a space.
 
 use super::*;
+use crate::common::differences::assert_gradient;
 use stiffarm::internals::design::{WeightProblem, optimal_weights};
 use stiffarm::internals::{Kernel, Wanted};
 
@@ -167,16 +168,7 @@ fn the_gradient_of_a_slope_is_that_of_the_information() {
         kernel.set_adjoint(None, adjoint.as_slice());
         let mut gradient = vec![0.0; 6];
         kernel.reverse(&mut gradient);
-        let largest = gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
-        for j in 0..6 {
-            let h = 1e-6;
-            let mut moved = q.clone();
-            moved[j] += h;
-            let up = value(&moved);
-            moved[j] -= 2.0 * h;
-            let numeric = (up - value(&moved)) / (2.0 * h);
-            assert!((numeric - gradient[j]).abs() < 1e-6 * largest);
-        }
+        assert_gradient("slope", &gradient, &q, value, 1e-4, 1e-6);
     }
 }
 

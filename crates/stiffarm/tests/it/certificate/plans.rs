@@ -238,21 +238,6 @@ fn a_stop_keeps_the_bound_so_far() {
     assert!(early.bound < full.bound && early.bound > 0.5 * full.bound);
 }
 
-#[test]
-fn the_number_of_threads_changes_nothing() {
-    let cell = default_cell();
-    let with = |threads: usize| {
-        let options = samples(256);
-        let index = Index::ExpectedError;
-        on_threads(threads, || {
-            certify(&cell, index, &group1(), &options, Control::default()).unwrap()
-        })
-    };
-    let one = with(1);
-    assert_eq!(one, with(2));
-    assert_eq!(one, with(3));
-}
-
 proptest! {
     #![proptest_config(cases(10))]
 

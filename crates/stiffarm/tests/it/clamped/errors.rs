@@ -94,6 +94,15 @@ fn a_soft_fixture_is_mistaken_for_soft_joints_unless_its_motion_is_known() {
     );
 }
 
+/// The same move of the motors in two states.
+fn alike(states: [&str; 2], motor: &[f64]) -> Vec<MotorMove> {
+    let state = |state: &str| MotorMove {
+        state: state.to_string(),
+        motor: motor.to_vec(),
+    };
+    states.map(state).to_vec()
+}
+
 #[test]
 fn loads_up_and_down_show_the_friction() {
     for elastic in [false, true] {
@@ -102,17 +111,9 @@ fn loads_up_and_down_show_the_friction() {
         let truth = cell.require_prior().unwrap();
         let mut dice = Dice::new(92);
         let postures = postures(&cell, &mut dice, 5);
-        let up = moves(&cell, &mut dice, 1, 400.0).remove(0).motor;
-        let simulation = ClampedSimulation {
-            moves: ["up-400", "down-400"]
-                .map(|state| MotorMove {
-                    state: state.to_string(),
-                    motor: up.clone(),
-                })
-                .to_vec(),
-            ..ClampedSimulation::default()
-        };
-        let mut data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
+        let motor = moves(&cell, &mut dice, 1, 400.0).remove(0).motor;
+        let moves = alike(["up-400", "down-400"], &motor);
+        let mut data = simulated(&cell, &postures, moves, 0.0, 1);
         // Friction of 12 N·m in spring 2 turns the motors by ±12/k further.
         let mixing = robot
             .spring_mixing()
@@ -151,17 +152,8 @@ fn the_size_of_friction_is_said_with_its_joint() {
     let mut dice = Dice::new(95);
     let postures = postures(&cell, &mut dice, 4);
     let motor = moves(&cell, &mut dice, 1, 200.0).remove(0).motor;
-    let simulation = ClampedSimulation {
-        moves: ["up", "down"]
-            .map(|state| MotorMove {
-                state: state.to_string(),
-                motor: motor.clone(),
-            })
-            .to_vec(),
-        angle_std: 1e-7,
-        ..ClampedSimulation::default()
-    };
-    let mut data = simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap();
+    let moves = alike(["up", "down"], &motor);
+    let mut data = simulated(&cell, &postures, moves, 1e-7, 1);
     for c in &mut data {
         c.motor[3] += if c.state == "up" { 40.0 } else { -40.0 } / truth[3];
     }

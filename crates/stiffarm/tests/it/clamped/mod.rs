@@ -65,12 +65,25 @@ fn moves(cell: &Cell, dice: &mut Dice, count: usize, torque: f64) -> Vec<MotorMo
 fn exact(cell: &Cell, seed: u64, count: usize, states: usize) -> Vec<ClampedPosture> {
     let mut dice = Dice::new(seed);
     let postures = postures(cell, &mut dice, count);
+    let moves = moves(cell, &mut dice, states, 300.0);
+    simulated(cell, &postures, moves, 0.0, 1)
+}
+
+/// What the joints hold under `moves`, with this noise of the angles.
+fn simulated(
+    cell: &Cell,
+    postures: &[Posture],
+    moves: Vec<MotorMove>,
+    angle_std: f64,
+    seed: u64,
+) -> Vec<ClampedPosture> {
     let simulation = ClampedSimulation {
-        moves: moves(cell, &mut dice, states, 300.0),
+        moves,
+        angle_std,
         ..ClampedSimulation::default()
     };
     let truth = cell.require_prior().unwrap();
-    simulate_clamped(cell, &postures, truth, &simulation, 1, 0).unwrap()
+    simulate_clamped(cell, postures, truth, &simulation, seed, 0).unwrap()
 }
 
 fn stiffness(cell: &Cell, clamped: &[ClampedPosture]) -> Vec<f64> {
@@ -146,12 +159,9 @@ fn the_simulated_flange_stays_where_it_is() {
         let truth = cell.require_prior().unwrap();
         let mut dice = Dice::new(8);
         let postures = postures(&cell, &mut dice, 3);
-        let simulation = ClampedSimulation {
-            // Small, so that the second order does not show.
-            moves: moves(&cell, &mut dice, 2, 1e-3),
-            ..ClampedSimulation::default()
-        };
-        for c in simulate_clamped(&cell, &postures, truth, &simulation, 1, 0).unwrap() {
+        // Small, so that the second order does not show.
+        let moves = moves(&cell, &mut dice, 2, 1e-3);
+        for c in simulated(&cell, &postures, moves, 0.0, 1) {
             let robot = &cell.setup.robot;
             let moved: Vec<f64> = c
                 .posture
@@ -186,11 +196,8 @@ fn a_posture_at_a_singularity_gives_what_the_flange_holds() {
     postures[1].q = [10.0, 5.0, -95.0, 20.0, 0.0, 30.0_f64]
         .map(f64::to_radians)
         .to_vec();
-    let simulation = ClampedSimulation {
-        moves: moves(&cell, &mut Dice::new(32), 2, 300.0),
-        ..ClampedSimulation::default()
-    };
-    let data = simulate_clamped(&cell, &postures, &truth, &simulation, 1, 0).unwrap();
+    let moves = moves(&cell, &mut Dice::new(32), 2, 300.0);
+    let data = simulated(&cell, &postures, moves, 0.0, 1);
     let result = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
     assert_eq!(result.estimates.rows, 2 * (6 + 5 + 6));
     assert_close(
@@ -320,13 +327,9 @@ fn a_clamped_identification_predicts_free_deflections() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap();
     let mut dice = Dice::new(14);
-    let simulation = ClampedSimulation {
-        moves: moves(&cell, &mut dice, 2, 300.0),
-        angle_std: 1e-6,
-        ..ClampedSimulation::default()
-    };
+    let moves = moves(&cell, &mut dice, 2, 300.0);
     let postures = postures(&cell, &mut dice, 6);
-    let data = simulate_clamped(&cell, &postures, truth, &simulation, 4, 0).unwrap();
+    let data = simulated(&cell, &postures, moves, 1e-6, 4);
     let fit = identify_clamped(&cell, &data, None, &IdentifyOptions::default()).unwrap();
     // Bands take the noise of the readings from the cell: the fit saw angles only.
     let predictor =
@@ -350,13 +353,9 @@ fn every_estimator_takes_clamped_rows() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap();
     let mut dice = Dice::new(101);
-    let simulation = ClampedSimulation {
-        moves: moves(&cell, &mut dice, 2, 300.0),
-        angle_std: 2e-6,
-        ..ClampedSimulation::default()
-    };
+    let moves = moves(&cell, &mut dice, 2, 300.0);
     let postures = postures(&cell, &mut dice, 6);
-    let data = simulate_clamped(&cell, &postures, truth, &simulation, 6, 0).unwrap();
+    let data = simulated(&cell, &postures, moves, 2e-6, 6);
     for estimator in Estimator::ALL {
         let options = by(estimator);
         let result = identify_clamped(&cell, &data, None, &options).unwrap();

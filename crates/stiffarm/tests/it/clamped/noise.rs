@@ -103,13 +103,9 @@ fn huber_finds_a_state_that_does_not_fit() {
     let cell = reference_cell();
     let truth = cell.require_prior().unwrap();
     let mut dice = Dice::new(81);
-    let simulation = ClampedSimulation {
-        moves: moves(&cell, &mut dice, 3, 300.0),
-        angle_std: 2e-6,
-        ..ClampedSimulation::default()
-    };
+    let moves = moves(&cell, &mut dice, 3, 300.0);
     let postures = postures(&cell, &mut dice, 8);
-    let mut data = simulate_clamped(&cell, &postures, truth, &simulation, 2, 0).unwrap();
+    let mut data = simulated(&cell, &postures, moves, 2e-6, 2);
     for q in &mut data[4].motor {
         *q *= 3.0;
     }

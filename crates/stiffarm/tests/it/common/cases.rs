@@ -1,4 +1,4 @@
-//! Tables of cases in text files.
+//! Tables of cases in text files, and reports of slips.
 
 /// One case a line, its `N` columns with ` => ` between them; `\n` and `\\` as in Rust. Headings begin with `##`.
 pub fn cases<const N: usize>(text: &str) -> Vec<[String; N]> {
@@ -15,6 +15,23 @@ pub fn cases<const N: usize>(text: &str) -> Vec<[String; N]> {
             .unwrap_or_else(|_| panic!("{N} columns: {line}"))
     };
     lines.map(columns).collect()
+}
+
+/// What a report says of one slip: what was written, and the error with its code.
+#[track_caller]
+pub fn slip<T>(shown: &str, result: stiffarm::Result<T>) -> String {
+    let Err(error) = result else {
+        panic!("accepted: {shown}")
+    };
+    format!("» {shown}\n[{}] {error}\n\n", error.code().as_str())
+}
+
+/// What is written in place of `from`, in one line.
+pub fn shown(from: &str, to: &str) -> String {
+    match to {
+        "" => format!("without {}", from.trim_end()),
+        to => to.trim_end().replace('\n', "; "),
+    }
 }
 
 fn unescaped(text: &str) -> String {

@@ -4,6 +4,7 @@
 #![allow(dead_code, missing_docs)]
 
 pub mod cases;
+pub mod differences;
 pub mod groups;
 pub mod meshes;
 pub mod model;
@@ -13,6 +14,7 @@ pub mod readings;
 pub mod runs;
 pub mod segments;
 pub mod set_ups;
+pub mod small;
 
 use nalgebra::{DMatrix, Vector3};
 use proptest::test_runner::{Config, RngSeed};

@@ -2,6 +2,7 @@
 
 use super::prelude::*;
 use stiffarm::estimate::systematic::{SystematicErrors, SystematicSource};
+use stiffarm::model::path::{PathPoint, PathTarget};
 
 /// The default of a type with changes.
 pub fn with<T: Default>(change: impl FnOnce(&mut T)) -> T {
@@ -141,6 +142,19 @@ pub fn panda() -> Robot {
         [FRAC_PI_2, 0.088, 0.107, 0.0],
     ];
     chain("Panda", DhConvention::Modified, &rows)
+}
+
+/// A point of a path, of which nothing else is known.
+pub fn path_point(name: impl ToString, target: PathTarget) -> PathPoint {
+    PathPoint {
+        feature: None,
+        feed: None,
+        rapid: false,
+        name: name.to_string().into(),
+        line: None,
+        target,
+        load: None,
+    }
 }
 
 /// One source of systematic errors.

@@ -30,6 +30,17 @@ fn singular_poses_give_a_representative() {
     }
 }
 
+#[test]
+fn a_straight_wrist_of_three_parallel_axes_is_told() {
+    let robot = ur10(0.0);
+    let mut q = Dice::new(4).posture(6);
+    q[4] = 0.0;
+    let pose = flange(&robot, &q);
+    let branches = InverseKinematics::new(&robot).branches(&pose).unwrap();
+    assert!(check_branches(&robot, &pose, &branches) < 1e-10);
+    assert!(branches.iter().any(|b| b.singular));
+}
+
 /// The elbow's angle at which the robot is stretched or folded: axes 2 and 3
 /// and the wrist's centre in a plane.
 fn stretched(robot: &Robot, mut q: Vec<f64>, folded: bool) -> Vec<f64> {

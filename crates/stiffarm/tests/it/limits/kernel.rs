@@ -1,6 +1,7 @@
 //! Limits as a search sees them: a penalty on a whole group.
 
 use super::*;
+use crate::common::differences::assert_gradient;
 use stiffarm::internals::{Kernel, Lanes, WIDTH, Wanted, sin_cos};
 
 const WANTED: Wanted<'_> = Wanted {
@@ -21,13 +22,6 @@ fn pushing(cell: &Cell, flat: &[f64]) -> Kernel {
 
 fn largest(gradient: &[f64]) -> f64 {
     gradient.iter().fold(0.0_f64, |m, g| m.max(g.abs()))
-}
-
-/// Central differences without their error of order h².
-fn slope(mut at: impl FnMut(f64) -> f64, step: f64) -> f64 {
-    let half = step / 2.0;
-    let (coarse, fine) = (at(step) - at(-step), at(half) - at(-half));
-    extrapolated([coarse / (2.0 * step), fine / step])
 }
 
 #[test]
@@ -69,22 +63,12 @@ fn the_penalty_has_its_derivative() {
         let mut gradient = vec![0.0; flat.len()];
         kernel.forward(&flat);
         kernel.reverse(&mut gradient);
-        let largest = largest(&gradient);
-        assert!(largest > 1.0);
-        for k in 0..flat.len() {
-            let at = |step: f64| {
-                let mut moved = flat.clone();
-                moved[k] += step;
-                kernel.forward(&moved);
-                kernel.penalty()
-            };
-            let expected = slope(at, step);
-            assert!(
-                (gradient[k] - expected).abs() < tolerance * largest,
-                "{k}: {} {expected}",
-                gradient[k]
-            );
-        }
+        assert!(largest(&gradient) > 1.0);
+        let value = |q: &[f64]| {
+            kernel.forward(q);
+            kernel.penalty()
+        };
+        assert_gradient("angle", &gradient, &flat, value, step, tolerance);
     }
 }
 
@@ -114,28 +98,16 @@ fn the_penalty_has_its_derivative_by_the_load() {
         let (by_anchor, by_point) = kernel.load_gradient();
         let (anchor, point) = (Vector3::new(1.8, -0.4, 0.1), cell.setup.tool.loading_point);
         let gradient = [by_anchor, by_point].concat();
-        let largest = largest(&gradient);
-        assert!(largest > 1e-3, "{largest}");
-        for (k, ours) in gradient.iter().enumerate() {
-            let at = |step: f64| {
-                let shift = Vector3::ith(k % 3, step);
-                let [anchor, point] = if k < 3 {
-                    [anchor + shift, point]
-                } else {
-                    [anchor, point + shift]
-                };
-                kernel.set_anchor(anchor.into());
-                kernel.set_loading_point(point.into());
-                kernel.forward(&flat);
-                kernel.penalty()
-            };
-            let expected = slope(at, 2e-4);
-            assert!(
-                (ours - expected).abs() < 1e-7 * largest,
-                "{:?} {k}: {ours} {expected}",
-                cell.setup.load
-            );
-        }
+        assert!(largest(&gradient) > 1e-3);
+        let value = |load: &[f64]| {
+            kernel.set_anchor([load[0], load[1], load[2]]);
+            kernel.set_loading_point([load[3], load[4], load[5]]);
+            kernel.forward(&flat);
+            kernel.penalty()
+        };
+        let at = [anchor.as_slice(), point.as_slice()].concat();
+        let what = format!("{:?}", cell.setup.load);
+        assert_gradient(&what, &gradient, &at, value, 2e-4, 1e-7);
     }
 }
 

@@ -23,15 +23,8 @@ fn rectangle(cell: &mut Cell, axes: ForceAxes) -> Vec<PathPoint> {
             let t = f64::from(i) / 12.0;
             let at = |k: usize| pair[0][k] + t * (pair[1][k] - pair[0][k]);
             let local = Isometry3::from_parts(Translation3::new(at(0), at(1), 0.05), down());
-            points.push(PathPoint {
-                feature: None,
-                feed: None,
-                rapid: false,
-                name: format!("{}", points.len() + 1).into(),
-                line: None,
-                target: PathTarget::Pose(cell.work.workpiece * local),
-                load: None,
-            });
+            let target = PathTarget::Pose(cell.work.workpiece * local);
+            points.push(path_point(points.len() + 1, target));
         }
     }
     points
@@ -171,17 +164,12 @@ fn full_turns_are_chosen_for_the_whole_path() {
                 UnitQuaternion::from_euler_angles(0.0, 0.0, f64::from(i) * 4_f64.to_radians());
             let pose = Isometry3::from_parts(Translation3::identity(), down() * turn);
             PathPoint {
-                feature: None,
-                feed: None,
-                rapid: false,
-                name: i.to_string().into(),
-                line: None,
-                target: PathTarget::Pose(cell.work.workpiece * pose),
                 load: Some(TipLoad {
                     force: Vector3::new(0.0, 0.0, 300.0),
                     moment: Vector3::zeros(),
                     axes: ForceAxes::Base,
                 }),
+                ..path_point(i, PathTarget::Pose(cell.work.workpiece * pose))
             }
         })
         .collect();
@@ -211,9 +199,6 @@ fn a_free_tool_axis_takes_the_best_turn() {
         .iter()
         .map(|p| match &p.target {
             PathTarget::Pose(pose) => PathPoint {
-                feature: None,
-                feed: None,
-                rapid: false,
                 target: PathTarget::Axis {
                     position: pose.translation.vector,
                     axis: UnitVector3::new_normalize(pose.rotation * Vector3::z()),

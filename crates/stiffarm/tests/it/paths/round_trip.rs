@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::common::cases;
+use crate::common::set_ups::path_point;
 
 /// Numbers of few decimals, as controllers show them, or of many.
 fn number(largest: f64) -> impl Strategy<Value = f64> {
@@ -73,13 +74,9 @@ fn path(target: impl Strategy<Value = PathTarget>) -> impl Strategy<Value = Vec<
     prop::collection::vec((target, load()), 1..6).prop_map(|points| {
         let points = points.into_iter().enumerate();
         let points = points.map(|(i, (target, load))| PathPoint {
-            feature: None,
-            feed: None,
-            rapid: false,
-            name: format!("P{i}").into(),
             line: Some(i + 2),
-            target,
             load,
+            ..path_point(format!("P{i}"), target)
         });
         // Far from the base, or the size would be doubted.
         let mut points: Vec<PathPoint> = points.collect();

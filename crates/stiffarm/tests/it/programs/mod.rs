@@ -13,12 +13,13 @@ mod statements;
 mod urscript;
 
 use super::common::random::Dice;
+use super::common::set_ups::panda;
 use grammar::{Checked, Found};
 use proptest::prelude::*;
 use std::fmt::Write;
 use stiffarm::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::{DhConvention, DhRow, Robot};
+use stiffarm::model::robot::Robot;
 use stiffarm::plan::feasibility::forbidden;
 use stiffarm_files::program::{
     Language, Program, ProgramFile, ProgramOptions, Start, Step, Stop, program_of_stops,
@@ -85,21 +86,6 @@ fn expected(language: Language, program: &Program) -> Found {
 
 /// A seven-joint arm: the rows of Franka's Panda, with its limits in whole degrees.
 fn seven_joints() -> Robot {
-    let row = |alpha: f64, a, d| DhRow {
-        alpha: alpha.to_radians(),
-        a,
-        d,
-        offset: 0.0,
-    };
-    let rows = [
-        row(0.0, 0.0, 0.333),
-        row(-90.0, 0.0, 0.0),
-        row(90.0, 0.0, 0.316),
-        row(90.0, 0.0825, 0.0),
-        row(-90.0, -0.0825, 0.384),
-        row(90.0, 0.0, 0.0),
-        row(90.0, 0.088, 0.107),
-    ];
     let limits = [
         [-166, 166],
         [-101, 101],
@@ -110,8 +96,7 @@ fn seven_joints() -> Robot {
         [-166, 166],
     ];
     let limits = limits.map(|pair| pair.map(|deg| f64::from(deg).to_radians()));
-    let robot = Robot::from_dh("seven", DhConvention::Modified, &rows, Default::default()).unwrap();
-    robot.with_limits(&limits).unwrap()
+    panda().with_limits(&limits).unwrap()
 }
 
 /// An angle in radians, in whole hundredths of a degree where asked.
@@ -275,22 +260,6 @@ fn programs_of_6_and_50_postures_are_sound_and_read_back() {
             if language != Language::Urscript {
                 agrees(language, &program(language, &arm_of_seven), 7, hundredths);
             }
-        }
-    }
-}
-
-#[test]
-fn robots_of_the_catalogue_are_sound_and_read_back() {
-    for name in ["kuka-kr240-2", "fanuc-r2000ic165f"] {
-        let robot = Robot::from_catalogue(name).unwrap();
-        for language in CONTROLLERS {
-            let postures = within(&robot, 6, true, 7);
-            agrees(
-                language,
-                &program(language, &postures),
-                robot.joint_count(),
-                true,
-            );
         }
     }
 }

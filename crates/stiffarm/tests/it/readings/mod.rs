@@ -12,6 +12,7 @@ mod xlsx;
 #[path = "../common/workbook.rs"]
 mod workbook;
 
+use crate::common::small::{POSTURES, ROPE, cell_with, nearly, rope_cell};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 use stiffarm::model::cell::Cell;
@@ -28,32 +29,12 @@ use stiffarm_files::table::{
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
-const ROPE: &str = "kind = 'rope'\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
 const SENSOR: &str =
     "[sensor]\nmount = 'flange'\nxyz_mm = [0, 0, 60]\nrpy_deg = [0, 0, 30]\nreports = 'by_robot'\n";
-
-/// Two joints, the points `left` and `right`, the given load, and more tables.
-fn cell_with(load: &str, more: &str) -> Cell {
-    let text = format!(
-        "format = 1\nrobot.dh_modified = [[0, 0, 800, 0], [-90, 400, 0, -90]]\n\
-         robot.limits_deg = [[-170, 170], [-75, 95]]\n\
-         tool.loading_point_mm = [200, 0, 250]\n\
-         [[tool.measuring_point]]\nname = 'left'\nposition_mm = [150, 0, 200]\n\
-         [[tool.measuring_point]]\nname = 'right'\nposition_mm = [0, 150, 200]\n\
-         [load]\n{load}\n{more}"
-    );
-    parse_cell(&text, "small.toml").unwrap()
-}
-
-fn rope_cell() -> Cell {
-    cell_with(ROPE, "")
-}
 
 fn sensor_cell() -> Cell {
     cell_with("kind = 'measured'", SENSOR)
 }
-
-const POSTURES: &str = "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,-90.25,45\n";
 
 /// Forces, moments, times, angles of each state, a repeat, a base reflector.
 const FULL: &str = "\
@@ -243,32 +224,6 @@ fn states_say_what_they_are_for() {
     ] {
         assert_eq!(ReadingTarget::is_base_name(name), reserved, "{name}");
     }
-}
-
-#[test]
-fn spreadsheets_write_the_same_table_in_many_ways() -> Check {
-    let cell = sensor_cell();
-    let plain = readings(FULL, &cell)?;
-    let european = FULL.replace(',', ";").replace('.', ",");
-    for text in [
-        format!("\u{feff}{FULL}"),
-        FULL.replace('\n', "\r\n"),
-        FULL.replace('\n', ",,\n"),
-        format!("{FULL},,\n,,,,\n"),
-        european.clone(),
-        format!("\u{feff}sep=;\n{european}"),
-        FULL.replace(',', "\t"),
-        FULL.replace(',', "\t").replace('.', ","),
-        FULL.replace("x_mm,y_mm,z_mm", "X_mm , Y_mm, Z_MM"),
-        FULL.replace(",up,", ",\"up\","),
-    ] {
-        assert_eq!(
-            without_lines(readings(&text, &cell)?),
-            without_lines(plain.clone()),
-            "{text}"
-        );
-    }
-    Ok(())
 }
 
 /// As a tracker's software may write it: its own headings, more columns.

@@ -106,12 +106,6 @@ fn any_table() -> impl Strategy<Value = ReadingTable> {
     })
 }
 
-/// The same up to what numbers of degrees and millimetres can tell apart.
-fn nearly(a: &[f64], b: &[f64]) -> bool {
-    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * a.abs();
-    a.len() == b.len() && a.iter().zip(b).all(close)
-}
-
 proptest! {
     #![proptest_config(cases(256))]
 

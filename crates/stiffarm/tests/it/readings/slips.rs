@@ -1,6 +1,7 @@
 //! Mistakes in a table of readings.
 
 use super::*;
+use crate::common::cases::slip;
 
 /// What is replaced in [`FULL`] by what.
 const SLIPS: &[(&str, &str)] = &[
@@ -44,13 +45,7 @@ const SLIPS: &[(&str, &str)] = &[
 #[test]
 fn slips_in_a_table_of_readings() {
     let mut report = String::new();
-    let mut note = |slip: &str, result: stiffarm::Result<ReadingTable>| {
-        let error = match result {
-            Ok(_) => panic!("accepted: {slip}"),
-            Err(error) => error,
-        };
-        report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
-    };
+    let mut note = |what: &str, read: stiffarm::Result<ReadingTable>| report += &slip(what, read);
     let cell = sensor_cell();
     for (from, to) in SLIPS {
         assert!(FULL.contains(from), "{from}");

@@ -1,6 +1,7 @@
 //! The catalogue against the robot descriptions that it comes from.
 
 use super::*;
+use crate::urdf::plain::{joints_turned, path, pose_and_jacobian};
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_2;
 use std::path::PathBuf;
@@ -63,102 +64,14 @@ fn poses_are_those_of_the_samples() {
     }
 }
 
-/// One joint of a description.
-struct UrdfJoint {
-    name: String,
-    parent: String,
-    child: String,
-    origin: Isometry3<f64>,
-    axis: Vector3<f64>,
-    is_fixed: bool,
-}
-
-/// The value of an attribute in the first tag `<tag …>` of `text`.
-fn attribute<'t>(text: &'t str, tag: &str, name: &str) -> Option<&'t str> {
-    let start = format!("<{tag}");
-    let tag = text.split(start.as_str()).nth(1)?.split('>').next()?;
-    let start = format!(" {name}=\"");
-    tag.split(start.as_str()).nth(1)?.split('"').next()
-}
-
-fn three(text: Option<&str>, default: [f64; 3]) -> [f64; 3] {
-    let Some(text) = text else { return default };
-    let values: Vec<f64> = text
-        .split_whitespace()
-        .map(|w| w.parse().unwrap())
-        .collect();
-    values.try_into().unwrap()
-}
-
-fn joints(urdf: &str) -> Vec<UrdfJoint> {
-    let parts = urdf.split("<joint ").skip(1);
-    parts
-        .map(|part| part.split("</joint>").next().unwrap())
-        .map(|part| {
-            let own = |name: &str| {
-                let head = part.split('>').next().unwrap();
-                let start = format!("{name}=\"");
-                head.split(start.as_str())
-                    .nth(1)
-                    .unwrap()
-                    .split('"')
-                    .next()
-                    .unwrap()
-                    .to_string()
-            };
-            // Some descriptions round quarter turns to five or six digits.
-            let snapped = |angle: f64| {
-                let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
-                if (angle - quarter).abs() < 2e-5 {
-                    quarter
-                } else {
-                    angle
-                }
-            };
-            let [x, y, z] = three(attribute(part, "origin", "xyz"), [0.0; 3]);
-            let rpy = three(attribute(part, "origin", "rpy"), [0.0; 3]).map(snapped);
-            let about = |axis, angle| UnitQuaternion::from_axis_angle(&axis, angle);
-            // Fixed axes: roll about x first, yaw about z last.
-            let rotation = about(Vector3::z_axis(), rpy[2])
-                * about(Vector3::y_axis(), rpy[1])
-                * about(Vector3::x_axis(), rpy[0]);
-            UrdfJoint {
-                name: own("name"),
-                parent: attribute(part, "parent", "link").unwrap().to_string(),
-                child: attribute(part, "child", "link").unwrap().to_string(),
-                origin: Isometry3::from_parts(Translation3::new(x, y, z), rotation),
-                axis: Vector3::from(three(attribute(part, "axis", "xyz"), [1.0, 0.0, 0.0])),
-                is_fixed: own("type") == "fixed",
-            }
-        })
-        .collect()
-}
-
-/// The flange in the base by walking the description's tree from the flange down.
-fn urdf_pose(joints: &[UrdfJoint], data: &Value, q: &[f64]) -> Matrix4<f64> {
-    let text = |key: &str| data[key].as_str().unwrap();
-    let names: Vec<&str> = data["joint_names"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|n| n.as_str().unwrap())
-        .collect();
-    let mut pose = Isometry3::identity();
-    let mut link = text("flange_frame");
-    let mut moved = 0;
-    while link != text("base_frame") {
-        let joint = joints.iter().find(|j| j.child == link).unwrap();
-        if !joint.is_fixed {
-            let at = names.iter().position(|n| *n == joint.name).unwrap();
-            let axis = nalgebra::Unit::new_normalize(joint.axis);
-            pose = UnitQuaternion::from_axis_angle(&axis, q[at]) * pose;
-            moved += 1;
-        }
-        pose = joint.origin * pose;
-        link = &joint.parent;
+/// Some descriptions round quarter turns to five or six digits.
+fn snapped(angle: f64) -> f64 {
+    let quarter = (angle / FRAC_PI_2).round() * FRAC_PI_2;
+    if (angle - quarter).abs() < 2e-5 {
+        quarter
+    } else {
+        angle
     }
-    assert_eq!(moved, q.len());
-    pose.to_homogeneous()
 }
 
 #[test]
@@ -167,14 +80,26 @@ fn poses_are_those_of_the_descriptions() {
     for (entry, name, data) in described() {
         let robot = entry.robot().unwrap();
         let urdf = folder().join("urdf").join(format!("{name}.urdf"));
-        let joints = joints(&std::fs::read_to_string(urdf).unwrap());
+        let joints = joints_turned(&std::fs::read_to_string(urdf).unwrap(), snapped);
+        let text = |key: &str| data[key].as_str().unwrap();
+        let (base, tip) = (text("base_frame"), text("flange_frame"));
+        let names = data["joint_names"].as_array().unwrap().iter();
+        let names: Vec<String> = names.map(|n| n.as_str().unwrap().to_string()).collect();
+        let mut moved: Vec<&String> = path(&joints, base, tip)
+            .into_iter()
+            .filter(|j| j.kind != "fixed")
+            .map(|j| &j.name)
+            .collect();
+        moved.sort_by_key(|name| names.iter().position(|n| n == *name));
+        assert!(moved.into_iter().eq(&names), "{name}");
         let mut dice = Dice::new(8);
         let mut worst = 0.0_f64;
         for _ in 0..20 {
             let urdf: Vec<f64> = (0..robot.joint_count())
                 .map(|_| dice.between(-3.0, 3.0))
                 .collect();
-            let expected = urdf_pose(&joints, &data, &urdf);
+            let named = names.iter().cloned().zip(urdf.iter().copied()).collect();
+            let (expected, _) = pose_and_jacobian(&joints, base, tip, &named, &names);
             worst = worst.max(error(&robot, &pendant(&data, &urdf), &expected));
         }
         assert!(worst < 1e-9, "{name}: {worst:e}");

@@ -1,11 +1,10 @@
 //! Tables of Denavit–Hartenberg rows.
 
-use super::*;
 use stiffarm::Code;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::robot::{DhConvention, DhRobot, DhRow, Robot};
 use stiffarm::units::deg_to_rad;
-use stiffarm_files::cell::template_of;
+use stiffarm_files::cell::{parse_cell, template_of};
 use stiffarm_files::table::read_dh_rows;
 
 const ROWS: &str = "joint,alpha_deg,a_mm,d_mm,offset_deg,low_deg,high_deg,sign\n\

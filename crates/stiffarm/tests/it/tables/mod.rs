@@ -5,13 +5,13 @@ mod dh_rows;
 mod round_trip;
 mod slips;
 
+use crate::common::small::{POSTURES, cell_with, nearly, rope_cell};
 use proptest::prelude::*;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::posture::Posture;
 use stiffarm_files::builtin;
-use stiffarm_files::cell::parse_cell;
 use stiffarm_files::table::{
     displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
     write_simulated,
@@ -19,28 +19,9 @@ use stiffarm_files::table::{
 
 type Check = Result<(), Box<dyn std::error::Error>>;
 
-/// Two joints, the points `left` and `right`, and the given load.
-fn small_cell(load: &str) -> Cell {
-    let text = format!(
-        "format = 1\nrobot.dh_modified = [[0, 0, 800, 0], [-90, 400, 0, -90]]\n\
-         robot.limits_deg = [[-170, 170], [-75, 95]]\n\
-         tool.loading_point_mm = [200, 0, 250]\n\
-         [[tool.measuring_point]]\nname = 'left'\nposition_mm = [150, 0, 200]\n\
-         [[tool.measuring_point]]\nname = 'right'\nposition_mm = [0, 150, 200]\n\
-         [load]\n{load}\n"
-    );
-    parse_cell(&text, "small.toml").unwrap()
-}
-
-fn rope_cell() -> Cell {
-    small_cell("kind = 'rope'\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]")
-}
-
 fn measured_cell() -> Cell {
-    small_cell("kind = 'measured'")
+    cell_with("kind = 'measured'", "")
 }
-
-const POSTURES: &str = "posture,q1_deg,q2_deg\nP1,12.5,-30\nP2,-90.25,45\n";
 
 const DISPLACEMENTS: &str = "\
 posture,state,point,dx_mm,dy_mm,dz_mm,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,time_s,q1_deg,q2_deg
@@ -87,6 +68,7 @@ fn spreadsheets_write_the_same_table_in_many_ways() -> Check {
         "q2_deg,posture,q1_deg\n-30,P1,12.5\n45,P2,-90.25\n".to_string(),
         european.clone(),
         format!("sep=;\r\n{}", european.replace('\n', "\r\n")),
+        format!("\u{feff}sep=;\n{european}"),
         POSTURES.replace(',', ";"),
         POSTURES.replace(',', "\t"),
         POSTURES.replace(',', "\t").replace('.', ","),

@@ -1,17 +1,13 @@
 //! Mistakes in tables of postures and displacements.
 
 use super::*;
-use crate::common::cases::cases;
+use crate::common::cases::{cases, slip};
 
 #[test]
 fn slips_in_a_posture_table() {
     let mut report = String::new();
-    for [slip, text] in cases(include_str!("posture_slips.txt")) {
-        let error = match postures(&text) {
-            Ok(_) => panic!("accepted: {slip}"),
-            Err(error) => error,
-        };
-        report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
+    for [what, text] in cases(include_str!("posture_slips.txt")) {
+        report += &slip(&what, postures(&text));
     }
     let utf16 = read_postures(
         b"\xff\xfep\0\n\0\x00\xdco\0",
@@ -69,13 +65,8 @@ const DISPLACEMENT_SLIPS: &[(&str, &str)] = &[
 fn slips_in_a_measurement_table() -> Check {
     let cell = measured_cell();
     let mut report = String::new();
-    let mut note = |slip: &str, result: stiffarm::Result<Vec<MeasuredPosture>>| {
-        let error = match result {
-            Ok(_) => panic!("accepted: {slip}"),
-            Err(error) => error,
-        };
-        report += &format!("» {slip}\n[{}] {error}\n\n", error.code().as_str());
-    };
+    let mut note =
+        |what: &str, read: stiffarm::Result<Vec<MeasuredPosture>>| report += &slip(what, read);
     for (from, to) in DISPLACEMENT_SLIPS {
         assert!(DISPLACEMENTS.contains(from), "{from}");
         note(

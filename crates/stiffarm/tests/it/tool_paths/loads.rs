@@ -1,6 +1,7 @@
 //! Feeds of a path, and the loads that follow from them or from a log.
 
 use super::{Check, cell_with, read, read_with};
+use crate::common::set_ups::path_point;
 use nalgebra::{Vector3, Vector6};
 use proptest::prelude::*;
 use stiffarm::model::cell::Cell;
@@ -217,17 +218,15 @@ fn feeds_of_a_table_stay() -> Check {
 }
 
 fn straight(places_mm: &[f64]) -> Vec<PathPoint> {
-    let point = |(i, x): (usize, &f64)| PathPoint {
-        name: (i + 1).to_string().into(),
-        line: Some(i + 2),
-        target: PathTarget::Axis {
+    let point = |(i, x): (usize, &f64)| {
+        let target = PathTarget::Axis {
             position: Vector3::new(x / 1e3, 0.0, 0.0),
             axis: -Vector3::z_axis(),
-        },
-        load: None,
-        feature: None,
-        feed: None,
-        rapid: false,
+        };
+        PathPoint {
+            line: Some(i + 2),
+            ..path_point(i + 1, target)
+        }
     };
     places_mm.iter().enumerate().map(point).collect()
 }

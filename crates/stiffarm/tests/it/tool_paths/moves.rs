@@ -1,6 +1,7 @@
 //! New programs of linear moves.
 
 use super::{Check, apart, stated};
+use crate::common::set_ups::path_point;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::path::{PathPoint, PathTarget};
@@ -54,15 +55,8 @@ fn points(cell: &Cell, q: &[f64; 6]) -> (Vec<Vec<f64>>, Vec<PathPoint>) {
     let postures: Vec<Vec<f64>> = postures.collect();
     let points = postures.iter().zip(1..).map(|(q, number)| {
         let frames = Frames::new(robot, q);
-        PathPoint {
-            name: number.to_string().into(),
-            line: None,
-            target: PathTarget::Pose(frames.flange() * cell.work.tip(&cell.setup.tool)),
-            load: None,
-            feature: None,
-            feed: None,
-            rapid: false,
-        }
+        let pose = frames.flange() * cell.work.tip(&cell.setup.tool);
+        path_point(number, PathTarget::Pose(pose))
     });
     let points = points.collect();
     (postures, points)

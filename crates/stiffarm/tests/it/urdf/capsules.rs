@@ -59,7 +59,7 @@ fn points(geometry: &CollisionGeometry) -> Vec<Vector3<f64>> {
 }
 
 /// Name of the URDF's link, its `<origin>` and the link of the chain that the plain reading knows.
-fn origin(urdf_link: &str) -> (&str, Matrix4<f64>) {
+pub fn origin(urdf_link: &str) -> (&str, Matrix4<f64>) {
     match urdf_link {
         // The pedestal stands above the base in the tree.
         "pedestal" => ("base", plain::pose([0.0, 0.0, -0.5], [0.0; 3])),

@@ -3,7 +3,7 @@
 mod capsules;
 mod faults;
 mod generated;
-mod plain;
+pub mod plain;
 mod reader;
 mod reference;
 mod shapes;

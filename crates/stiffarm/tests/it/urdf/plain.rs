@@ -58,6 +58,11 @@ pub fn pose(xyz: [f64; 3], rpy: [f64; 3]) -> Matrix4<f64> {
 
 /// The joints of a URDF.
 pub fn joints(urdf: &str) -> Vec<PlainJoint> {
+    joints_turned(urdf, |angle| angle)
+}
+
+/// The joints of a URDF, each roll, pitch and yaw through `turned`.
+pub fn joints_turned(urdf: &str, turned: impl Fn(f64) -> f64) -> Vec<PlainJoint> {
     let parts = urdf.split("<joint ").skip(1);
     let parts = parts.map(|part| part.split("</joint>").next().unwrap());
     parts
@@ -75,7 +80,7 @@ pub fn joints(urdf: &str) -> Vec<PlainJoint> {
                 child: attribute(part, "child", "link").unwrap().to_string(),
                 origin: pose(
                     three(attribute(part, "origin", "xyz"), [0.0; 3]),
-                    three(attribute(part, "origin", "rpy"), [0.0; 3]),
+                    three(attribute(part, "origin", "rpy"), [0.0; 3]).map(&turned),
                 ),
                 axis: axis / axis.norm().max(1e-300),
                 mimic: attribute(part, "mimic", "joint").map(|joint| {

@@ -48,12 +48,7 @@ fn shapes_move_with_their_links() {
         let named: BTreeMap<String, f64> = names.iter().cloned().zip(q).collect();
         let frames = Frames::new(&robot, &q);
         for shape in &read.shapes {
-            let (link, origin) = match shape.urdf_link.as_str() {
-                // The pedestal stands above the base in the tree.
-                "pedestal" => ("base", plain::pose([0.0, 0.0, -0.5], [0.0; 3])),
-                "arm" => ("arm", plain::pose([0.1, 0.0, 0.0], [0.0, 0.3, 0.0])),
-                other => (other, Matrix4::identity()),
-            };
+            let (link, origin) = super::capsules::origin(&shape.urdf_link);
             let (pose, _) = pose_and_jacobian(&plain, "base", link, &named, names);
             let own = match shape.link {
                 0 => shape.pose,
