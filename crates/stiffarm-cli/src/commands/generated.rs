@@ -15,7 +15,7 @@ use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::planned;
+use stiffarm::plan::planned::{self, Asked};
 use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
@@ -33,10 +33,12 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<check::Options, CellCheck>("check"),
         of::<EvaluatedOptions, Evaluated>("evaluate"),
         of::<planned::PlanOptions, planned::Plan>("select"),
-        of::<planned::DropOptions, planned::DropResult>("select --drop"),
-        of::<planned::CurveOptions, planned::Curve>("select --curve"),
-        of::<planned::SpaceFillingOptions, planned::SpaceFillingPlan>("select --space-filling"),
-        of::<planned::ChosenOptions, planned::Chosen>("select --candidates"),
+        of::<Asked<planned::DropRequest>, planned::DropResult>("select --drop"),
+        of::<Asked<planned::CurveRequest>, planned::Curve>("select --curve"),
+        of::<Asked<planned::SpaceFillingRequest>, planned::SpaceFillingPlan>(
+            "select --space-filling",
+        ),
+        of::<Asked<planned::CandidateRequest>, planned::Chosen>("select --candidates"),
         of::<simulated::Options, Simulation>("simulate"),
         of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
         of::<coverage::Options, Coverage>("coverage"),

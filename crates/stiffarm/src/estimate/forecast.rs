@@ -15,7 +15,7 @@ use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::plan::check::determinable;
 use crate::plan::index::{Evaluated, Forecast, GroupEvaluation};
-use crate::plan::planned::{Chosen, ChosenOptions, MOST_POSTURES, Plan, PlanOptions, Planned};
+use crate::plan::planned::{Chosen, MOST_POSTURES, Plan, Planned};
 use nalgebra::DVector;
 
 /// Degrees of freedom of residuals with which they weigh as much as the noise that the cell declares.
@@ -128,7 +128,7 @@ fn add(cell: &Cell, postures: &[Posture], evaluation: &mut GroupEvaluation) {
     };
 }
 
-impl Planned<Plan, PlanOptions> {
+impl<O> Planned<Plan, O> {
     /// The same with the ± that `identify` is expected to print.
     #[must_use]
     pub fn with_forecast(mut self) -> Self {
@@ -146,7 +146,7 @@ impl Planned<Plan, PlanOptions> {
     }
 }
 
-impl Planned<Chosen, ChosenOptions> {
+impl<O> Planned<Chosen, O> {
     /// The same with the ± that `identify` is expected to print.
     #[must_use]
     pub fn with_forecast(mut self) -> Self {

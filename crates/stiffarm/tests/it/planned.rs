@@ -234,12 +234,12 @@ fn the_best_of_a_list() {
         assert_eq!((&posture.name, &posture.q), (&list[*at].name, &list[*at].q));
     }
     assert_eq!(planned.options.mode, Mode::Candidates);
-    assert_eq!((planned.options.postures, planned.seed), (3, Some(1)));
+    assert_eq!((planned.options.request.postures, planned.seed), (3, Some(1)));
     assert!(!result.measured_wrenches && result.candidate_names.len() == 8);
     assert!(saved(result).contains(r#""postures_deg":[["#));
     request.certificate = false;
     let found = plan_candidates(&cell, &list, &request, Control::default()).unwrap();
-    assert!(found.result.selection.bound.is_none() && !found.options.certificate);
+    assert!(found.result.selection.bound.is_none() && !found.options.request.certificate);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The best postures out of a list.
 
-use super::kinds::{Mode, POSTURES, Planned, SEED, check_count};
+use super::kinds::{Asked, Mode, POSTURES, Planned, SEED, check_count};
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -14,16 +14,22 @@ use crate::plan::select::{CandidateOptions, CandidateSelection, limits_of, selec
 use serde::{Deserialize, Serialize};
 
 /// What is asked of a choice out of a list.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CandidateRequest {
     /// The index to improve.
+    #[serde(skip)]
     pub index: Index,
     /// Number of postures to choose.
     pub postures: usize,
+    /// Random groups from which the exchange starts.
+    pub starts: usize,
     /// Seed of the random numbers.
+    #[serde(skip)]
     pub seed: u64,
     /// Whether bounds and limits of the cell count: not for measured postures, which the machine held.
+    #[serde(skip)]
     pub limits: bool,
     /// Whether to bound how good any other choice could be.
     pub certificate: bool,
@@ -34,31 +40,12 @@ impl Default for CandidateRequest {
         CandidateRequest {
             index: Index::ExpectedError,
             postures: POSTURES,
+            starts: CandidateOptions::default().starts,
             seed: SEED,
             limits: true,
             certificate: true,
         }
     }
-}
-
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
-pub struct ChosenOptions {
-    /// `candidates`.
-    pub mode: Mode,
-    /// Number of postures chosen.
-    pub postures: usize,
-    /// Random groups from which the exchange started.
-    pub starts: usize,
-    /// Whether a bound was wanted.
-    pub certificate: bool,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
 }
 
 /// The chosen postures and what is known about them.
@@ -93,7 +80,7 @@ pub fn plan_candidates(
     candidates: &[Candidate],
     request: &CandidateRequest,
     control: Control<'_>,
-) -> Result<Planned<Chosen, ChosenOptions>> {
+) -> Result<Planned<Chosen, Asked<CandidateRequest>>> {
     check_count(request.postures)?;
     let measured = |c: &Candidate| c.wrench.is_some() || c.states.iter().any(|s| s.1.is_some());
     let measured_wrenches = candidates.iter().any(measured);
@@ -101,6 +88,7 @@ pub fn plan_candidates(
     let (cell, mut findings) = prepared(cell, !measured_wrenches);
     let (index, count) = (request.index, request.postures);
     let options = CandidateOptions {
+        starts: request.starts,
         seed: request.seed,
         limits: request.limits,
         bound: request.certificate,
@@ -123,13 +111,7 @@ pub fn plan_candidates(
         findings,
         selection,
     };
-    let options = ChosenOptions {
-        mode: Mode::Candidates,
-        postures: count,
-        starts: options.starts,
-        certificate: request.certificate,
-        characteristic_length_m: cell.characteristic_length,
-    };
+    let options = Asked::new(Mode::Candidates, request, &cell);
     Ok(Planned {
         result,
         options,

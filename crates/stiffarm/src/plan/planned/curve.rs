@@ -1,7 +1,7 @@
 //! The best value for each number of postures, and what one more gains.
 
 use super::bounds::kept;
-use super::kinds::{Mode, Planned, SEED, Stage, check_count};
+use super::kinds::{Asked, Mode, Planned, SEED, Stage, check_count};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -10,25 +10,38 @@ use crate::plan::certificate::{CertificateOptions, certify};
 use crate::plan::check::prepared;
 use crate::plan::index::Index;
 use crate::plan::select::{ErrorAtCount, GlobalOptions, error_at_count, error_by_count};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 use std::time::Duration;
 
 /// Largest number of postures unless one is given.
 const LARGEST: usize = 12;
 
+/// A time in seconds.
+fn seconds<S: Serializer>(
+    time: &Option<Duration>,
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    time.map(|time| time.as_secs_f64()).serialize(serializer)
+}
+
 /// What is asked of a curve.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct CurveRequest {
     /// The index to improve.
+    #[serde(skip)]
     pub index: Index,
     /// Largest number of postures.
     pub postures: usize,
     /// Rounds of each search; without rounds and time limit each ends when nothing improves any more.
     pub rounds: Option<u64>,
-    /// Time after which no further round is begun, for each number of postures.
+    /// Time after which no further round is begun, for each number of postures \[s\].
+    #[serde(rename = "time_limit_s", serialize_with = "seconds")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub time_limit: Option<Duration>,
     /// Seed of the random numbers.
+    #[serde(skip)]
     pub seed: u64,
     /// Whether to bound how good a group of each size could be.
     pub certificate: bool,
@@ -45,30 +58,6 @@ impl Default for CurveRequest {
             certificate: true,
         }
     }
-}
-
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
-pub struct CurveOptions {
-    /// `curve`.
-    pub mode: Mode,
-    /// Largest number of postures.
-    pub postures: usize,
-    /// Rounds asked for, for each number of postures; `null` where each search
-    /// ended by itself.
-    pub rounds: Option<u64>,
-    /// Time after which no further round was begun, for each number of
-    /// postures \[s\]; `null` without one.
-    pub time_limit_s: Option<f64>,
-    /// Whether bounds were wanted.
-    pub certificate: bool,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
 }
 
 /// The curve.
@@ -116,7 +105,7 @@ pub fn plan_curve(
     request: &CurveRequest,
     watch: &mut dyn FnMut(Stage),
     control: Control<'_>,
-) -> Result<Planned<Curve, CurveOptions>> {
+) -> Result<Planned<Curve, Asked<CurveRequest>>> {
     check_count(request.postures)?;
     let (cell, findings) = prepared(cell, true);
     let (index, largest) = (request.index, request.postures);
@@ -146,14 +135,7 @@ pub fn plan_curve(
         certificate_missing: missing,
         findings,
     };
-    let options = CurveOptions {
-        mode: Mode::Curve,
-        postures: largest,
-        rounds: request.rounds,
-        time_limit_s: request.time_limit.map(|limit| limit.as_secs_f64()),
-        certificate: request.certificate,
-        characteristic_length_m: cell.characteristic_length,
-    };
+    let options = Asked::new(Mode::Curve, request, &cell);
     Ok(Planned {
         result,
         options,

@@ -1,6 +1,6 @@
 //! Which given postures are least worth their measuring time.
 
-use super::kinds::{Mode, Planned};
+use super::kinds::{Asked, Mode, Planned};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -12,10 +12,12 @@ use crate::plan::select::{Dropped, drop_postures};
 use serde::{Deserialize, Serialize};
 
 /// What is asked of given postures of which some are to be left out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct DropRequest {
     /// The index that is to stay best.
+    #[serde(skip)]
     pub index: Index,
     /// Number of postures to leave out.
     pub drop: usize,
@@ -28,22 +30,6 @@ impl Default for DropRequest {
             drop: 1,
         }
     }
-}
-
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
-pub struct DropOptions {
-    /// `drop`.
-    pub mode: Mode,
-    /// Number of postures to leave out.
-    pub drop: usize,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
 }
 
 /// What each posture is worth, and which ones stay.
@@ -72,7 +58,7 @@ pub fn plan_drop(
     given: &[Posture],
     request: &DropRequest,
     control: Control<'_>,
-) -> Result<Planned<DropResult, DropOptions>> {
+) -> Result<Planned<DropResult, Asked<DropRequest>>> {
     let (cell, mut findings) = prepared(cell, true);
     let dropped = drop_postures(&cell, request.index, given, request.drop, control);
     let dropped = dropped.map_err(|error| match (error.code(), given.len()) {
@@ -87,11 +73,7 @@ pub fn plan_drop(
         dropped,
         findings,
     };
-    let options = DropOptions {
-        mode: Mode::Drop,
-        drop: request.drop,
-        characteristic_length_m: cell.characteristic_length,
-    };
+    let options = Asked::new(Mode::Drop, request, &cell);
     Ok(Planned {
         result,
         options,

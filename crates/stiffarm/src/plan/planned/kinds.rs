@@ -49,6 +49,33 @@ pub enum Mode {
     Candidates,
 }
 
+/// Options of a result: what was asked, and what else it depends on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+pub struct Asked<R> {
+    /// How it was made.
+    pub mode: Mode,
+    /// What was asked.
+    #[serde(flatten)]
+    pub request: R,
+    /// L of Eq. (20) \[m\].
+    pub characteristic_length_m: Option<f64>,
+}
+
+impl<R: Clone> Asked<R> {
+    pub(super) fn new(mode: Mode, request: &R, cell: &Cell) -> Self {
+        Asked {
+            mode,
+            request: request.clone(),
+            characteristic_length_m: cell.characteristic_length,
+        }
+    }
+}
+
 /// A result `R` with the options `O` that it depends on, and what to do with it.
 #[derive(Debug, Clone)]
 pub struct Planned<R, O> {

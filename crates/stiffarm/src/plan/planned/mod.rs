@@ -23,13 +23,11 @@ mod request;
 mod result;
 mod space_filling;
 
-pub use candidates::{CandidateRequest, Chosen, ChosenOptions, plan_candidates};
-pub use curve::{Curve, CurveOptions, CurveRequest, CurveSize, plan_curve};
-pub use drop::{DropOptions, DropRequest, DropResult, plan_drop};
-pub use kinds::{MOST_POSTURES, Mode, Planned, Stage};
+pub use candidates::{CandidateRequest, Chosen, plan_candidates};
+pub use curve::{Curve, CurveRequest, CurveSize, plan_curve};
+pub use drop::{DropRequest, DropResult, plan_drop};
+pub use kinds::{Asked, MOST_POSTURES, Mode, Planned, Stage};
 pub use plan::plan;
 pub use request::PlanRequest;
 pub use result::{LoadOptions, Plan, PlanOptions};
-pub use space_filling::{
-    SpaceFillingOptions, SpaceFillingPlan, SpaceFillingRequest, plan_space_filling,
-};
+pub use space_filling::{SpaceFillingPlan, SpaceFillingRequest, plan_space_filling};

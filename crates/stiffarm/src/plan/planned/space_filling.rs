@@ -1,7 +1,7 @@
 //! Postures that cover the joint space evenly, as a baseline.
 
 use super::driven::driven;
-use super::kinds::{ANGLE_STEP_DEG, Mode, POSTURES, Planned, SEED, check_count};
+use super::kinds::{ANGLE_STEP_DEG, Asked, Mode, POSTURES, Planned, SEED, check_count};
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -14,14 +14,16 @@ use crate::plan::select::{smallest_distance, smallest_margin, space_filling};
 use serde::{Deserialize, Serialize};
 
 /// What is asked of evenly spread postures.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct SpaceFillingRequest {
     /// Number of postures.
     pub postures: usize,
     /// Seed of the random numbers.
+    #[serde(skip)]
     pub seed: u64,
-    /// Steps that angles are rounded to \[deg\]; `None` leaves them as they are.
+    /// Steps that angles are rounded to \[deg\]; without one they stay as they are.
     pub angle_step_deg: Option<f64>,
 }
 
@@ -33,24 +35,6 @@ impl Default for SpaceFillingRequest {
             angle_step_deg: Some(ANGLE_STEP_DEG),
         }
     }
-}
-
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
-pub struct SpaceFillingOptions {
-    /// `space_filling`.
-    pub mode: Mode,
-    /// Number of postures.
-    pub postures: usize,
-    /// Steps that angles were rounded to \[deg\]; `null` where they were not.
-    pub angle_step_deg: Option<f64>,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
 }
 
 /// Evenly spread postures with what they are worth.
@@ -92,7 +76,7 @@ pub fn plan_space_filling(
     cell: &Cell,
     request: &SpaceFillingRequest,
     control: Control<'_>,
-) -> Result<Planned<SpaceFillingPlan, SpaceFillingOptions>> {
+) -> Result<Planned<SpaceFillingPlan, Asked<SpaceFillingRequest>>> {
     check_count(request.postures)?;
     let (cell, mut findings) = prepared(cell, true);
     let found = space_filling(&cell, request.postures, request.seed, control)?;
@@ -120,12 +104,7 @@ pub fn plan_space_filling(
         route,
         findings,
     };
-    let options = SpaceFillingOptions {
-        mode: Mode::SpaceFilling,
-        postures: request.postures,
-        angle_step_deg: request.angle_step_deg,
-        characteristic_length_m: cell.characteristic_length,
-    };
+    let options = Asked::new(Mode::SpaceFilling, request, &cell);
     Ok(Planned {
         result,
         options,
