@@ -144,8 +144,7 @@ fn wrong_tables_are_answered_with_place_and_hint() {
     folder.write("comma.csv", format!("{HEADING}\nA,1,5,2,3,4,5,6\n"));
     folder.write("empty.csv", format!("{HEADING}\n"));
     let before = folder.names();
-    let mut report = String::new();
-    for line in [
+    let report = folder.refusals([
         "register metres.csv",
         "register no-unit.csv",
         "register missing.csv",
@@ -160,10 +159,7 @@ fn wrong_tables_are_answered_with_place_and_hint() {
         "register builtin:example-pairs --std-mm 0",
         "register builtin:example-pairs --output metres.csv",
         "register builtin:example-pairs --output - --json",
-    ] {
-        report += &printed(&folder, line, 2).replace("-- standard error\n", "");
-        report.push('\n');
-    }
+    ]);
     assert_eq!(folder.names(), before);
     assert_snapshot!(report);
 }

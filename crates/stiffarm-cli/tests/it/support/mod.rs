@@ -97,6 +97,24 @@ impl Folder {
         ran.err
     }
 
+    /// Transcripts of lines that must be refused before any work; with `--json` the error is on standard output.
+    pub fn refusals<'a>(&self, lines: impl IntoIterator<Item = &'a str>) -> String {
+        let mut report = String::new();
+        for line in lines {
+            let ran = self.run(line);
+            assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+            let printed = if line.ends_with("--json") {
+                &ran.err
+            } else {
+                &ran.out
+            };
+            assert_eq!(printed, "", "{line} printed a part of a result");
+            report += &ran.transcript(line).replace("-- standard error\n", "");
+            report.push('\n');
+        }
+        report
+    }
+
     /// Runs a line with `--json` and gives the object it printed.
     pub fn json(&self, line: &str) -> Value {
         let ran = self.run(&format!("{line} --json"));
