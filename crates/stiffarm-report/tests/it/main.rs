@@ -3,7 +3,6 @@
 mod at_work;
 mod cells;
 mod day;
-#[path = "../../examples/gallery/figures.rs"]
 mod gallery;
 mod generic;
 mod identified;
