@@ -2,6 +2,7 @@
 
 mod at_work;
 mod cells;
+mod common;
 mod day;
 mod gallery;
 mod generic;
