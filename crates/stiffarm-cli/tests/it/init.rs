@@ -53,7 +53,6 @@ fn folder() -> Folder {
     folder.write("rows.csv", ROWS);
     folder.write("no-column.csv", ROWS.replace(",d_mm", ",b_mm"));
     folder.write("no-d.csv", "joint,alpha_deg,a_mm,offset_deg\nA1,0,0,0\n");
-    folder.write("not-finite.csv", ROWS.replace("1150", "inf"));
     folder.write("sign.csv", ROWS.replace("185,-1", "185,0"));
     folder
 }
@@ -309,7 +308,6 @@ fn wrong_descriptions_are_answered_with_place_and_hint() {
         "init --tip tool0",
         "init --dh no-column.csv",
         "init --dh no-d.csv",
-        "init --dh not-finite.csv",
         "init --dh sign.csv",
         "init --dh arm.urdf",
     ]);
