@@ -3,7 +3,7 @@
 use crate::support;
 
 use insta::assert_snapshot;
-use support::Folder;
+use support::{Folder, measurements};
 
 const HEADING: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
 
@@ -77,7 +77,7 @@ fn folder() -> Folder {
         "{\"stiffness_nm_per_rad\": [1e6, 2e6, 3e6, -1e5, 1e5, 1e5]}\n",
     );
     folder.write("other.json", "{\"result\": {\"groups\": []}}\n");
-    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements simulated.csv");
+    folder.write("simulated.csv", measurements());
     let named = folder
         .ok("identify builtin:comau simulated.csv --json")
         .replace("\"joint 2\"", "\"A2\"");

@@ -2,7 +2,7 @@
 
 use crate::support;
 
-use support::Folder;
+use support::{Folder, is_narrow};
 
 const POSTURES: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
 home,0,-90,90,0,0,0
@@ -15,12 +15,6 @@ fn kuka() -> Folder {
     folder.ok("init --robot kuka-kr210-r2700-2 --output-dir cell");
     folder.write("postures.csv", POSTURES);
     folder
-}
-
-fn is_narrow(text: &str) {
-    for line in text.lines() {
-        assert!(line.chars().count() <= 80, "{line}");
-    }
 }
 
 #[test]
