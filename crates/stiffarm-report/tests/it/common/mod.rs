@@ -17,7 +17,7 @@ use stiffarm_report::page::{Block, Page, Piece, Text};
 
 /// The test cell with a limit of every kind.
 pub fn with_shapes() -> Cell {
-    let text = include_str!("../../../stiffarm/tests/cells/comau-shapes.toml");
+    let text = include_str!("../../../../stiffarm/tests/cells/comau-shapes.toml");
     parse_cell(text, "comau-shapes").unwrap()
 }
 
