@@ -106,25 +106,6 @@ def test_poses_and_jacobians_are_those_of_the_robotics_toolbox() -> None:
         assert ours.joint_count == robot.n
 
 
-def test_the_same_arm_through_three_doors_gives_the_same_plan_value(tmp_path: Path) -> None:
-    pin = pytest.importorskip("pinocchio")
-    path = tmp_path / "oblique.urdf"
-    path.write_text(OBLIQUE)
-    robots = [stiffarm.Robot.urdf(path), stiffarm.Robot.of_pinocchio(pin.buildModelFromXML(OBLIQUE), "tool0")]
-    q = np.random.default_rng(2).uniform(-1, 1, (5, 6))
-    found = []
-    for robot in robots:
-        cell = stiffarm.Cell.of(
-            robot,
-            stiffarm.cell.tool([0, 0, 200], {"tcp": [0, 0, 250], "side": [100, 0, 150]}),
-            stiffarm.cell.rope([2000, 500, 0], 500),
-            stiffness_nm_per_rad=[1e6] * 6,
-        )
-        found.append(stiffarm.indices(cell, q, ["condition", "expected_error", "d"]))
-    for name in found[0]:
-        assert found[0][name] == pytest.approx(found[1][name], rel=1e-9)
-
-
 def test_jax_and_casadi_differentiate_an_index() -> None:
     cell = stiffarm.Cell.built_in("comau")
     objective = stiffarm.Objective(cell, "expected_error", postures=4)

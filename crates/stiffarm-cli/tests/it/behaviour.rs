@@ -4,7 +4,7 @@ use crate::support;
 
 use std::io::Read;
 use std::process::Stdio;
-use support::{Folder, command};
+use support::{Folder, command, measurements};
 
 #[test]
 fn equal_runs_are_equal_bytes_on_any_number_of_threads() {
@@ -81,18 +81,6 @@ fn init_writes_all_or_nothing() {
 }
 
 #[test]
-fn a_file_in_a_folder_that_does_not_exist_is_refused_before_the_work() {
-    let folder = Folder::new();
-    let ran = folder.run("select builtin:comau --rounds 100000 --output nowhere/plan.csv");
-    assert_eq!(ran.code, Some(2));
-    assert!(
-        ran.err.contains("There is no folder nowhere"),
-        "{}",
-        ran.err
-    );
-}
-
-#[test]
 fn dashes_are_standard_input_and_output() {
     let folder = Folder::new();
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
@@ -165,43 +153,6 @@ fn a_reader_that_has_gone_is_no_error() {
     assert_eq!((status.code(), err.as_str()), (Some(0), ""));
 }
 
-#[cfg(unix)]
-#[test]
-fn ctrl_c_keeps_the_best_so_far() {
-    let folder = Folder::new();
-    let line = "select builtin:comau --rounds 1000000 -n 3 --sensitivity --output plan.csv --json";
-    let child = command(&folder.path(""))
-        .args(line.split(' '))
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    // Some rounds are over within this time; how many does not matter.
-    std::thread::sleep(std::time::Duration::from_secs(2));
-    let id = child.id().to_string();
-    std::process::Command::new("kill")
-        .args(["-INT", &id])
-        .status()
-        .unwrap();
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(
-        output.status.code(),
-        Some(130),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    let result = &value["result"];
-    assert_eq!(result["termination"], "interrupted");
-    assert_eq!(folder.read("plan.csv").lines().count(), 4);
-    // What comes after the search is left out, and it says so.
-    assert!(result["certificate"].is_null() && result["sensitivity"].is_null());
-    assert_eq!(
-        result["certificate_missing"],
-        "stopped before the bound was found"
-    );
-}
-
 #[test]
 fn a_time_limit_ends_the_search_and_names_the_rounds_that_repeat_it() {
     let folder = Folder::new();
@@ -217,21 +168,6 @@ fn a_time_limit_ends_the_search_and_names_the_rounds_that_repeat_it() {
             .contains("until the time was over. `--rounds 1` repeats it."),
         "{table}"
     );
-}
-
-#[test]
-fn links_stay_links() {
-    #[cfg(unix)]
-    {
-        let folder = Folder::new();
-        folder.write("real.csv", "old");
-        std::os::unix::fs::symlink("real.csv", folder.path("link.csv")).unwrap();
-        folder.ok("select builtin:comau --initial builtin:comau-group1 --output link.csv --force");
-        assert!(folder.path("link.csv").is_symlink());
-        assert!(folder.read("real.csv").starts_with("posture"));
-        // A device is written in place.
-        folder.ok("select builtin:comau --initial builtin:comau-group1 --output /dev/null");
-    }
 }
 
 #[test]
@@ -252,28 +188,9 @@ fn manual_pages_and_completions() {
 }
 
 #[test]
-fn an_input_is_never_overwritten() {
-    let folder = Folder::new();
-    folder
-        .ok("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv");
-    let before = folder.read("m.csv");
-    let ran = folder.run("identify builtin:comau m.csv --output m.csv --force");
-    assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("input of the same command"), "{}", ran.err);
-    assert_eq!(folder.read("m.csv"), before);
-    let ran = folder
-        .run("select builtin:comau --initial builtin:comau-group1 --output a.csv --sheet a.csv");
-    assert_eq!(ran.code, Some(2));
-    assert!(ran.err.contains("same file"), "{}", ran.err);
-}
-
-#[test]
 fn displacements_in_metres_are_suspected() {
     let folder = Folder::new();
-    folder
-        .ok("simulate builtin:comau builtin:comau-group1 --runs 2 --levels 1 --measurements m.csv");
-    let metres: String = folder
-        .read("m.csv")
+    let metres: String = measurements()
         .lines()
         .map(|line| {
             let fields: Vec<String> = line

@@ -6,7 +6,7 @@ use insta::assert_snapshot;
 use stiffarm::estimate::clamped::{ClampedPosture, ClampedSimulation, MotorMove, simulate_clamped};
 use stiffarm::model::cell::Cell;
 use stiffarm_files::table::{read_postures, write_clamped};
-use support::Folder;
+use support::{Folder, measurements};
 
 fn cell() -> Cell {
     let text = stiffarm_files::builtin::cell_text("comau").unwrap();
@@ -64,7 +64,7 @@ fn the_stiffness_of_a_clamped_arm() {
         assert!(!key.ends_with("_m"), "{key}: these residuals are angles");
     }
     // What is saved can be validated with a free end.
-    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements simulated.csv");
+    folder.write("simulated.csv", measurements());
     folder.ok("identify builtin:comau clamped.csv --clamped --exclude 6 --output k.json");
     let value = folder.json("validate builtin:comau k.json simulated.csv");
     assert_eq!(value["result"]["band"]["components"], 72);
@@ -106,6 +106,5 @@ fn wrong_requests_are_answered() {
         "identify builtin:comau clamped.csv --clamped --exclude 1,2,3,4,5,6",
         "identify builtin:comau heading.csv --clamped",
     ];
-    let said: Vec<String> = lines.iter().map(|line| folder.transcript(line)).collect();
-    assert_snapshot!(said.join("\n"));
+    assert_snapshot!(folder.refusals(lines));
 }

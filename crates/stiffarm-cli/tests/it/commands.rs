@@ -3,13 +3,11 @@
 use crate::support;
 
 use insta::assert_snapshot;
-use support::{Folder, redact, rounded};
+use support::{Folder, measurements, redact, rounded};
 
 /// A folder with simulated measurements of Group 1's six postures.
 fn measured() -> Folder {
-    let folder = Folder::new();
-    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements simulated.csv");
-    folder
+    Folder::with("simulated.csv", measurements())
 }
 
 fn json(folder: &Folder, line: &str) -> String {

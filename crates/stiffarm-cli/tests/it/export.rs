@@ -3,7 +3,7 @@
 use crate::support;
 
 use insta::assert_snapshot;
-use support::Folder;
+use support::{Folder, blocks, is_narrow};
 
 const GROUP: &str = "export builtin:comau builtin:comau-group1";
 const PULSES: &str =
@@ -34,30 +34,13 @@ a,0,0,-90,0,0,0
 b,80,70,-90,0,45,0
 ";
 
-fn is_narrow(text: &str) {
-    for line in text.lines() {
-        assert!(line.chars().count() <= 80, "{line}");
-    }
-}
-
-fn listed(folder: &Folder, name: &str) -> Vec<String> {
-    let Ok(entries) = std::fs::read_dir(folder.path(name)) else {
-        return Vec::new();
-    };
-    let mut names: Vec<String> = entries
-        .map(|e| e.unwrap().file_name().into_string().unwrap())
-        .collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn every_language_is_written_compared_and_not_overwritten() {
     let folder = Folder::new();
     for (language, more, files) in LANGUAGES {
         let line = format!("{GROUP} --language {language} {more} --output-dir {language}");
         is_narrow(&folder.ok(&line));
-        assert_eq!(listed(&folder, language), files);
+        assert_eq!(folder.names_in(language), files);
         let paths: Vec<String> = files
             .iter()
             .map(|file| format!("{language}/{file}"))
@@ -289,13 +272,8 @@ fn wrong_inputs_are_refused_before_anything_is_written() {
 fn the_page_about_programs_holds() {
     let page = include_str!("../../../../docs/programs.md");
     let folder = Folder::new();
-    let mut parts = page.split("```");
-    parts.next();
     let mut excerpts = 0;
-    let mut blocks: Vec<(&str, &str)> = Vec::new();
-    while let (Some(block), Some(_)) = (parts.next(), parts.next()) {
-        blocks.push(block.split_once('\n').unwrap());
-    }
+    let blocks = blocks(page);
     for (_, text) in blocks.iter().filter(|(language, _)| *language == "sh") {
         for line in text.lines() {
             folder.ok(line.strip_prefix("stiffarm ").unwrap());

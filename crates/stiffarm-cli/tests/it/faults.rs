@@ -53,11 +53,7 @@ fn is_temporary(name: &str) -> bool {
 
 /// A folder with the input of [`WRITERS`].
 fn prepared() -> Folder {
-    let folder = Folder::new();
-    folder.ok(
-        "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements in.csv",
-    );
-    folder
+    Folder::with("in.csv", support::measurements())
 }
 
 fn start(folder: &Folder, line: &str) -> Child {
@@ -244,6 +240,10 @@ fn a_target_of_another_kind_is_refused_before_the_work() {
             "This is a file",
         ),
         ("zones --output-dir file/below --force", "cannot be made"),
+        (
+            "select builtin:comau --rounds 100000 --output nowhere/plan.csv",
+            "There is no folder nowhere",
+        ),
         (
             "identify builtin:comau in.csv --output file/k.json --force",
             "no folder",

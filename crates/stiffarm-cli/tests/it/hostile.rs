@@ -8,21 +8,8 @@ use support::{Folder, Ran, command};
 
 const HEADING: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
 
-/// Names that are more than letters.
-const NAMES: [&str; 12] = [
-    "a\u{1b}[31mred",
-    "a\u{9b}2J",
-    "a\u{7f}b",
-    "a\u{202e}gpj",
-    "a\u{2066}b",
-    "a\u{200b}b",
-    "a\u{2028}b",
-    "\u{feff}a\u{feff}b",
-    "=cmd|' /C calc'!A0",
-    "@SUM(A1)",
-    "+cmd|' /C calc'!A0",
-    "-2+3+cmd|' /C calc'!A0",
-];
+/// Names that are more than letters, one for each reason to refuse them.
+const NAMES: [&str; 3] = ["a\u{1b}[31mred", "a\u{202e}gpj", "=cmd|' /C calc'!A0"];
 
 /// Nothing a terminal obeys, and no line that hides another.
 fn assert_shown(ran: &Ran) {
@@ -46,6 +33,7 @@ fn run(folder: &Folder, words: &[&str]) -> Ran {
 fn names_that_are_more_than_letters_are_refused_with_their_place() {
     let folder = Folder::new();
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
+    let line = "select builtin:comau --initial builtin:comau-group1 --sheet s.csv --states";
     for name in NAMES {
         folder.write(
             "p.csv",
@@ -73,35 +61,12 @@ fn names_that_are_more_than_letters_are_refused_with_their_place() {
         assert_eq!(ran.code, Some(2), "{name:?}\n{}", ran.out);
         assert_shown(&ran);
 
-        let words = [
-            "select",
-            "builtin:comau",
-            "--initial",
-            "builtin:comau-group1",
-            "--sheet",
-            "s.csv",
-            "--states",
-            name,
-        ];
-        // A word that begins with a minus is an option to clap.
-        let ran = run(&folder, &words);
+        let ran = run(&folder, &[line.split(' ').collect(), vec![name]].concat());
         assert_eq!(ran.code, Some(2), "{name:?}\n{}", ran.out);
         assert_shown(&ran);
     }
     assert_eq!(folder.names(), ["cell.toml", "p.csv"]);
-    let ran = run(
-        &folder,
-        &[
-            "select",
-            "builtin:comau",
-            "--initial",
-            "builtin:comau-group1",
-            "--sheet",
-            "s.csv",
-            "--states",
-            "a\nb",
-        ],
-    );
+    let ran = run(&folder, &[line.split(' ').collect(), vec!["a\nb"]].concat());
     assert!(ran.err.contains("line breaks"), "{}", ran.err);
 }
 
@@ -124,14 +89,7 @@ fn signs_before_letters_and_digits_are_names_and_stay_the_same() {
 #[test]
 fn quoted_lines_keys_and_file_names_are_shown_in_letters() {
     let folder = Folder::new();
-    for hidden in [
-        "\u{1b}]0;title\u{7}",
-        "\u{1b}[2J",
-        "\u{202e}",
-        "\u{200b}",
-        "\u{2028}",
-        "\u{9b}1m",
-    ] {
+    for hidden in ["\u{1b}]0;title\u{7}", "\u{202e}", "\u{9b}1m"] {
         folder.write("p.csv", format!("{HEADING}a,0,0,x{hidden}y,0,20,0\n"));
         folder.write("h.csv", format!("posture,q1{hidden}\n1,2\n"));
         folder.write(
@@ -191,25 +149,6 @@ fn a_file_name_of_two_lines_makes_one() {
         "{}",
         ran.out
     );
-}
-
-#[test]
-fn the_page_of_a_study_takes_names_as_text() {
-    let folder = Folder::new();
-    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
-    let name = "<script>alert(1)</script> | [x](http://a.b) `c`";
-    let mut lines: Vec<String> = cell.lines().map(String::from).collect();
-    let at = lines
-        .iter()
-        .position(|line| line.starts_with("name = "))
-        .unwrap();
-    lines[at] = format!("name = '{name}'");
-    folder.write("cell.toml", lines.join("\n"));
-    let ran = folder.run("study cell.toml --runs 2 --initial-groups 0 --output-dir s");
-    assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.err);
-    let page = folder.read("s/report.html");
-    assert!(page.contains("alert(1)"));
-    assert!(!page.contains("<script>alert(1)"));
 }
 
 #[test]

@@ -55,6 +55,19 @@ fn measured() -> Folder {
 }
 
 #[test]
+fn a_stopped_search_for_postures_keeps_the_best_so_far() {
+    let folder = Folder::new();
+    let line = "select builtin:comau --rounds 1000000 -n 3 --sensitivity --output plan.csv --force";
+    let found = result(&folder, line, "-INT", &|_| true);
+    assert_eq!(found["termination"], "interrupted");
+    assert_eq!(folder.read("plan.csv").lines().count(), 4);
+    // What comes after the search is left out, and it says so.
+    assert!(found["certificate"].is_null() && found["sensitivity"].is_null());
+    let missing = &found["certificate_missing"];
+    assert_eq!(missing, "stopped before the bound was found");
+}
+
+#[test]
 fn a_stopped_identification_keeps_its_estimates() {
     let folder = measured();
     let whole = folder.json("identify builtin:comau m.csv");
@@ -255,12 +268,8 @@ fn a_stopped_study_says_so_and_leaves_nothing_older_beside_its_page() {
         "{top}"
     );
     assert!(top.contains("of 1000000 other initial groups"), "{top}");
-    let mut files: Vec<String> = std::fs::read_dir(folder.path("out"))
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-        .collect();
+    let mut files = folder.names_in("out");
     files.retain(|name| !["postures-mine.csv", "notes.txt"].contains(&name.as_str()));
-    files.sort();
     let own = found["files"].as_array().unwrap();
     let mut own: Vec<&str> = own.iter().map(|name| name.as_str().unwrap()).collect();
     own.sort_unstable();

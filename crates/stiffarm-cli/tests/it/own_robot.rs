@@ -2,19 +2,7 @@
 
 use crate::support;
 
-use support::Folder;
-
-/// The blocks of a page between lines of three backquotes: language and text.
-fn blocks(page: &str) -> Vec<(String, String)> {
-    let mut parts = page.split("```");
-    let mut blocks = Vec::new();
-    parts.next();
-    while let (Some(block), Some(_)) = (parts.next(), parts.next()) {
-        let (language, text) = block.split_once('\n').unwrap();
-        blocks.push((language.to_string(), text.to_string()));
-    }
-    blocks
-}
+use support::{Folder, blocks};
 
 #[test]
 fn a_robot_of_ones_own_gets_a_plan_as_the_page_says() {
@@ -22,14 +10,14 @@ fn a_robot_of_ones_own_gets_a_plan_as_the_page_says() {
     let folder = Folder::new();
     let mut said = String::new();
     for (language, text) in blocks(page) {
-        match language.as_str() {
+        match language {
             "csv" => folder.write("kr210.csv", text),
             "toml" => {
                 let written = folder.read("cell.toml");
                 if text.starts_with("controller") {
                     let place = "# controller = \"other\"\n";
                     assert!(written.contains(place), "{written}");
-                    folder.write("cell.toml", written.replace(place, &text));
+                    folder.write("cell.toml", written.replace(place, text));
                     continue;
                 }
                 let (kept, _) = written.split_once("[bounds]").unwrap();

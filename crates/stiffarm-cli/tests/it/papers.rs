@@ -13,15 +13,6 @@ fn folder() -> Folder {
     folder
 }
 
-/// Names of the files in a folder inside.
-fn inside(folder: &Folder, name: &str) -> Vec<String> {
-    let entries = std::fs::read_dir(folder.path(name)).unwrap();
-    let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
-}
-
 #[test]
 fn pictures_and_data_without_a_page() {
     let folder = folder();
@@ -30,7 +21,7 @@ fn pictures_and_data_without_a_page() {
     assert!(!folder.path("report.html").exists());
     // Of a chart also what it shows; the cell is a drawing.
     assert_eq!(
-        inside(&folder, "pictures"),
+        folder.names_in("pictures"),
         [
             "cell.svg",
             "path-components.csv",
@@ -57,7 +48,7 @@ fn pictures_of_several_results_begin_with_their_names() {
         "{said}"
     );
     assert_eq!(
-        inside(&folder, "p"),
+        folder.names_in("p"),
         [
             "other-cell.svg",
             "other-path-components.csv",

@@ -2,7 +2,7 @@
 
 use crate::support;
 
-use support::Folder;
+use support::{Folder, is_narrow};
 
 const POSTURES: &str = "posture,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg
 home,0,-90,90,0,0,0
@@ -15,12 +15,6 @@ fn kuka() -> Folder {
     folder.ok("init --robot kuka-kr210-r2700-2 --output-dir cell");
     folder.write("postures.csv", POSTURES);
     folder
-}
-
-fn is_narrow(text: &str) {
-    for line in text.lines() {
-        assert!(line.chars().count() <= 80, "{line}");
-    }
 }
 
 #[test]
@@ -199,8 +193,7 @@ fn what_is_refused() {
         "vector.csv",
         "x_mm,y_mm,z_mm,rx_rad,ry_rad,rz_rad\n1,2,3,0,90,0\n",
     );
-    let mut report = String::new();
-    for line in [
+    let report = folder.refusals([
         "pose cell/cell.toml",
         "pose cell/cell.toml postures.csv --convention euler",
         "pose cell/cell.toml postures.csv --poses missing.csv",
@@ -210,16 +203,6 @@ fn what_is_refused() {
         "pose cell/cell.toml --poses quaternion.csv --convention abb",
         "pose cell/cell.toml --poses quaternion.csv",
         "pose cell/cell.toml --poses vector.csv --convention ur",
-    ] {
-        let ran = folder.run(line);
-        assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
-        report += &ran.transcript(line).replace("-- standard error\n", "");
-        report.push('\n');
-    }
-    let message = folder.refused("pose cell/cell.toml postures.csv --output postures.csv --force");
-    assert!(
-        message.contains("is an input of the same command"),
-        "{message}"
-    );
+    ]);
     insta::assert_snapshot!("pose_refused", report.replace('\\', "/"));
 }

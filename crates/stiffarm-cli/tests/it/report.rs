@@ -4,13 +4,12 @@ use crate::support;
 
 use serde_json::Value;
 use stiffarm_files::envelope::write_result;
-use support::Folder;
+use support::{Folder, brief_stiffness, measurements, readings};
 
 /// Readings of a simulated experiment and what `identify` makes of them.
 fn measured() -> Folder {
-    let folder = Folder::new();
-    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --readings r.csv");
-    folder.ok("identify builtin:comau r.csv --brief --output k.json");
+    let folder = Folder::with("r.csv", readings());
+    folder.write("k.json", brief_stiffness());
     folder
 }
 
@@ -316,14 +315,26 @@ fn attributes(html: &str, name: &str) -> Vec<String> {
     values.collect()
 }
 
+/// How many numbers a page has; each is that of its result.
+fn numbers(page: &str, result: &Value) -> usize {
+    let paths = attributes(page, "data-path");
+    let values = attributes(page, "data-value");
+    assert_eq!(paths.len(), values.len());
+    for (path, value) in paths.iter().zip(&values) {
+        let there = result.pointer(path).and_then(Value::as_f64);
+        let shown: Value = serde_json::from_str(value).unwrap();
+        assert_eq!(there, shown.as_f64(), "{}: {path}", result["command"]);
+    }
+    paths.len()
+}
+
 #[test]
 fn every_number_of_every_page_stands_in_its_result() {
     let folder = measured();
     folder.ok(
         "select builtin:comau-shapes -n 2 --rounds 1 --no-certificate --quiet --output plan.csv",
     );
-    folder
-        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    folder.write("m.csv", measurements());
     folder.ok("select builtin:comau --space-filling -n 10 --output even.csv");
     folder.ok("simulate builtin:comau even.csv --runs 1 --levels 1 --readings tracked.csv");
     for (line, least, scenes) in [
@@ -387,15 +398,8 @@ fn every_number_of_every_page_stands_in_its_result() {
         );
         let result: Value = serde_json::from_str(&ran.out).unwrap();
         let page = folder.read("page.html");
-        let paths = attributes(&page, "data-path");
-        let values = attributes(&page, "data-value");
-        assert_eq!(paths.len(), values.len(), "{line}");
-        assert!(paths.len() >= least, "{line}: {} numbers", paths.len());
-        for (path, value) in paths.iter().zip(&values) {
-            let there = result.pointer(path).cloned().unwrap_or(Value::Null);
-            let shown: Value = serde_json::from_str(value).unwrap();
-            assert_eq!(there.as_f64(), shown.as_f64(), "{line}: {path}");
-        }
+        let count = numbers(&page, &result);
+        assert!(count >= least, "{line}: {count} numbers");
         assert_eq!(
             page.matches("<div class=\"scene\"").count() > 0,
             scenes > 0,
@@ -413,68 +417,8 @@ fn a_registration_becomes_a_page() {
     let folder = Folder::new();
     folder.write("r.json", folder.ok("register builtin:example-pairs --json"));
     folder.ok("report r.json --output page.html");
-    let (page, result) = (folder.read("page.html"), folder.read("r.json"));
-    let result: Value = serde_json::from_str(&result).unwrap();
-    let paths = attributes(&page, "data-path");
-    assert!(paths.len() >= 3, "{paths:?}");
-    for (path, value) in paths.iter().zip(attributes(&page, "data-value")) {
-        let there = result.pointer(path).and_then(Value::as_f64);
-        assert_eq!(there, serde_json::from_str(&value).unwrap(), "{path}");
-    }
-}
-
-#[test]
-fn a_stiffness_from_faulty_readings_is_doubted_wherever_it_is_used() {
-    let folder = measured();
-    // Forces a tenth of what they were.
-    let mut rows = folder
-        .read("r.csv")
-        .lines()
-        .map(String::from)
-        .collect::<Vec<_>>();
-    let column = rows
-        .iter()
-        .find_map(|row| row.split(',').position(|heading| heading == "load_n"))
-        .unwrap();
-    for row in &mut rows {
-        let mut cells: Vec<String> = row.split(',').map(String::from).collect();
-        if let Some(load) = cells.get(column).and_then(|cell| cell.parse::<f64>().ok()) {
-            cells[column] = (load / 10.0).to_string();
-            *row = cells.join(",");
-        }
-    }
-    folder.write("bad.csv", rows.join("\n") + "\n");
-    let ran = folder.run("identify builtin:comau bad.csv --output bad.json");
-    assert_eq!(ran.code, Some(1), "{}{}", ran.out, ran.err);
-    for line in [
-        "predict builtin:comau bad.json",
-        "compensate builtin:comau bad.json builtin:contour",
-        "map builtin:comau bad.json --plane z=800 --steps 3",
-    ] {
-        let ran = folder.run(&format!("{line} --json --report page.html --force"));
-        assert_eq!(ran.code, Some(1), "{line}\n{}", ran.err);
-        let result: Value = serde_json::from_str(&ran.out).unwrap();
-        let first = &result["result"]["findings"][0];
-        assert_eq!(first["code"], "stiffness-doubtful", "{line}");
-        assert_eq!(first["severity"], "serious", "{line}");
-        assert!(
-            folder.read("page.html").contains("Not usable as it is"),
-            "{line}"
-        );
-        assert!(
-            folder
-                .read("page.html")
-                .contains("Do not use these numbers"),
-            "{line}"
-        );
-    }
-    // Readings may tell whether the stiffness is right after all.
-    let ran = folder.run("validate builtin:comau bad.json r.csv --json");
-    assert_eq!(ran.code, Some(1));
-    let result: Value = serde_json::from_str(&ran.out).unwrap();
-    let remarks = result["result"]["remarks"].as_array().unwrap();
-    assert_eq!(remarks[0]["code"], "stiffness-doubtful");
-    assert_eq!(remarks[0]["severity"], "serious");
+    let result: Value = serde_json::from_str(&folder.read("r.json")).unwrap();
+    assert!(numbers(&folder.read("page.html"), &result) >= 3);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use crate::support;
 
 use serde_json::{Value, json};
-use support::Folder;
+use support::{Folder, measurements, readings, stiffness};
 
 /// A table of displacements with dx, dy and dz in inches under the heading of millimetres.
 pub fn in_inches(folder: &Folder, from: &str, to: &str) {
@@ -26,9 +26,8 @@ pub fn in_inches(folder: &Folder, from: &str, to: &str) {
 }
 
 fn measured() -> Folder {
-    let folder = Folder::new();
-    folder
-        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv --readings r.csv");
+    let folder = Folder::with("m.csv", measurements());
+    folder.write("r.csv", readings());
     folder
 }
 
@@ -87,8 +86,15 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
             ran.out
         );
         // And on the page: before the first number of the verdict.
-        folder.run(&format!("{line} --report page.html --force"));
+        let told = folder.run(&format!("{line} --json --report page.html --force"));
+        let told: Value = serde_json::from_str(&told.out).unwrap();
+        let first = &told["result"]["findings"][0];
+        assert_eq!(first["code"], "stiffness-doubtful", "{line}");
+        assert_eq!(first["severity"], "serious", "{line}");
         let page = folder.read("page.html");
+        for words in ["Not usable as it is", "Do not use these numbers"] {
+            assert!(page.contains(words), "{line}: {words}");
+        }
         let verdict = page.find("<p class=\"result\">").unwrap();
         let said = page[verdict..]
             .find("The stiffness cannot be used as it is")
@@ -116,8 +122,7 @@ fn a_scale_that_was_found_goes_with_the_stiffness() {
 /// A force beyond those of the experiment.
 #[test]
 fn corrections_beyond_the_data_are_written_where_they_are_asked_for() {
-    let folder = measured();
-    folder.ok("identify builtin:comau m.csv --output k.json");
+    let folder = Folder::with("k.json", stiffness());
     let said = folder.ok("compensate builtin:comau k.json builtin:contour --output a.csv");
     assert!(!said.contains("beyond its data"), "{said}");
     folder.write(
@@ -168,9 +173,7 @@ fn an_edited_result_is_refused_by_every_command() {
 
 #[test]
 fn what_the_mixed_model_cannot_use_is_refused() {
-    let folder = Folder::new();
-    folder
-        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    let folder = Folder::with("m.csv", measurements());
     for (options, words) in [
         ("--elastic mixed --extra tilt3", "leave the extra terms out"),
         ("--elastic mixed --estimator ordinary", "two-variance"),

@@ -4,7 +4,7 @@ use crate::support;
 
 use insta::assert_snapshot;
 use serde_json::Value;
-use support::{Folder, number};
+use support::{Folder, measurements, number};
 
 const FORCE: &str = "--axes base --force-n 80,-200,300";
 
@@ -91,8 +91,7 @@ fn what_they_say() {
 #[test]
 fn features_keep_to_a_tolerance_or_not() {
     let folder = folder();
-    folder
-        .ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv");
+    folder.write("m.csv", measurements());
     folder.ok("identify builtin:comau m.csv --elastic axes --output k.json");
     let line = "builtin:comau k.json pocket.nc --tolerance-mm 0.6 --details";
     let told = folder.ok(&format!("compensate {line}"));

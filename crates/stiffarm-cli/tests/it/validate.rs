@@ -3,13 +3,11 @@
 use crate::support;
 
 use insta::assert_snapshot;
-use support::Folder;
+use support::{Folder, measurements};
 
 /// A folder with simulated measurements of Group 1's six postures.
 fn measured() -> Folder {
-    let folder = Folder::new();
-    folder.ok("simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements simulated.csv");
-    folder
+    Folder::with("simulated.csv", measurements())
 }
 
 #[test]
@@ -62,6 +60,11 @@ fn a_serious_stiffness_comes_first_and_ends_with_one() {
         "{}",
         ran.out
     );
+    let told = folder.run("validate builtin:comau inch.json simulated.csv --json");
+    let told: serde_json::Value = serde_json::from_str(&told.out).unwrap();
+    let remark = &told["result"]["remarks"][0];
+    assert_eq!(remark["code"], "stiffness-doubtful");
+    assert_eq!(remark["severity"], "serious");
     // The other way round: displacements of tenths against a stiffness of a tenth.
     let soft = "{\"stiffness_nm_per_rad\": [2e5, 3e5, 2e5, 3e4, 3e4, 2e4]}";
     folder.write("soft.json", soft);
@@ -96,6 +99,5 @@ fn wrong_requests_are_answered() {
         "validate builtin:comau simulated.csv --folds 3 --confidence 95",
         "validate builtin:comau",
     ];
-    let said: Vec<String> = lines.iter().map(|line| folder.transcript(line)).collect();
-    assert_snapshot!(said.join("\n"));
+    assert_snapshot!(folder.refusals(lines));
 }

@@ -88,26 +88,24 @@ def test_a_search_that_a_limit_ends_is_no_result(tmp_path: Path) -> None:
     assert row["error_code"] == "time-limit" and "index_value" not in row
 
 
-def test_simulations_scatter_as_the_selection_expects(tmp_path: Path) -> None:
-    data = with_axes("simulate", {"runs": 400, "select": {"rounds": 1}}, seed={"first": 1, "last": 3})
-    for row in run(data, tmp_path):
-        assert row["runs"] == 400
-        for joint in range(1, 7):
-            expected = row[f"expected_relative_deviation_joint{joint}"]
-            error = row[f"relative_deviation_standard_error_joint{joint}"]
-            assert abs(row[f"relative_deviation_joint{joint}"] - expected) < 5 * error + 0.02 * expected
+def test_simulations_are_those_of_the_library(tmp_path: Path) -> None:
+    import stiffarm as sa
 
-
-def test_more_noise_gives_larger_deviations(tmp_path: Path) -> None:
-    options = {"runs": 400, "postures_file": "builtin:comau-group1"}
-    data = with_axes("simulate", options, noise_factor=[1.0, 4.0], seed=[1, 2, 3])
-    found = run(data, tmp_path)
-    means = [
-        statistics.fmean(row["relative_deviation"] for row in found if row["noise_factor"] == factor)
-        for factor in (1.0, 4.0)
-    ]
-    # Four times the variance is twice the deviation.
-    assert means[1] / means[0] == pytest.approx(2.0, rel=0.1)
+    group = "builtin:comau-group1"
+    data = with_axes("simulate", {"runs": 40, "postures_file": group}, noise_factor=[1.0, 4.0], seed=[3])
+    first, noisy = run(data, tmp_path)
+    level = sa.simulate(sa.Cell("builtin:comau"), group, runs=40, levels=[1.0], seed=3).to_dict()["groups"][0]["levels"][0]
+    assert first["runs"] == level["runs"] == 40
+    for joint in range(1, 7):
+        for figure, key in [
+            ("relative_deviation", "mean_deviation"),
+            ("relative_deviation_standard_error", "standard_error"),
+            ("expected_relative_deviation", "expected_deviation"),
+        ]:
+            assert first[f"{figure}_joint{joint}"] == pytest.approx(level[key][joint - 1], rel=1e-9)
+        expected = first[f"expected_relative_deviation_joint{joint}"]
+        # Four times the variance is twice the deviation.
+        assert noisy[f"expected_relative_deviation_joint{joint}"] == pytest.approx(2 * expected, rel=0.01)
 
 
 def test_a_scattered_prior_costs_something_under_the_true_one(tmp_path: Path) -> None:
@@ -124,12 +122,16 @@ def test_a_scattered_prior_costs_something_under_the_true_one(tmp_path: Path) ->
     assert len(set(values)) == 6
 
 
-def test_coverage_is_near_what_it_should_be(tmp_path: Path) -> None:
-    data = with_axes("coverage", {"runs": 500, "select": {"rounds": 1}}, postures=[6], seed=[1])
+def test_coverage_is_that_of_the_library(tmp_path: Path) -> None:
+    import stiffarm as sa
+
+    data = with_axes("coverage", {"runs": 60, "select": {"rounds": 1}}, postures=[6], seed=[1])
     (row,) = run(data, tmp_path)
-    assert 0.9 < row["coverage"] <= 1.0
-    assert row["experiments"] == 500
-    assert 0.0 < row["relative_half_width_joint6"] < 1.0
+    cell = sa.Cell("builtin:comau")
+    plan = sa.select(cell, count=6, index="expected_error", seed=1, rounds=1, no_certificate=True)
+    expected = sa.coverage(cell, plan, runs=60, seed=1).to_dict()
+    assert row["coverage"] == expected["coverage"] and row["experiments"] == expected["experiments"] == 60
+    assert row["relative_half_width_joint6"] == expected["joints"][5]["relative_half_width"]
 
 
 def test_identify_reads_files_beside_the_campaign(tmp_path: Path) -> None:

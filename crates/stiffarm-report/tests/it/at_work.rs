@@ -1,6 +1,6 @@
 //! What is said of a loaded tool: the same from what a command has at hand and from its file.
 
-use super::identified::saved;
+use crate::common::saved;
 use serde::Serialize;
 use serde_json::json;
 use std::any::Any;

@@ -1,14 +1,13 @@
 //! What a day of measuring says, and the registration before it.
 
-use super::identified::{group, saved};
+use crate::common::{exchange, group, saved, saved_with};
 use serde_json::json;
 use stiffarm::measure::registration::{RegistrationRecord, register};
-use stiffarm::model::measurement::{Measurements, ReadingTable, ReadingTarget};
+use stiffarm::model::measurement::{Measurements, ReadingTable};
 use stiffarm::simulated_readings;
 use stiffarm::work::judged::{Options, judge};
 use stiffarm::{Code, Control, Error, Result};
 use stiffarm_files::builtin;
-use stiffarm_files::result::SavedResult;
 use stiffarm_files::table::read_pairs;
 use stiffarm_report::tell::{Block, Given, Outcome, Told, tell};
 
@@ -29,11 +28,7 @@ fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurem
         (&options, 1),
         Control::default(),
     );
-    let envelope = json!({
-        "format": 1, "stiffarm": "0.1.0", "command": "measure", "inputs": {}, "seed": 1,
-        "options": options, "result": found.unwrap()
-    });
-    let saved = SavedResult::of(&envelope, "result").unwrap();
+    let saved = saved_with("measure", json!(options), json!(found.unwrap()));
     tell(&Given::new(&saved, Some(&cell))).unwrap()
 }
 
@@ -97,14 +92,7 @@ fn before_the_first_posture_nothing_is_said_of_the_stiffness() {
 #[test]
 fn what_is_wrong_is_settled_before_the_next_posture() {
     let told = day(None, |mut table| {
-        let states = table.postures[1].states.iter_mut();
-        for reading in states.flat_map(|state| &mut state.readings) {
-            reading.target = match reading.target.clone() {
-                ReadingTarget::Point(0) => ReadingTarget::Point(2),
-                ReadingTarget::Point(2) => ReadingTarget::Point(0),
-                other => other,
-            };
-        }
+        exchange(&mut table);
         Ok(table.into())
     });
     assert_eq!(told.outcome, Outcome::Serious);

@@ -1,108 +1,24 @@
 //! Pages of identify and validate.
 
-use super::tell::{good, suspected};
+use crate::common::{good, group, measured, numbers_of_the_file, saved};
+use crate::tell::suspected;
 use serde_json::{Value, json};
-use stiffarm::Control;
 use stiffarm::estimate::clamped::{
     ClampedSimulation, MotorMove, identify_clamped, simulate_clamped,
 };
 use stiffarm::estimate::compliance::IdentifiedCompliance;
-use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::estimate::validate::{cross_validate, validate_with};
-use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::posture::Posture;
 use stiffarm::model::stiffness::Model;
-use stiffarm::simulated_readings;
 use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
-use stiffarm_report::page::{Block, Number, Outcome, Page, Piece, Text, render_page};
+use stiffarm_report::page::{Block, Outcome, Page, Piece, Text, render_page};
 use stiffarm_report::report::{Given, report};
 use stiffarm_report::validated::validation_figure;
 
-const HOSTILE: &str = "</script><img src=x onerror=alert(1)>";
-
-pub(crate) fn group(cell: &Cell) -> Vec<Posture> {
-    builtin::postures("comau-group1", &cell.setup.robot).unwrap()
-}
-
-/// A cell with simulated displacements of these postures.
-pub(crate) fn measured(cell: &Cell, postures: &[Posture]) -> Measured {
-    let readings = simulated_readings(cell, postures, 1).unwrap();
-    prepare(cell, readings, &Default::default()).unwrap()
-}
-
-pub(crate) fn saved(command: &str, result: Value) -> SavedResult {
-    let envelope = json!({
-        "format": 1, "stiffarm": "0.1.0", "command": command, "inputs": {}, "seed": 1,
-        "options": {"exclude": []}, "result": result
-    });
-    SavedResult::of(&envelope, "result").unwrap()
-}
-
-/// What the command writes, without the search for a next posture.
-pub(crate) fn identified(cell: &Cell, measured: &Measured) -> Value {
-    let fit = Fit::new(cell, measured, &IdentifyOptions::default()).unwrap();
-    let control = Control {
-        stop: Some(&|| true),
-        ..Control::default()
-    };
-    let mut found = Identified::new(&fit, &Wanted::default(), control).unwrap();
-    (found.profile, found.not_computed) = (None, Vec::new());
-    json!(found)
-}
-
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
     report(&[Given::new(saved, cell)]).unwrap()
-}
-
-/// Every text of a page.
-fn texts(page: &Page) -> Vec<Text> {
-    fn of(blocks: &[Block], out: &mut Vec<Text>) {
-        for block in blocks {
-            match block {
-                Block::Text(text) => out.push(text.clone()),
-                Block::List(list) => out.extend(list.iter().cloned()),
-                Block::Table(table) => out.extend(table.rows.iter().flatten().cloned()),
-                Block::Details(_, inside) => of(inside, out),
-                _ => {}
-            }
-        }
-    }
-    let mut out = Vec::new();
-    for part in &page.parts {
-        out.extend(part.verdict.iter().cloned());
-        let key = part.key.iter().flat_map(|key| key.rows.iter().flatten());
-        out.extend(key.cloned());
-        part.sections
-            .iter()
-            .for_each(|section| of(&section.blocks, &mut out));
-    }
-    out
-}
-
-fn numbers(page: &Page) -> Vec<Number> {
-    let pieces = texts(page).into_iter().flat_map(|text| text.0);
-    let numbers = pieces.filter_map(|piece| match piece {
-        Piece::Number(number) => Some(number),
-        _ => None,
-    });
-    numbers.collect()
-}
-
-/// Numbers of the page are those of the file; this many stand in it at least.
-fn numbers_are_those_of_the_file(page: &Page, saved: &SavedResult, at_least: usize) {
-    let numbers = numbers(page);
-    let tied = numbers.iter().filter(|n| !n.pointer.is_empty());
-    let mut count = 0;
-    for number in tied {
-        let value = saved.json.pointer(&number.pointer);
-        assert!(value.is_some(), "{} is not in the file", number.pointer);
-        assert_eq!(number.value, value.unwrap().as_f64(), "{}", number.pointer);
-        count += 1;
-    }
-    assert!(count >= at_least, "{count} numbers");
 }
 
 fn words(page: &Page) -> [String; 3] {
@@ -112,10 +28,7 @@ fn words(page: &Page) -> [String; 3] {
 #[test]
 fn good_readings_tell_which_joints_are_known_and_that_the_rest_is_noise() {
     let cell = builtin::cell("comau").unwrap();
-    let result = saved(
-        "identify",
-        identified(&cell, &measured(&cell, &group(&cell))),
-    );
+    let result = saved("identify", good());
     let made = page(&result, Some(&cell));
     let [done, came, _] = words(&made);
     assert!(
@@ -127,7 +40,7 @@ fn good_readings_tell_which_joints_are_known_and_that_the_rest_is_noise() {
         came.contains("Weak, above ± 10 %: joint 2, joint 4 and joint 6"),
         "{came}"
     );
-    numbers_are_those_of_the_file(&made, &result, 70);
+    assert!(numbers_of_the_file(&made, &result) >= 70);
     let html = render_page(&made);
     assert_eq!(html, render_page(&page(&result, Some(&cell))));
     for id in [
@@ -147,10 +60,7 @@ fn good_readings_tell_which_joints_are_known_and_that_the_rest_is_noise() {
 #[test]
 fn arrows_stand_at_the_measuring_points_and_are_the_residuals() {
     let cell = builtin::cell("comau").unwrap();
-    let result = saved(
-        "identify",
-        identified(&cell, &measured(&cell, &group(&cell))),
-    );
+    let result = saved("identify", good());
     let made = page(&result, Some(&cell));
     let mut blocks = made.parts[0].sections.iter().flat_map(|s| &s.blocks);
     let scene = blocks.find_map(|block| match block {
@@ -200,18 +110,6 @@ fn residuals_are_measured_minus_calculated() {
 }
 
 #[test]
-fn hostile_names_stay_text() {
-    let cell = builtin::cell("comau").unwrap();
-    let mut postures = group(&cell);
-    postures[0].name = HOSTILE.to_string();
-    postures[1].name = "\u{1b}[31mred".to_string();
-    let result = saved("identify", identified(&cell, &measured(&cell, &postures)));
-    let html = render_page(&page(&result, Some(&cell)));
-    assert!(!html.contains("<img src=x"));
-    assert!(!html.contains('\u{1b}'));
-}
-
-#[test]
 fn validation_says_how_far_calculated_and_measured_differ() {
     let cell = builtin::cell("comau").unwrap();
     let measured = measured(&cell, &group(&cell));
@@ -226,7 +124,7 @@ fn validation_says_how_far_calculated_and_measured_differ() {
     );
     assert!(came.contains("is not kept"), "{came}");
     assert_eq!(made.parts[0].outcome, Outcome::Serious);
-    numbers_are_those_of_the_file(&made, &result, 100);
+    assert!(numbers_of_the_file(&made, &result) >= 100);
 
     let prior = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
     let found = validate_with(&cell, &prior, &measured, Model::Equilibrium, None).unwrap();
@@ -265,12 +163,12 @@ fn a_clamped_arm_has_a_page_of_angles() {
     let [done, came, _] = words(&made);
     assert!(done.contains("With the flange fixed"), "{done}");
     assert!(came.contains("mdeg"), "{came}");
-    numbers_are_those_of_the_file(&made, &result, 30);
+    assert!(numbers_of_the_file(&made, &result) >= 30);
 }
 
 #[test]
 fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
-    let (_, result) = good();
+    let result = good();
     let mut other = result.clone();
     let stiffness = other["joints"][2]["stiffness"].as_f64().unwrap();
     other["joints"][2]["stiffness"] = json!(1.5 * stiffness);

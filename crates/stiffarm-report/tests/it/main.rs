@@ -2,8 +2,8 @@
 
 mod at_work;
 mod cells;
+mod common;
 mod day;
-#[path = "../../examples/gallery/figures.rs"]
 mod gallery;
 mod generic;
 mod identified;

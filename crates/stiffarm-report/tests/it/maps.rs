@@ -11,15 +11,13 @@ use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::plan::zones::{ZoneOptions, zones};
 use stiffarm::work::map::{MapOptions, PlaceOptions, Status, StiffnessMap, place, stiffness_map};
 use stiffarm_files::builtin;
-use stiffarm_files::cell::parse_cell;
 use stiffarm_report::{
     Figure, PathCurvePoint, Style, map_figure, map_table, path_figure, placement_figure,
     placement_table, render_svg, series_colour, zones_figure,
 };
 
 fn cell() -> (Cell, IdentifiedCompliance) {
-    let text = builtin::cell_text("comau").unwrap();
-    let cell = parse_cell(text, "comau").unwrap();
+    let cell = builtin::cell("comau").unwrap();
     let prior = IdentifiedCompliance::from_stiffness(&cell, cell.prior.as_ref().unwrap()).unwrap();
     (cell, prior)
 }

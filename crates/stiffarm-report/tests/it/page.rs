@@ -1,4 +1,4 @@
-//! A page: names stay text, ids are unique, numbers say where they come from, equal pages give equal bytes.
+//! A page: names stay text, ids are unique and numbers say where they come from.
 
 use stiffarm::findings::{Finding, Severity};
 use stiffarm_report::page::{
@@ -6,7 +6,7 @@ use stiffarm_report::page::{
 };
 use stiffarm_report::{Axis, Figure, Panel, Series, Style};
 
-const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&amp;\u{202e}";
+const HOSTILE: &str = "</script><img src=x onerror=alert(1)>\"'&amp;\u{202e}\u{1b}[31m";
 
 fn figure(id: &str, label: &str) -> Figure {
     Figure {
@@ -111,6 +111,9 @@ fn names_of_other_people_stay_text() {
     let html = render_page(&page(vec![part(HOSTILE)]));
     assert!(!html.contains("<img"));
     assert!(html.contains("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"));
+    let verdict = html.split("class=\"verdict").nth(1).unwrap();
+    let verdict = verdict.split("<div class=\"top\">").next().unwrap();
+    assert!(!verdict.contains(['\u{1b}', '\u{202e}']), "{verdict}");
     // One script, the page's own, and it ends where it ends.
     assert_eq!(html.matches("<script").count(), 1);
     assert_eq!(html.matches("</script").count(), 1);
@@ -177,10 +180,4 @@ fn a_chart_has_a_form_for_narrow_screens_and_its_data_behind() {
         "data-toggle-series=\"theory\" role=\"button\" tabindex=\"0\" aria-pressed=\"true\""
     ));
     assert!(html.contains("data-tip=\"theory · joint 2: 3 %\""));
-}
-
-#[test]
-fn equal_pages_give_equal_bytes() {
-    let one = page(vec![part("a"), part("b")]);
-    assert_eq!(render_page(&one), render_page(&one.clone()));
 }

@@ -1,11 +1,12 @@
 //! Cells in three dimensions: what the page is given, against the library.
 
+use crate::common::spread;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::observation::PostureTerms;
-use stiffarm::model::posture::{Posture, PostureGroup};
+use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::Robot;
 use stiffarm::model::stiffness::{Model, linear_displacement};
 use stiffarm::model::tool::Tool;
@@ -13,15 +14,6 @@ use stiffarm_report::scene::{
     ArmShapes, Pose, Scene, SceneGroup, SceneOptions, ScenePosture, VIEWER_SCRIPT, VIEWER_STYLE,
     scene, scene_html,
 };
-
-fn spread(cell: &Cell, count: usize) -> Vec<Posture> {
-    let angles = (0..count).map(|i| {
-        let share = |j: usize| (0.5 + (i + 1) as f64 * (0.31 + 0.11 * j as f64)) % 1.0;
-        let bounds = cell.bounds.iter().enumerate();
-        bounds.map(|(j, [a, b])| a + (b - a) * share(j)).collect()
-    });
-    PostureGroup::from_angles("spread", angles).postures
-}
 
 fn shown(cell: &Cell, postures: &[Posture], model: Model) -> Scene {
     let options = SceneOptions {

@@ -1,20 +1,14 @@
 //! What results say: good ones, wrong ones, half made ones.
 
-use super::identified::{group, identified, measured, saved};
+use crate::common::{exchange, good, group, identified, measured, saved, saved_with};
 use serde_json::{Value, json};
+use std::sync::LazyLock;
 use stiffarm::findings::Severity;
 use stiffarm::measure::prepare;
-use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::ReadingTarget;
+use stiffarm::simulated_readings;
+use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::tell::{Block, Depth, Given, Outcome, Section, Text, Told, tell};
-
-/// What `identify` makes of good readings.
-pub(crate) fn good() -> (Cell, Value) {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
-    let result = identified(&cell, &measured(&cell, &group(&cell)));
-    (cell, result)
-}
 
 fn finding(code: &str, severity: &str, sentence: &str) -> Value {
     json!({"code": code, "severity": severity, "subject": "readings", "sentence": sentence})
@@ -48,18 +42,16 @@ pub(crate) fn suspected(mut result: Value, cause: &str, severity: &str, sentence
 
 /// What is said where two points of the second posture are exchanged.
 fn exchanged() -> Told {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
-    let mut readings = stiffarm::simulated_readings(&cell, &group(&cell), 1).unwrap();
-    let states = readings.postures[1].states.iter_mut();
-    for reading in states.flat_map(|state| &mut state.readings) {
-        reading.target = match reading.target.clone() {
-            ReadingTarget::Point(0) => ReadingTarget::Point(2),
-            ReadingTarget::Point(2) => ReadingTarget::Point(0),
-            other => other,
-        };
-    }
-    let measured = prepare(&cell, readings, &Default::default()).unwrap();
-    one(identified(&cell, &measured))
+    static RESULT: LazyLock<Value> = LazyLock::new(|| {
+        let cell = builtin::cell("comau").unwrap();
+        let mut readings = simulated_readings(&cell, &group(&cell), 1).unwrap();
+        exchange(&mut readings);
+        identified(
+            &cell,
+            &prepare(&cell, readings, &Default::default()).unwrap(),
+        )
+    });
+    one(RESULT.clone())
 }
 
 fn one(result: Value) -> Told {
@@ -88,7 +80,7 @@ fn verdicts(part: &Told) -> Vec<String> {
 
 #[test]
 fn what_is_wrong_with_the_readings_stands_before_what_the_fit_says() {
-    let (_, result) = good();
+    let result = good();
     let part = one(suspected(
         result,
         "stray_repeat",
@@ -113,7 +105,7 @@ fn what_is_wrong_with_the_readings_stands_before_what_the_fit_says() {
 
 #[test]
 fn a_serious_finding_leaves_no_stiffness_known() {
-    let (_, result) = good();
+    let result = good();
     let sentence =
         "The loads look like kilograms (kgf): factor 9.81. As typed, nothing fits. Check load_n.";
     let part = one(suspected(result, "load_units", "serious", sentence));
@@ -144,7 +136,7 @@ fn a_serious_finding_leaves_no_stiffness_known() {
 
 #[test]
 fn a_bound_has_its_unit_and_goes_by_all_errors() {
-    let (_, mut result) = good();
+    let mut result = good();
     let ends = json!([4472.0, null]);
     result["joints"][4]["verdict"] = json!("lower_bound_only");
     result["joints"][4]["interval"] = ends.clone();
@@ -161,15 +153,12 @@ fn a_bound_has_its_unit_and_goes_by_all_errors() {
 
 #[test]
 fn without_a_budget_it_says_what_was_not_examined() {
-    let (_, mut result) = good();
+    let mut result = good();
     result["systematic_errors"] = Value::Null;
     let removed = one(result.clone());
     result["diagnosis"] = Value::Null;
-    let envelope = json!({
-        "format": 1, "stiffarm": "0.1.0", "command": "identify", "inputs": {}, "seed": 1,
-        "options": {"exclude": [], "brief": true}, "result": result
-    });
-    let brief = told(&SavedResult::of(&envelope, "brief").unwrap());
+    let options = json!({"exclude": [], "brief": true});
+    let brief = told(&saved_with("identify", options, result));
     for part in [&removed, &brief] {
         assert_eq!(part.outcome, Outcome::Caution);
         let came = part.verdict[1].plain();
@@ -212,7 +201,7 @@ fn bars_stand_only_where_there_are_values() {
 
 #[test]
 fn joints_of_one_fault_are_named_in_one_finding() {
-    let (_, mut result) = good();
+    let mut result = good();
     for j in [1, 3] {
         result["joints"][j]["verdict"] = json!("sign_or_model_fault");
     }
@@ -230,7 +219,7 @@ fn joints_of_one_fault_are_named_in_one_finding() {
 
 #[test]
 fn a_column_that_says_nothing_is_left_out_and_the_summary_is_short() {
-    let (_, mut result) = good();
+    let mut result = good();
     let full = one(result.clone());
     assert!(
         full.key
@@ -253,7 +242,7 @@ fn a_column_that_says_nothing_is_left_out_and_the_summary_is_short() {
 #[test]
 fn a_joint_that_cannot_be_told_is_named() {
     // The rope's force goes through the axis of joint 6, and the only measuring point lies on it.
-    let mut cell = stiffarm_files::builtin::cell("comau").unwrap();
+    let mut cell = builtin::cell("comau").unwrap();
     cell.setup.tool.loading_point.x = 0.0;
     cell.setup.tool.loading_point.y = 0.0;
     let made = identified(&cell, &measured(&cell, &group(&cell)));

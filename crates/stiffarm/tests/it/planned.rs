@@ -234,7 +234,10 @@ fn the_best_of_a_list() {
         assert_eq!((&posture.name, &posture.q), (&list[*at].name, &list[*at].q));
     }
     assert_eq!(planned.options.mode, Mode::Candidates);
-    assert_eq!((planned.options.request.postures, planned.seed), (3, Some(1)));
+    assert_eq!(
+        (planned.options.request.postures, planned.seed),
+        (3, Some(1))
+    );
     assert!(!result.measured_wrenches && result.candidate_names.len() == 8);
     assert!(saved(result).contains(r#""postures_deg":[["#));
     request.certificate = false;

@@ -6,6 +6,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 static FOLDERS: AtomicUsize = AtomicUsize::new(0);
@@ -21,6 +22,13 @@ impl Folder {
             std::env::temp_dir().join(format!("stiffarm-test-{}-{number}", std::process::id()));
         fs::create_dir_all(&path).unwrap();
         Folder(path)
+    }
+
+    /// A folder with one file.
+    pub fn with(name: &str, content: impl AsRef<[u8]>) -> Self {
+        let folder = Folder::new();
+        folder.write(name, content);
+        folder
     }
 
     /// A file's path in it.
@@ -40,7 +48,12 @@ impl Folder {
 
     /// Names in it, sorted.
     pub fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).unwrap();
+        self.names_in("")
+    }
+
+    /// Names in a folder of it, sorted.
+    pub fn names_in(&self, name: &str) -> Vec<String> {
+        let entries = fs::read_dir(self.path(name)).unwrap();
         let mut names: Vec<String> = entries
             .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
             .collect();
@@ -97,6 +110,24 @@ impl Folder {
         ran.err
     }
 
+    /// Transcripts of lines that must be refused before any work; with `--json` the error is on standard output.
+    pub fn refusals<'a>(&self, lines: impl IntoIterator<Item = &'a str>) -> String {
+        let mut report = String::new();
+        for line in lines {
+            let ran = self.run(line);
+            assert_eq!(ran.code, Some(2), "{line}\n{}{}", ran.out, ran.err);
+            let printed = if line.ends_with("--json") {
+                &ran.err
+            } else {
+                &ran.out
+            };
+            assert_eq!(printed, "", "{line} printed a part of a result");
+            report += &ran.transcript(line).replace("-- standard error\n", "");
+            report.push('\n');
+        }
+        report
+    }
+
     /// Runs a line with `--json` and gives the object it printed.
     pub fn json(&self, line: &str) -> Value {
         let ran = self.run(&format!("{line} --json"));
@@ -109,6 +140,58 @@ impl Drop for Folder {
     fn drop(&mut self) {
         let _ = fs::remove_dir_all(&self.0);
     }
+}
+
+/// What `line` writes into a file, which it names `out`.
+fn written(line: &str, out: &str, input: &[(&str, &str)]) -> String {
+    let folder = Folder::new();
+    input
+        .iter()
+        .for_each(|(name, text)| folder.write(name, text));
+    folder.ok(line);
+    folder.read(out)
+}
+
+/// Displacements of one simulated run at Group 1 of the default cell.
+pub fn measurements() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    let line =
+        "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --measurements m.csv";
+    TEXT.get_or_init(|| written(line, "m.csv", &[]))
+}
+
+/// Its readings.
+pub fn readings() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    let line = "simulate builtin:comau builtin:comau-group1 --runs 1 --levels 1 --readings r.csv";
+    TEXT.get_or_init(|| written(line, "r.csv", &[]))
+}
+
+/// What `identify` makes of the displacements, with covariance and common-mode errors.
+pub fn stiffness() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    let line = "identify builtin:comau m.csv --output k.json";
+    TEXT.get_or_init(|| written(line, "k.json", &[("m.csv", measurements())]))
+}
+
+/// What `identify --brief` makes of the readings.
+pub fn brief_stiffness() -> &'static str {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    let line = "identify builtin:comau r.csv --brief --output k.json";
+    TEXT.get_or_init(|| written(line, "k.json", &[("r.csv", readings())]))
+}
+
+/// No line is too wide for a terminal.
+pub fn is_narrow(text: &str) {
+    for line in text.lines() {
+        assert!(line.chars().count() <= 80, "{line}");
+    }
+}
+
+/// The blocks of a page between lines of three backquotes: language and text.
+pub fn blocks(page: &str) -> Vec<(&str, &str)> {
+    let inside = page.split("```").skip(1).step_by(2);
+    inside.filter_map(|block| block.split_once('\n')).collect()
 }
 
 /// The command in a folder, in surroundings that are always the same.

@@ -120,21 +120,6 @@ proptest! {
 }
 
 #[test]
-fn a_drawing_comes_back_from_its_json() {
-    let mark = Mark::new(Shape::Area(vec![[0.0, 1.0], [2.0, 3.0]]), Tone::Item(3));
-    let view = View {
-        title: "a".into(),
-        axes: None,
-        extent: [[0.0, 1.0], [0.0, 1.0]],
-        marks: vec![mark],
-        labels: Vec::new(),
-    };
-    let drawing = drawing(vec![view], &["note".to_string()]);
-    let text = serde_json::to_string(&drawing).unwrap();
-    assert_eq!(serde_json::from_str::<Drawing>(&text).unwrap(), drawing);
-}
-
-#[test]
 fn labels_of_a_very_narrow_view_are_not_cut_off() {
     for size in [5e-324, 7e-241, 1e-12, 1e-4, 1e-3, 1.0, 1e5, 1e8] {
         for part in [2e-9, 1e-8, 1e-7, 1.0] {

@@ -79,7 +79,9 @@ proptest! {
 
     #[test]
     fn any_values_give_a_sound_picture(f in any_figure()) {
-        check(&render_svg(&f));
+        let svg = render_svg(&f);
+        check(&svg);
+        prop_assert_eq!(svg, render_svg(&f));
     }
 
     #[test]

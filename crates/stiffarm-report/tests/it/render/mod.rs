@@ -100,23 +100,6 @@ pub fn check(svg: &str) {
 }
 
 #[test]
-fn equal_figures_give_equal_bytes() {
-    let make = || {
-        figure(vec![panel(
-            Axis::categorical("joint", ["1", "2"]),
-            Axis::log("deviation", "%"),
-            STYLES
-                .iter()
-                .map(|s| Series::new("Group 1", *s, vec![0.0, 1.0], vec![3.0, 40.0]))
-                .collect(),
-        )])
-    };
-    let svg = render_svg(&make());
-    assert_eq!(svg, render_svg(&make()));
-    check(&svg);
-}
-
-#[test]
 fn texts_are_escaped() {
     let nasty = "a<b> & \"c\" 'd' ]]> \u{1}";
     let mut f = figure(vec![panel(

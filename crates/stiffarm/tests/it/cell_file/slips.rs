@@ -30,18 +30,44 @@ fn byte_order_mark_and_carriage_returns_leave_the_places_right() {
     );
 }
 
-#[test]
-fn every_slip_is_reported_with_its_place() {
+/// What is said of each row of a table of slips in `base`, which `whole` makes a cell.
+fn slips(table: &str, base: &str, whole: impl Fn(&str) -> String) -> String {
     let mut report = String::new();
-    for [from, to] in cases(include_str!("slips.txt")) {
+    for [from, to] in cases(table) {
         let text = match from.as_str() {
             "FULL" => to.clone(),
-            _ => FULL.replacen(&from, &to, 1),
+            _ => base.replacen(&from, &to, 1),
         };
-        assert_ne!(text, FULL, "{from}");
-        report += &slip(&shown(&from, &to), parse_cell(&text, "cell.toml"));
+        assert_ne!(text, base, "{from}");
+        report += &slip(&shown(&from, &to), parse_cell(&whole(&text), "cell.toml"));
     }
+    report
+}
+
+#[test]
+fn every_slip_is_reported_with_its_place() {
+    let report = slips(include_str!("slips.txt"), FULL, str::to_string);
     insta::assert_snapshot!("cell_slips", report);
+}
+
+#[test]
+fn every_slip_in_shapes_stations_and_torques_is_reported_with_its_place() {
+    let base = include_str!("../../cells/comau-shapes.toml");
+    let report = slips(include_str!("shape_slips.txt"), base, str::to_string);
+    insta::assert_snapshot!("shape_slips", report);
+}
+
+#[test]
+fn every_slip_in_load_cases_is_reported_with_its_place() {
+    let cell = builtin::cell_text("comau").unwrap();
+    let (before, rest) = cell.split_once("[load]").unwrap();
+    let (_, after) = rest.split_once("[limits]").unwrap();
+    let base = include_str!("../../cells/load-cases.toml");
+    let table = include_str!("load_case_slips.txt");
+    let report = slips(table, base, |load| {
+        format!("{before}{load}\n[limits]{after}")
+    });
+    insta::assert_snapshot!("load_case_slips", report);
 }
 
 #[test]
