@@ -14,33 +14,10 @@ const LARGEST: f64 = 20.0;
 
 const KINDS: &str = "give a triangle mesh as .stl, .obj or .dae";
 
-/// Reads a mesh. `scale` is the length of the file's unit \[m\]: 1 for metres, as in robot
-/// descriptions, 0.001 for millimetres, as from most CAD systems. COLLADA files say their
-/// own unit; `scale` multiplies it.
-///
-/// # Errors
-/// The file cannot be read, or [`parse_mesh`] refuses it.
-pub fn read_mesh(path: &Path, scale: f64) -> Result<TriangleMesh> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| {
-        let (message, hint) = match e.kind() {
-            _ if path.is_dir() => ("This is a folder, not a file.".to_string(), KINDS),
-            std::io::ErrorKind::NotFound => (
-                "There is no such file.".to_string(),
-                "check the path; it counts from the folder of the file that names the mesh",
-            ),
-            _ => (
-                format!("The file cannot be read: {e}."),
-                "check that you may read it",
-            ),
-        };
-        Error::new(Code::FileRead, message).hint(hint).file(&name)
-    })?;
-    parse_mesh(&bytes, &name, scale)
-}
-
 /// Reads a mesh from the bytes of a file; the ending of its `name` says which kind it is.
-/// Corners at the same place become one. `scale` as in [`read_mesh`].
+/// Corners at the same place become one. `scale` is the length of the file's unit \[m\]: 1 for metres, as in robot
+/// descriptions, 0.001 for millimetres, as from most CAD systems. COLLADA files say their own unit; `scale`
+/// multiplies it.
 ///
 /// # Errors
 /// No known ending, bytes that are no such mesh, no triangles, a coordinate that is not

@@ -15,7 +15,7 @@ impl UrdfRobot {
     /// Capsules that contain the collision geometry of each link: at most two around all
     /// meshes of a link together, and those of [`capsules_around`] around each box, cylinder
     /// and ball. `mesh` reads the mesh of a path of the URDF and a length of its
-    /// unit \[m\], as `read_mesh` of `files::mesh` does.
+    /// unit \[m\], as [`parse_mesh`](crate::mesh::parse_mesh) does.
     ///
     /// # Errors
     /// What `mesh` returns, and a shape of more than 20 m.

@@ -3,8 +3,7 @@
 use crate::common::meshes::{box_mesh, l_mesh};
 use crate::common::prelude::*;
 use std::fmt::Write;
-use std::path::Path;
-use stiffarm_files::mesh::{parse_mesh, read_mesh};
+use stiffarm_files::mesh::parse_mesh;
 
 fn binary_stl(mesh: &TriangleMesh) -> Vec<u8> {
     let mut out = vec![b' '; 80];
@@ -177,15 +176,6 @@ fn what_is_no_mesh_is_refused() {
     refused(&binary_stl(&nan), "a.stl", "not finite");
     assert!(parse_mesh(&stl, "a.stl", 0.0).is_err());
     assert!(parse_mesh(&stl, "a.stl", f64::NAN).is_err());
-    let missing = read_mesh(Path::new("no-such.stl"), 1.0).unwrap_err();
-    assert!(missing.message().contains("no such file"), "{missing}");
-    assert!(missing.hint_text().is_some());
-    assert!(
-        read_mesh(Path::new("."), 1.0)
-            .unwrap_err()
-            .message()
-            .contains("folder")
-    );
 }
 
 #[test]
