@@ -46,7 +46,7 @@ fn inputs_follow_from_seed_and_index() {
 }
 
 /// Inputs of each reader; `cargo xtask fuzz` goes on from there.
-const INPUTS: u64 = 120;
+const INPUTS: u64 = 80;
 
 #[test]
 fn readers_take_some_inputs_and_refuse_others() {
