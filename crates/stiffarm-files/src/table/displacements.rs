@@ -17,8 +17,7 @@ const ANGLE_TOLERANCE_DEG: f64 = 1e-6;
 pub(super) const DEFAULT_STATE: &str = "loaded";
 
 /// Reads displacements (loaded minus unloaded position, base axes) from a
-/// table with one row per posture, load state and measuring point; `file_name`
-/// is for messages.
+/// table with one row per posture, load state and measuring point.
 ///
 /// The rows of one posture and state form one [`MeasuredPosture`], in the
 /// order in which they first appear; repeats of a point are kept. The wrench
@@ -30,22 +29,7 @@ pub(super) const DEFAULT_STATE: &str = "loaded";
 /// # Errors
 /// A heading or row that cannot be read, unknown names, angles or wrenches that
 /// differ within one posture and state, angles outside the machine's limits, a
-/// measured load without forces, positions instead of displacements: with
-/// line, column and the column's name.
-pub fn read_displacements(
-    bytes: &[u8],
-    file_name: &str,
-    cell: &Cell,
-    postures: Option<&[Posture]>,
-) -> Result<Vec<MeasuredPosture>> {
-    let table = Table::read(bytes, file_name, &cell.columns)?;
-    table
-        .expect(Values::Displacements, cell)
-        .and_then(|()| displacements(&table, cell, postures))
-        .map_err(|error| table.with_aside(error))
-}
-
-/// The displacements of a table that holds them.
+/// measured load without forces: with line, column and the column's name.
 pub(super) fn displacements(
     table: &Table<'_>,
     cell: &Cell,

@@ -4,17 +4,20 @@ use super::displacements::displacements;
 use super::grid::Table;
 use super::readings::readings;
 use super::values::Values;
-use stiffarm::error::{Code, Result};
+use stiffarm::error::Result;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Measurements;
 use stiffarm::model::posture::Posture;
 
-/// Reads a measurement table: displacements where its heading has `dx`, `dy`,
-/// `dz`, as [`read_displacements`](super::read_displacements), and raw readings
-/// where it has `x`, `y`, `z`, as [`read_readings`](super::read_readings).
+/// Reads a measurement table: displacements (loaded minus unloaded position, base axes) where its heading has `dx`,
+/// `dy`, `dz`, with one row per posture, load state and measuring point; and raw readings, positions in tracker axes,
+/// where it has `x`, `y`, `z`, with one row per posture, state, point and repeat (docs/readings.md). Controller angles
+/// come from the table's own columns or, by the posture's name, from `postures`; `file_name` is for messages.
 ///
 /// # Errors
-/// A heading with both or neither, and everything of these two.
+/// A heading with both or neither, a heading or row that cannot be read, unknown names, values that contradict each
+/// other, angles outside the machine's limits, a posture without the readings that it needs: with line, column and the
+/// column's name.
 pub fn read_measurements(
     bytes: &[u8],
     file_name: &str,
@@ -74,25 +77,4 @@ fn read_of(
 pub fn holds_measurements(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<bool> {
     let table = Table::read(bytes, file_name, &cell.columns)?;
     Ok(Values::of(&table, cell.setup.robot.joint_count()).is_ok())
-}
-
-impl Table<'_> {
-    /// Refuses a table of other values.
-    pub(super) fn expect(&self, wanted: Values, cell: &Cell) -> Result<()> {
-        let found = Values::of(self, cell.setup.robot.joint_count())?;
-        let (message, hint) = match wanted {
-            _ if found == wanted => return Ok(()),
-            Values::Displacements => (
-                "The table holds positions, not displacements.",
-                "give dx_mm, dy_mm, dz_mm: loaded minus unloaded, base axes",
-            ),
-            Values::Positions => (
-                "The table holds displacements, not positions.",
-                "give x_mm, y_mm, z_mm as the tracker read them",
-            ),
-        };
-        Err(self
-            .heading_error(None, Code::TableHeading, message)
-            .hint(hint))
-    }
 }

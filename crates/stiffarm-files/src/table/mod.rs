@@ -51,7 +51,6 @@ mod write;
 
 pub use clamped::{read_clamped, write_clamped};
 pub use dh::read_dh_rows;
-pub use displacements::read_displacements;
 pub use log::read_log;
 pub use measurements::{
     holds_measurements, read_growing_measurements, read_measurements, read_measurements_of,
@@ -60,7 +59,6 @@ pub use pairs::read_pairs;
 pub use path::{PathFormat, PathKind, PathTable, read_path, write_path};
 pub use poses::{NamedPose, read_poses, write_poses};
 pub use postures::read_postures;
-pub use readings::read_readings;
 pub use sheet::write_sheet_workbook;
 pub use sheet::{Sheet, SheetOptions, SheetRow, displacement_sheet, is_turned, reading_sheet};
 pub(crate) use values::own_heading;

@@ -22,7 +22,7 @@ use stiffarm::units::rad_to_shortest_deg;
 const ANGLE_TOLERANCE_DEG: f64 = 2.0;
 
 /// Reads raw readings from a table with one row per posture, load state, point
-/// and repeat; `file_name` is for messages.
+/// and repeat.
 ///
 /// The state's name says what it is for ([`Role::of`]). A point is a measuring
 /// point of the cell or a reflector on the base (`base`, `base-2`, …). Positions
@@ -40,27 +40,15 @@ const ANGLE_TOLERANCE_DEG: f64 = 2.0;
 /// angles are those of its first unloaded state (else of its first state) or,
 /// where the table has none, those of `postures`.
 ///
+/// Of one that is `growing` the last posture is left aside while it has rows to be filled in, or fewer states or
+/// readings than the others.
+///
 /// # Errors
 /// A heading or row that cannot be read, unknown names, angles or forces that
 /// differ within one posture and state, angles that differ by more than 2°
 /// between the states or from `postures`, angles outside the machine's limits, a
 /// posture without a loaded and an unloaded or preloaded reading of one point,
 /// loads that nothing tells apart: with line, column and the column's name.
-pub fn read_readings(
-    bytes: &[u8],
-    file_name: &str,
-    cell: &Cell,
-    postures: Option<&[Posture]>,
-) -> Result<ReadingTable> {
-    let table = Table::read(bytes, file_name, &cell.columns)?;
-    table
-        .expect(Values::Positions, cell)
-        .and_then(|()| readings(&table, cell, postures, false))
-        .map_err(|error| table.with_aside(error))
-}
-
-/// The readings of a table that holds them. Of one that is `growing` the last posture is left aside while it has
-/// rows to be filled in, or fewer states or readings than the others.
 pub(super) fn readings(
     table: &Table<'_>,
     cell: &Cell,

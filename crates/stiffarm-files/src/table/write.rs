@@ -28,7 +28,7 @@ pub fn write_postures(postures: &[Posture]) -> String {
 }
 
 /// Displacements in the columns that
-/// [`read_displacements`](super::read_displacements) reads, controller angles
+/// [`read_measurements`](super::read_measurements) reads, controller angles
 /// included. Where any posture has a measured wrench, all are written with
 /// theirs, from the cell's load where not measured.
 pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String {
@@ -93,7 +93,7 @@ pub fn write_simulated_readings(mut table: ReadingTable, cell: &Cell) -> String 
     write_readings(&table, cell)
 }
 
-/// Raw readings in the columns that [`read_readings`](super::read_readings)
+/// Raw readings in the columns that [`read_measurements`](super::read_measurements)
 /// reads. Each state is written with its own angles or, where it has none, with
 /// the posture's; forces in the columns that the table had. What is not measured
 /// yet comes last, as rows without a position.

@@ -166,7 +166,7 @@ impl Sheet {
     }
 }
 
-/// A sheet for raw readings: the rows of [`read_readings`](super::read_readings)
+/// A sheet for raw readings: the rows of [`read_measurements`](super::read_measurements)
 /// for each posture, load state and point, with empty fields for what is to be
 /// read. It has columns of force where the cell has a sensor or its load is
 /// measured, else `load_n` where the load is a rope, cylinder or weight, and the
@@ -199,7 +199,7 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
 }
 
 /// A sheet for displacements that were calculated elsewhere: the rows of
-/// [`read_displacements`](super::read_displacements) for each posture, load
+/// [`read_measurements`](super::read_measurements) for each posture, load
 /// state (if none is named `loaded`, or the cell's load cases) and measuring point.
 pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) -> Sheet {
     let states = match states {

@@ -102,7 +102,7 @@ fn examples_of_the_templates_are_valid_rows() -> Check {
         stiffarm_files::table::read_postures(postures.as_bytes(), "postures.csv", robot)?;
     assert_eq!(postures.len(), 1);
     let sheet = uncommented(measurements_template(&cell));
-    let read = stiffarm_files::table::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
+    let read = crate::common::small::read_readings(sheet.as_bytes(), "m.csv", &cell, None)?;
     let states: Vec<_> = read.postures[0]
         .states
         .iter()

@@ -1,7 +1,10 @@
 //! A small cell, for tests of tables.
 
 use stiffarm::model::cell::Cell;
+use stiffarm::model::measurement::{MeasuredPosture, Measurements, ReadingTable};
+use stiffarm::model::posture::Posture;
 use stiffarm_files::cell::parse_cell;
+use stiffarm_files::table::read_measurements;
 
 pub const ROPE: &str = "kind = 'rope'\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]";
 
@@ -22,6 +25,32 @@ pub fn cell_with(load: &str, more: &str) -> Cell {
 
 pub fn rope_cell() -> Cell {
     cell_with(ROPE, "")
+}
+
+/// The raw readings of a table that holds them.
+pub fn read_readings(
+    bytes: &[u8],
+    name: &str,
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> stiffarm::Result<ReadingTable> {
+    read_measurements(bytes, name, cell, postures).map(|read| match read {
+        Measurements::Readings(table) => table,
+        other => panic!("{name}: {other:?}"),
+    })
+}
+
+/// The displacements of a table that holds them.
+pub fn read_displacements(
+    bytes: &[u8],
+    name: &str,
+    cell: &Cell,
+    postures: Option<&[Posture]>,
+) -> stiffarm::Result<Vec<MeasuredPosture>> {
+    read_measurements(bytes, name, cell, postures).map(|read| match read {
+        Measurements::Displacements(measured) => measured,
+        other => panic!("{name}: {other:?}"),
+    })
 }
 
 /// The same up to what numbers of degrees and millimetres can tell apart.

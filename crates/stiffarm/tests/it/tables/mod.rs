@@ -5,7 +5,7 @@ mod dh_rows;
 mod round_trip;
 mod slips;
 
-use crate::common::small::{POSTURES, cell_with, nearly, rope_cell};
+use crate::common::small::{POSTURES, cell_with, nearly, read_displacements, rope_cell};
 use proptest::prelude::*;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
@@ -13,8 +13,7 @@ use stiffarm::model::measurement::{Displacement, MeasuredPosture};
 use stiffarm::model::posture::Posture;
 use stiffarm_files::builtin;
 use stiffarm_files::table::{
-    displacement_sheet, read_displacements, read_postures, write_displacements, write_postures,
-    write_simulated,
+    displacement_sheet, read_postures, write_displacements, write_postures, write_simulated,
 };
 
 type Check = Result<(), Box<dyn std::error::Error>>;

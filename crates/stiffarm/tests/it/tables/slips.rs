@@ -27,7 +27,6 @@ fn slips_in_a_posture_table() {
 
 /// What is replaced in [`DISPLACEMENTS`] by what.
 const DISPLACEMENT_SLIPS: &[(&str, &str)] = &[
-    ("dx_mm,dy_mm,dz_mm", "x_mm,y_mm,z_mm"),
     ("dx_mm,dy_mm,dz_mm", "dx,dy,dz"),
     ("dx_mm,dy_mm,dz_mm", "dx [ell],dy [ell],dz [ell]"),
     ("dx_mm,dy_mm,dz_mm", "dx_cm,dy_cm,dz_cm"),
