@@ -33,6 +33,11 @@ pub fn workbook(sheets: &[(&str, Vec<Vec<Cell<'_>>>)]) -> Vec<u8> {
 
 /// A workbook of sheets by name, with more rows at the end of each as XML.
 pub fn workbook_with(sheets: &[(&str, Vec<Vec<Cell<'_>>>)], more: &str) -> Vec<u8> {
+    workbook_of("", sheets, more)
+}
+
+/// The same with properties of the workbook as XML.
+pub fn workbook_of(properties: &str, sheets: &[(&str, Vec<Vec<Cell<'_>>>)], more: &str) -> Vec<u8> {
     let mut files = Vec::new();
     let (mut list, mut relations) = (String::new(), String::new());
     const RELATION: &str = "http://schemas.openxmlformats.org/officeDocument/2006/relationships";
@@ -65,7 +70,7 @@ pub fn workbook_with(sheets: &[(&str, Vec<Vec<Cell<'_>>>)], more: &str) -> Vec<u
     files.push((
         "xl/workbook.xml".to_string(),
         format!(
-            "<workbook xmlns=\"{MAIN}\" xmlns:r=\"{RELATION}\"><sheets>{list}</sheets></workbook>"
+            "<workbook xmlns=\"{MAIN}\" xmlns:r=\"{RELATION}\">{properties}<sheets>{list}</sheets></workbook>"
         ),
     ));
     files.push((

@@ -1,7 +1,7 @@
 //! Workbooks.
 
 use super::workbook::{
-    Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_with,
+    Cell as Held, Entry, archive, cells, deflated_letters, workbook, workbook_of, workbook_with,
 };
 use super::*;
 
@@ -168,6 +168,19 @@ fn slips_in_a_workbook() {
     );
     note("a cover sheet alone", &[("Cover", cover())]);
     insta::assert_snapshot!("workbook_slips", report);
+}
+
+#[test]
+fn dates_count_from_the_year_that_the_workbook_says() {
+    let mut sheet = cells(FULL);
+    sheet[4][0] = Held::Date;
+    let from_1904 = "<workbookPr date1904=\"1\"/>";
+    for (properties, date) in [("", "2025-12-09"), (from_1904, "2029-12-10")] {
+        let bytes = workbook_of(properties, &[("Sheet1", sheet.clone())], "");
+        let error = read(&bytes, &sensor_cell()).unwrap_err();
+        let held = format!("the time {date} 00:00:00.000");
+        assert!(error.message().contains(&held), "{error}");
+    }
 }
 
 #[test]
