@@ -174,9 +174,10 @@ fn every_command_ends_with_130_and_a_word() {
 #[test]
 fn a_stopped_map_holds_the_nodes_that_were_done() {
     let folder = Folder::new();
-    let line = "map builtin:comau prior --steps 30,30,30 --free-turn=720 --output-dir out";
+    let line = "map builtin:comau prior --steps 30,30,30 --free-turn=720 --output-dir out --force";
+    // Of a few nodes nothing can be said.
     let found = result(&folder, line, "-TERM", &|found| {
-        found["counts"]["reachable"].as_u64() > Some(0)
+        found["counts"]["reachable"].as_u64() > Some(50)
     });
     assert_eq!(found["interrupted"], true);
     let counts = &found["counts"];
