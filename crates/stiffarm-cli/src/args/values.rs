@@ -56,12 +56,8 @@ pub type Choice<T> = (&'static str, &'static str, T);
 pub fn choice<T: Copy + Send + Sync + 'static>(
     all: &'static [Choice<T>],
 ) -> impl TypedValueParser<Value = T> {
-    let names = all.iter();
-    let names = names.map(|(name, about, _)| PossibleValue::new(name).help(about));
-    PossibleValuesParser::new(names).try_map(move |name| {
-        let found = all.iter().find(|(own, ..)| *own == name);
-        found.map(|row| row.2).ok_or("it is none of these")
-    })
+    let shown = |(name, about, _): Choice<T>| PossibleValue::new(name).help(about);
+    one_of(all, shown).map(|(.., value)| value)
 }
 
 /// A number in a unit, which is the end of its option's name.

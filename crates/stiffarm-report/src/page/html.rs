@@ -9,7 +9,7 @@ use crate::page::chart::chart;
 use crate::scene::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
 use crate::tell::{Block, Number, Outcome, SEEN_AT_ONCE, Section, Text, Told};
 use askama::Template;
-use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::findings::{Finding, Severity};
 
 /// What the page looks like.
 const STYLE: &str = include_str!("../../assets/page.css");
@@ -41,8 +41,6 @@ struct PartTemplate<'a> {
     key: String,
     sections: String,
     contents: Vec<(String, &'a str)>,
-    /// The command, line by line.
-    command: String,
     provenance: &'a Provenance,
 }
 
@@ -126,10 +124,6 @@ impl<'a> PartTemplate<'a> {
             contents: ids
                 .map(|section| (format!("{prefix}-{}", section.id), section.title.as_str()))
                 .collect(),
-            command: {
-                let lines = part.provenance.command_line.lines().map(visible);
-                lines.collect::<Vec<_>>().join("\n")
-            },
             provenance: &part.provenance,
         }
     }

@@ -71,7 +71,7 @@ fn provenance(saved: &SavedResult) -> Provenance {
     let words: Vec<String> = words.collect();
     let command_line = match saved.arguments.as_slice() {
         [] => String::new(),
-        [call] if call.starts_with("stiffarm.") => visible(call).into_owned(),
+        [call] if call.starts_with("stiffarm.") => call.clone(),
         _ => format!("stiffarm {}", words.join(" ")),
     };
     Provenance {

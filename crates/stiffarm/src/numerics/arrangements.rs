@@ -3,16 +3,15 @@
 /// Most numbers that are put in every order, not only exchanged by twos.
 const ALL_ORDERS: usize = 4;
 
-/// Number of sets of `size` of `count`.
+/// Number of sets of `size` of `count`, or as many as a number holds.
 pub fn choose(count: u64, size: u64) -> u64 {
-    (0..size).fold(1, |product, i| product * count.saturating_sub(i) / (i + 1))
-}
-
-/// The same, or as many as a number holds.
-pub fn choose_many(count: usize, size: usize) -> u128 {
-    (0..size.min(count - size)).fold(1u128, |product, i| {
-        product.saturating_mul((count - i) as u128) / (i + 1) as u128
-    })
+    if size > count {
+        return 0;
+    }
+    let all = (0..size.min(count - size)).fold(1_u128, |product, i| {
+        product.saturating_mul(u128::from(count - i)) / u128::from(i + 1)
+    });
+    u64::try_from(all).unwrap_or(u64::MAX)
 }
 
 /// Set number `rank` of `size` numbers, ascending, in the order in which all sets

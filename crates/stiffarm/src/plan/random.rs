@@ -2,8 +2,7 @@
 
 use crate::error::Result;
 use crate::model::cell::Cell;
-use crate::numerics::streams::group_rng;
-use crate::numerics::streams::uniform;
+use crate::numerics::streams::{group_rng, uniform};
 use crate::plan::feasibility::nothing_meets;
 
 /// Half-width of the wrist angles of a hand-picked-like group: 30°.

@@ -20,6 +20,7 @@ use crate::model::kinematics::Frames;
 use crate::model::load::{Load, LoadCase, Wrench};
 use crate::model::robot::Robot;
 use crate::model::tool::Tool;
+use crate::numerics::information::scale_columns;
 use nalgebra::{DMatrix, DVector, Vector3, Vector6};
 use std::borrow::Cow;
 
@@ -236,10 +237,8 @@ impl PostureTerms {
     pub fn block(&self, robot: &Robot) -> DMatrix<f64> {
         let mut block = self.spring_columns(robot);
         let loads = self.spring_loads(robot);
-        for j in 0..block.ncols() {
-            // Ψ_ij = J^m_ij Γ_j, Eq. (11).
-            block.column_mut(j).scale_mut(loads[j]);
-        }
+        // Ψ_ij = J^m_ij Γ_j, Eq. (11).
+        scale_columns(&mut block, loads.iter().copied());
         block
     }
 
@@ -258,9 +257,7 @@ impl PostureTerms {
             Some(mixing) => joints * mixing,
         };
         let loads = self.spring_loads(robot);
-        for j in 0..loads.len() {
-            block.column_mut(j).scale_mut(loads[j]);
-        }
+        scale_columns(&mut block, loads.iter().copied());
         block
     }
 

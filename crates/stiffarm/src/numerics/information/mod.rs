@@ -8,7 +8,7 @@ pub mod small;
 mod stack;
 pub mod svd;
 
-pub(crate) use stack::{Stack, scale_columns, stacked};
+pub(crate) use stack::{Stack, stacked};
 pub(crate) use svd::{Svd, svd, tall_svd};
 
 use crate::error::{Code, Error, Result};
@@ -47,6 +47,13 @@ fn point_sums(block: &DMatrix<f64>) -> DMatrix<f64> {
         sums += block.rows(3 * a, 3);
     }
     sums
+}
+
+/// Column j times factor j.
+pub(crate) fn scale_columns(matrix: &mut DMatrix<f64>, factors: impl IntoIterator<Item = f64>) {
+    for (mut column, factor) in matrix.column_iter_mut().zip(factors) {
+        column *= factor;
+    }
 }
 
 /// Whitens the rows of one posture against the shift common to its points, in
@@ -165,9 +172,10 @@ impl Factor {
     /// R of Ψ·diag(weights) = Q R', rebuilt from the factors, n × n.
     fn r_times(&self, weights: impl Fn(usize) -> f64) -> DMatrix<f64> {
         let mut r = &self.u * DMatrix::from_diagonal(&self.values) * self.v.transpose();
-        for j in 0..self.unknowns() {
-            r.column_mut(j).scale_mut(self.scale[j] * weights(j));
-        }
+        scale_columns(
+            &mut r,
+            (0..self.unknowns()).map(|j| self.scale[j] * weights(j)),
+        );
         r
     }
 
@@ -228,9 +236,7 @@ impl Factor {
         for i in 0..self.rank {
             seen.row_mut(i).scale_mut(self.values[i]);
         }
-        for j in 0..self.unknowns() {
-            seen.column_mut(j).scale_mut(self.scale[j]);
-        }
+        scale_columns(&mut seen, self.scale.iter().copied());
         seen
     }
 

@@ -39,13 +39,6 @@ impl Stack {
     }
 }
 
-/// Column j times factor j.
-pub(crate) fn scale_columns(matrix: &mut DMatrix<f64>, factors: impl IntoIterator<Item = f64>) {
-    for (mut column, factor) in matrix.column_iter_mut().zip(factors) {
-        column *= factor;
-    }
-}
-
 /// Blocks of so many columns, one below the other.
 pub(crate) fn stacked(blocks: &[DMatrix<f64>], columns: usize) -> DMatrix<f64> {
     let mut all = DMatrix::zeros(blocks.iter().map(DMatrix::nrows).sum(), columns);

@@ -59,7 +59,6 @@ impl Criterion {
                 unknowns,
             });
         };
-        let invalid = |message: String| Error::invalid(message);
         if q.shape() != (unknowns, unknowns) {
             return Err(Error::new(
                 Code::Dimension,
@@ -77,7 +76,7 @@ impl Criterion {
             ));
         }
         if (q - q.transpose()).amax() > ZERO_SHARE * q.amax() {
-            return Err(invalid(
+            return Err(Error::invalid(
                 "The criterion's matrix is not symmetric.".to_string(),
             ));
         }
@@ -91,7 +90,7 @@ impl Criterion {
         let largest = values.amax();
         let zero = ZERO_SHARE * largest;
         if values.iter().any(|v| *v < -zero) || largest <= 0.0 {
-            return Err(invalid(
+            return Err(Error::invalid(
                 "The criterion's matrix must be positive semidefinite and not zero.".to_string(),
             ));
         }

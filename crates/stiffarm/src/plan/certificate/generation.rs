@@ -71,9 +71,8 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         options: DesignOptions,
     ) -> Result<Self> {
         let n = space.unknowns();
-        let invalid = |message: &str| Error::invalid(message);
         if !(options.tolerance > 0.0 && options.tolerance < 1.0) || options.max_rounds == 0 {
-            return Err(invalid(
+            return Err(Error::invalid(
                 "A bound needs a tolerance between 0 and 1 and at least one round.",
             ));
         }

@@ -5,8 +5,7 @@ use super::moves::{Moves, between};
 use super::rounding::nearest;
 use crate::error::Result;
 use crate::model::inverse::largest_change;
-use crate::numerics::streams::route_rng;
-use crate::numerics::streams::uniform;
+use crate::numerics::streams::{route_rng, uniform};
 use rand::RngExt;
 
 /// Steps of the angles of via postures \[deg\].

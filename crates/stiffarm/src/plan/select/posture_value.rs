@@ -3,7 +3,7 @@
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
-use crate::numerics::arrangements::choose_many;
+use crate::numerics::arrangements::choose;
 use crate::numerics::arrangements::next_subset;
 use crate::numerics::control::Control;
 use crate::numerics::order::sort_by_number;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Subsets up to which all ways of leaving postures out are compared.
-const EXHAUSTIVE: u128 = 20_000;
+const EXHAUSTIVE: u64 = 20_000;
 
 /// What is lost without one posture.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -127,7 +127,7 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
     let loss = |w: &PostureValue| w.loss.unwrap_or(f64::INFINITY);
     sort_by_number(&mut values, loss);
 
-    let exhaustive = choose_many(postures.len(), count) <= EXHAUSTIVE;
+    let exhaustive = choose(postures.len() as u64, count as u64) <= EXHAUSTIVE;
     let mut best: Option<(f64, Vec<usize>)> = None;
     if exhaustive {
         let mut out: Vec<usize> = (0..count).collect();
@@ -184,9 +184,8 @@ pub fn drop_postures<Q: AsRef<[f64]>>(
 /// Groups that [`drop_postures`] evaluates to leave `count` of `of` postures out, beside
 /// the whole group and those without one posture.
 pub fn evaluations(of: usize, count: usize) -> usize {
-    let subsets = choose_many(of, count.min(of));
-    match usize::try_from(subsets) {
-        Ok(subsets) if subsets as u128 <= EXHAUSTIVE => subsets,
+    match choose(of as u64, count.min(of) as u64) {
+        subsets @ ..=EXHAUSTIVE => subsets as usize,
         // One after the other.
         _ => (0..count).map(|dropped| of.saturating_sub(dropped)).sum(),
     }

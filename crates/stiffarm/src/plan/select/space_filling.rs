@@ -18,8 +18,7 @@
 use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::numerics::control::{Control, Termination};
-use crate::numerics::streams::group_rng;
-use crate::numerics::streams::uniform;
+use crate::numerics::streams::{group_rng, uniform};
 use crate::plan::feasibility::nothing_meets;
 use std::f64::consts::TAU;
 

@@ -2,7 +2,7 @@
 
 use super::judge::Bounded;
 use super::tangent::Tangent;
-use crate::numerics::arrangements::choose_many;
+use crate::numerics::arrangements::choose;
 use crate::numerics::control::Control;
 use crate::numerics::order::order_by_number;
 
@@ -46,7 +46,7 @@ pub(super) fn branch_and_bound<J: Bounded>(
 ) {
     let tangent = tangent.as_ref();
     found.bound = tangent.map(|tangent| tangent.bound_of(count));
-    if tangent.is_none() && choose_many(of, count) > u128::from(affordable) {
+    if tangent.is_none() && choose(of as u64, count as u64) > affordable {
         return;
     }
     let order = match tangent {

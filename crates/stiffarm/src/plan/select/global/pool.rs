@@ -3,8 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::model::cell::Cell;
-use crate::numerics::streams::candidate_rng;
-use crate::numerics::streams::uniform;
+use crate::numerics::streams::{candidate_rng, uniform};
 use crate::plan::feasibility::nothing_meets;
 use crate::plan::index::kernel::{Kernel, Wanted};
 use crate::plan::select::accept::Accept;
