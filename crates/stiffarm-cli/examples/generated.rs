@@ -9,6 +9,8 @@ fn main() -> stiffarm::Result<()> {
     let errors = stiffarm_cli::run_captured(&words, Default::default());
     assert_eq!(errors.code, 0, "{}", errors.err);
     files.insert("docs/errors.md".to_string(), errors.out);
+    let words = stiffarm_files::tool_path::gcode_page();
+    files.insert("docs/gcode.md".to_string(), words);
     for (name, text) in stiffarm_cli::schemas()? {
         if name == "cell" {
             // Where people and editors read it.

@@ -40,6 +40,20 @@ pub(super) fn fault_of(name: &str) -> Option<&'static str> {
     formula.then_some("A name must not begin like a formula of a spreadsheet: with = or @, or with + or - before what can be calculated (+5, -2+3).")
 }
 
+/// The nearest name that may stand in files, where `name` may not: `_` for what is hidden, no sign at the
+/// beginning that makes a formula of it, 200 characters.
+pub(super) fn harmless(name: &str) -> Option<String> {
+    fault_of(name)?;
+    let is_hidden = |c: char| c.is_control() || is_hidden(c);
+    let shown = name.chars().map(|c| if is_hidden(c) { '_' } else { c });
+    let shown: String = shown.take(LONGEST).collect();
+    let plain = match fault_of(&shown) {
+        Some(_) => shown.trim_start_matches(|c: char| "=+-@".contains(c) || c.is_whitespace()),
+        None => &shown,
+    };
+    Some(plain.trim().to_string())
+}
+
 /// Refuses a name that could not be written to a table and read again as text.
 ///
 /// # Errors

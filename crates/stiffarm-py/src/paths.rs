@@ -3,7 +3,7 @@
 use crate::cell::PyCell;
 use crate::error::Raised;
 use pyo3::prelude::*;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::source::{NamedPath, Source};
@@ -25,27 +25,24 @@ impl Source for Files {
     }
 }
 
-/// What must be known.
-fn said(findings: &[Finding]) -> Vec<String> {
-    let findings = findings
-        .iter()
-        .filter(|finding| finding.severity != Severity::Note);
-    findings.map(|finding| finding.sentence.clone()).collect()
+/// What is to be known, as JSON.
+fn said(findings: &[Finding]) -> Result<String> {
+    serde_json::to_string(findings).map_err(|error| Error::new(Code::Internal, error.to_string()))
 }
 
-/// The table of a path, and what must be known about it.
+/// The table of a path, and what is to be known about it.
 #[pyfunction]
-pub fn path_text(py: Python<'_>, cell: &PyCell, from: &str) -> PyResult<(String, Vec<String>)> {
+pub fn path_text(py: Python<'_>, cell: &PyCell, from: &str) -> PyResult<(String, String)> {
     let read = py.detach(|| {
         let path = Files.read_path(from, &cell.cell, None, None)?;
         let text = write_path(&path.table.format, &path.table.points)?;
-        Ok((text, said(&path.findings)))
+        Ok((text, said(&path.findings)?))
     });
     read.raised(py)
 }
 
-/// Files with their contents, and what must be known about them.
-type Written = (Vec<Vec<u8>>, Vec<String>);
+/// Files with their contents, and what is to be known about them.
+type Written = (Vec<Vec<u8>>, String);
 
 /// The files of the program `from` with its points where those of a table are.
 #[pyfunction]
@@ -64,7 +61,7 @@ pub fn path_program(py: Python<'_>, cell: &PyCell, from: &str, table: &str) -> P
         };
         let moved = read_path(table.as_bytes(), "points", &cell.cell, None)?;
         let written = program.write(&nominal.points, &moved.points)?;
-        let findings = said(&written.findings());
+        let findings = said(&written.findings())?;
         Ok((
             written.files.into_iter().map(|(_, bytes)| bytes).collect(),
             findings,

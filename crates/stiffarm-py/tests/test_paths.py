@@ -62,6 +62,23 @@ def test_a_program_goes_out_as_it_came_in_and_moved(cell: stiffarm.Cell, program
     assert higher.read_bytes() == program.read_bytes()
 
 
+def test_a_cell_may_be_the_name_of_its_file(cell: stiffarm.Cell, program: Path, tmp_path: Path) -> None:
+    file = tmp_path / "cell.toml"
+    file.write_text(cell.to_toml())
+    assert stiffarm.read_path(file, program) == stiffarm.read_path(cell, program)
+    same = stiffarm.write_path(str(file), program, stiffarm.read_path(str(file), program), tmp_path / "same.nc")
+    assert same.read_bytes() == program.read_bytes()
+
+
+def test_what_is_not_followed_is_among_the_findings(cell: stiffarm.Cell, program: Path) -> None:
+    program.write_text(GCODE + "/G1 Y20\nG777\nG1 Y30\n")
+    with pytest.warns(stiffarm.StiffarmWarning, match="G777"):
+        points = stiffarm.read_path(cell, program)
+    found = {finding.code: (finding.severity, finding.sentence) for finding in points.findings}
+    assert found["optional-blocks"][0] == "note" and "line 9" in found["optional-blocks"][1]
+    assert found["not-followed"][0] == "caution" and "line 10" in found["not-followed"][1]
+
+
 def test_points_beside_a_program_are_written_beside_it(cell: stiffarm.Cell, tmp_path: Path) -> None:
     source = tmp_path / "a.src"
     source.write_text(KRL)

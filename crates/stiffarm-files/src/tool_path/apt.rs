@@ -73,7 +73,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
                 };
                 let word = word.to_ascii_uppercase();
                 if let Some(name) = feature(&word, line.rest()) {
-                    state.builder.named(name);
+                    state.builder.named(name, line.line_number());
                 }
                 match word.as_str() {
                     "FEDRAT" => feed(line.rest(), line.line_number(), state.builder),

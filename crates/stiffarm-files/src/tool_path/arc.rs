@@ -53,6 +53,14 @@ impl Circle {
         })
     }
 
+    /// The same with so many more whole turns.
+    pub fn with_turns(self, turns: f64) -> Self {
+        Circle {
+            sweep: self.sweep + TAU * turns,
+            ..self
+        }
+    }
+
     /// The arc from `start` through `via` to `end`; `None` where they lie on a line.
     pub fn through(start: Vector3<f64>, via: Vector3<f64>, end: Vector3<f64>) -> Option<Self> {
         let (a, b) = (via - start, end - start);

@@ -1,6 +1,7 @@
 //! Points of a tool path as a program's lines give them.
 
 use super::{Divided, Form, NEAR_END, Orientation, SPAN, Slot};
+use crate::names::harmless;
 use crate::program::Number;
 use nalgebra::{Isometry3, UnitVector3, Vector3};
 use std::collections::BTreeMap;
@@ -129,9 +130,16 @@ impl<'c> Builder<'c> {
         true
     }
 
-    /// The points that follow belong to the feature of this name, if it is one.
-    pub fn named(&mut self, name: &str) {
+    /// The points that follow belong to the feature of this name in `line`, if it is one.
+    pub fn named(&mut self, name: &str, line: usize) {
         let name = name.trim();
+        let other = harmless(name);
+        if other.is_some() {
+            self.remark("feature-name", "", line, Severity::Note, || {
+                "Some names ({}) are changed to what a table can hold as text.".to_string()
+            });
+        }
+        let name = other.as_deref().unwrap_or(name);
         if !name.is_empty() {
             self.feature = Some(name.into());
         }

@@ -25,6 +25,7 @@ mod write;
 use super::program::{Language, ProgramFile};
 use super::text::decode;
 use builder::Builder;
+pub use gcode::page as gcode_page;
 pub use moves::{MoveOptions, Posed, write_moves};
 use nalgebra::Isometry3;
 use std::path::Path;
@@ -156,16 +157,25 @@ struct Slot {
 struct Divided {
     /// Its points; the last one is its end.
     points: std::ops::Range<usize>,
-    /// Whether it is an arc; a straight move is divided only where its correction bends.
+    /// Whether all its points are written, as those of an arc or a cycle; a straight move is divided only
+    /// where its correction bends.
     is_arc: bool,
     /// The bytes that straight moves take the place of; none where the program can have no more points.
     text: std::ops::Range<usize>,
-    /// What begins the first of those moves.
+    /// What begins the first of those moves, and all others.
     first: String,
-    /// What begins each of them.
+    others: &'static str,
+    /// What begins each of them, at feed and rapid.
     begin: String,
-    /// What ends the first of them.
+    begin_rapid: &'static str,
+    /// What ends the first of them, and the last.
     end: String,
+    last: String,
+    /// Points behind which the program waits, and how it says so.
+    waits: Vec<usize>,
+    wait: String,
+    /// The inverse of the whole move's time, where this is its feed: each of those moves has its own.
+    inverse: Option<f64>,
 }
 
 /// The text of a tool path, with the places of its numbers.

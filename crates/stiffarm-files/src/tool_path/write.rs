@@ -54,6 +54,29 @@ impl WrittenPath {
     }
 }
 
+/// A straight move that stands with others for one.
+struct Piece {
+    /// The point that it ends at.
+    point: usize,
+    /// The numbers of that point.
+    numbers: [f64; 10],
+    /// In units of the program.
+    length: f64,
+}
+
+/// The straight moves through the points `kept` of a `way` that begins at the point before.
+fn pieces(own: &Divided, way: &[[f64; 10]], kept: &[usize]) -> Vec<Piece> {
+    let place = |k: usize| Vector3::from_column_slice(&way[k][..3]);
+    let from = std::iter::once(0).chain(kept.iter().copied());
+    let pairs = from.zip(kept);
+    let piece = |(from, to): (usize, &usize)| Piece {
+        point: own.points.start + to - 1,
+        numbers: way[*to],
+        length: (place(*to) - place(from)).norm(),
+    };
+    pairs.map(piece).collect()
+}
+
 /// New text for some bytes of a file.
 struct Edit {
     file: u8,
@@ -120,7 +143,7 @@ impl ToolPath {
         // How far along it they are.
         let mut at: Vec<f64> = Vec::new();
         let (mut place, mut start) = (Vector3::zeros(), Vector3::zeros());
-        let mut straight: Vec<(&Divided, Vec<[f64; 10]>)> = Vec::new();
+        let mut straight: Vec<(&Divided, Vec<Piece>)> = Vec::new();
         for (i, (nominal, commanded)) in nominal.iter().zip(commanded).enumerate() {
             let first = i.checked_sub(1).map_or(0, |before| self.ends[before]);
             let slots = first..self.ends[i];
@@ -143,23 +166,23 @@ impl ToolPath {
                 continue;
             }
             let kept = if own.is_arc {
-                way.split_off(1)
+                (1..way.len()).collect()
             } else {
                 writer.bends(&way, &at, !own.text.is_empty())
             };
             if kept.is_empty() {
                 writer.edit(slots, false);
             } else {
-                straight.push((own, kept));
+                straight.push((own, pieces(own, &way, &kept)));
                 writer.last = writer.numbers;
             }
         }
         let straight = straight.iter().filter(|_| writer.has_changed);
-        writer.edits.extend(straight.map(|(own, numbers)| Edit {
+        writer.edits.extend(straight.map(|(own, pieces)| Edit {
             file: 0,
             at: own.text.start as u32,
             length: own.text.len() as u32,
-            text: self.lines(own, numbers),
+            text: self.lines(own, pieces, nominal),
         }));
         let Writer {
             mut edits,
@@ -176,37 +199,52 @@ impl ToolPath {
     }
 
     /// Straight moves in place of one.
-    fn lines(&self, own: &Divided, numbers: &[[f64; 10]]) -> String {
+    fn lines(&self, own: &Divided, pieces: &[Piece], nominal: &[PathPoint]) -> String {
         let form = &self.form;
         let line_end = if self.files[0].text.contains("\r\n") {
             "\r\n"
         } else {
             "\n"
         };
-        let lines = numbers.iter().enumerate().map(|(k, numbers)| {
-            let count = if form.orientation == Orientation::Kept {
-                3
-            } else {
-                form.before.len()
-            };
+        let count = if form.orientation == Orientation::Kept {
+            3
+        } else {
+            form.before.len()
+        };
+        let way: f64 = pieces.iter().map(|piece| piece.length).sum();
+        let mut lines = Vec::with_capacity(pieces.len());
+        for (k, piece) in pieces.iter().enumerate() {
             let words = form.before.iter().take(count).enumerate();
             let words = words.map(|(component, before)| {
-                let value = numbers[component];
+                let value = piece.numbers[component];
                 format!("{before}{}", fixed(value, form.decimals_of(component)))
             });
-            let words: String = words.collect();
+            let mut words: String = words.collect();
+            if own.begin.ends_with('/') {
+                words = words.trim_start_matches(',').to_string();
+            }
+            if let Some(inverse) = own.inverse {
+                words += &format!(
+                    " F{}",
+                    fixed(inverse * way / piece.length.max(SAME_PLACE), 4)
+                );
+            }
             let (first, end) = match k {
                 0 => (own.first.as_str(), own.end.as_str()),
-                _ => ("", ""),
+                _ => (own.others, ""),
             };
-            let words = if own.begin.ends_with('/') {
-                words.trim_start_matches(',')
+            let last = if k + 1 == pieces.len() { &own.last } else { "" };
+            let begin = if nominal[piece.point].rapid {
+                own.begin_rapid
             } else {
-                &words
+                &own.begin
             };
-            format!("{first}{}{words}{end}", own.begin)
-        });
-        lines.collect::<Vec<_>>().join(line_end)
+            lines.push(format!("{first}{begin}{words}{end}{last}"));
+            if own.waits.contains(&piece.point) {
+                lines.push(format!("{}{}", own.others, own.wait));
+            }
+        }
+        lines.join(line_end)
     }
 
     /// The files with `edits`, which are in order.
@@ -313,14 +351,14 @@ impl Writer<'_> {
 
     /// The points of a straight move that its corrected form has to pass, as [`bends`] has them, the end
     /// included; none where it stays straight, or where the program `can_have` no more points.
-    fn bends(&mut self, way: &[[f64; 10]], at: &[f64], can_have: bool) -> Vec<[f64; 10]> {
+    fn bends(&mut self, way: &[[f64; 10]], at: &[f64], can_have: bool) -> Vec<usize> {
         let unit = self.path.form.unit;
         let (kept, most) = bends(way, at, TOLERANCE / unit);
         if !can_have {
             self.bend_left = self.bend_left.max(most * unit);
             return Vec::new();
         }
-        kept.into_iter().map(|k| way[k]).collect()
+        kept
     }
 
     /// The text of a slot's number, and whether it says what is there.

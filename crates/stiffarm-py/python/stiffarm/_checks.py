@@ -140,11 +140,14 @@ def cell(value: Any, key: str) -> Any:
 
 
 def native(value: Any) -> Any:
-    """What the extension module has of a cell."""
+    """What the extension module has of a cell, or of the cell file of this name."""
+    from .cell import Cell
+
     try:
         return value._native
     except AttributeError:
-        return cell(value, "cell")._native
+        is_name = isinstance(value, (str, os.PathLike))
+        return (Cell(value) if is_name else cell(value, "cell"))._native
 
 
 def shown(value: Any) -> str:

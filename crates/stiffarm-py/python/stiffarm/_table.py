@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from ._errors import StiffarmError
 
 #: Endings of columns of numbers.
 UNITS = ("_deg", "_mm", "_n", "_nm", "_m", "_rad", "_s", "_kg", "_percent", "_um", "_min", "axis_x", "axis_y", "axis_z")
+
+
+_T = TypeVar("_T", bound="Table")
 
 
 class Table(Mapping[str, Any]):
@@ -57,7 +60,7 @@ class Table(Mapping[str, Any]):
         )
 
     @classmethod
-    def from_csv(cls, text: str) -> Table:
+    def from_csv(cls: type[_T], text: str) -> _T:
         """A table of the text of one of our CSV files; columns with a unit in their heading are numbers."""
         rows = [row for row in csv.reader(io.StringIO(_checks.text(text, "text"))) if row]
         if not rows:

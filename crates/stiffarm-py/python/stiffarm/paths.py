@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import warnings
 from pathlib import Path
@@ -10,14 +11,22 @@ from typing import TYPE_CHECKING
 from . import _checks, _stiffarm
 from ._errors import StiffarmWarning
 from ._inputs import TableLike
-from ._result import write_file
+from ._result import Record, write_file
 from ._table import Table
 
 if TYPE_CHECKING:
     from .cell import Cell
 
 
-def read_path(cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str]) -> Table:
+class PathTable(Table):
+    """The points of a path as a table, and what is to be known about them."""
+
+    #: What the file says and is not followed, or was assumed: each with ``code``, ``severity``, ``subject``,
+    #: ``sentence``. Cautions and worse are warnings, too.
+    findings: list[Record]
+
+
+def read_path(cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str]) -> PathTable:
     """The points of a path: of CL data, G-code, a robot's program, or a table.
 
     The table has what ``predict`` and ``compensate`` take as a path: the pose of the tip in the workpiece frame
@@ -25,15 +34,16 @@ def read_path(cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str])
     ``feed_mm_per_min`` and the loads (zero at rapid moves).
 
     Args:
-        cell: The cell, whose workpiece frame the poses count from.
+        cell: The cell, or the name of its file; poses count from its workpiece frame.
         path: The file; the ending of its name says what it is.
 
     Raises:
         StiffarmError: It cannot be read, with file, line and column.
     """
     text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path))
-    _warn(said)
-    return Table.from_csv(text)
+    table = PathTable.from_csv(text)
+    table.findings = _findings(said)
+    return table
 
 
 def write_path(
@@ -52,7 +62,7 @@ def write_path(
     >>> stiffarm.write_path(cell, "part.nc", points, "higher.nc")                     # doctest: +SKIP
 
     Args:
-        cell: The cell, whose workpiece frame the poses count from.
+        cell: The cell, or the name of its file; poses count from its workpiece frame.
         path: The program as it was read.
         points: Where its points go: as many as :func:`read_path` gave, in their order.
         output: The new file; KRL's ``.dat`` is written beside it.
@@ -65,12 +75,16 @@ def write_path(
     overwrite = _checks.truth(overwrite, "overwrite")
     moved = read_path(cell, points) if isinstance(points, (str, os.PathLike)) else Table.of(points)
     files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv())
-    _warn(said)
+    _findings(said)
     for number, contents in enumerate(files):
         write_file(to.with_suffix(".dat") if number else to, contents, overwrite=overwrite)
     return to
 
 
-def _warn(said: list[str]) -> None:
-    for sentence in said:
-        warnings.warn(sentence, StiffarmWarning, stacklevel=3)
+def _findings(said: str) -> list[Record]:
+    """What is to be known; what is more than a note is warned of."""
+    findings = [Record(finding) for finding in json.loads(said)]
+    for finding in findings:
+        if finding["severity"] != "note":
+            warnings.warn(finding["sentence"], StiffarmWarning, stacklevel=3)
+    return findings

@@ -6,7 +6,7 @@ use crate::model::path::PathPoint;
 use crate::model::process::Process;
 use crate::model::tool::Tool;
 use crate::units::deg_to_rad;
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, UnitVector3, Vector3};
 
 /// Tip, workpiece and process of a cell.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -83,6 +83,38 @@ impl Work {
     pub fn tip_point(&self, tool: &Tool) -> Option<String> {
         let first = tool.measuring_points.first().filter(|_| self.tip.is_none());
         first.map(|point| point.name.clone())
+    }
+
+    /// The tool axis in the workpiece, from the tip to the spindle, at these angles of A, B and C \[deg\].
+    pub fn tool_axis(&self, angles: [f64; 3]) -> UnitVector3<f64> {
+        let axes = self.rotary.iter().rev();
+        let turned = axes.fold(Vector3::z(), |axis, rotary| {
+            rotary.rotation(angles[usize::from(rotary.letter() - b'A')]) * axis
+        });
+        UnitVector3::new_normalize(turned)
+    }
+
+    /// The tool axis at angles that tell every order and sense of the rotary axes apart, to be held against
+    /// the machine; none without such axes.
+    pub fn shown_tool_axis(&self) -> Option<Finding> {
+        const ANGLES: [f64; 3] = [30.0, 40.0, 70.0];
+        let letters = self
+            .rotary
+            .iter()
+            .map(|axis| usize::from(axis.letter() - b'A'));
+        let words: Vec<String> = letters
+            .map(|axis| format!("{}{}", ['A', 'B', 'C'][axis], ANGLES[axis]))
+            .collect();
+        if words.is_empty() {
+            return None;
+        }
+        let [x, y, z] = self.tool_axis(ANGLES).into_inner().into();
+        let sentence = format!(
+            "At {} of G-code the tool axis, from the tip to the spindle, is ({x:.3}, {y:.3}, {z:.3}) in the workpiece: \
+             hold it against the machine.",
+            words.join(" ")
+        );
+        Some(Finding::note("rotary-axes", "work.rotary_axes", sentence))
     }
 
     /// What differs at the feature `name`, if anything does.

@@ -1,41 +1,29 @@
 //! G-code: ISO 6983-1, with what FANUC, Siemens and LinuxCNC add for five axes.
 //!
-//! Grammar: ISO 6983-1:2009; LinuxCNC *G-Code Reference* (G90.1, R and I J K arcs, G93); Siemens *SINUMERIK,
-//! Multi-axis machining* (`TRAORI`, `A3= B3= C3=`, `CR=`); FANUC *Series 30i Operator's Manual* (G43.4, G43.5
-//! with I J K as the tool axis). Points are those of the tool tip: lengths of tools are the control's.
-//! Rotary words A, B, C need the kinematics of the machine, `rotary_axes` in `[work]` of the cell.
+//! What each word does stands in `table`. Blocks: ISO 6983-1:2009; LinuxCNC *G-Code Reference* (R and I J K arcs, G93,
+//! cycles); Siemens *SINUMERIK, Multi-axis machining* (`TRAORI`, `A3= B3= C3=`, `CR=`); FANUC *Series 30i Operator's
+//! Manual* (G43.4, G43.5 with I J K as the tool axis). Points are those of the tool tip: lengths of tools are the
+//! control's. Rotary words A, B, C need the kinematics of the machine, `rotary_axes` in `[work]` of the cell.
 
 mod circle;
+mod cycle;
+mod modes;
+mod pieces;
+mod rows;
+mod table;
+mod turn;
 mod words;
 
 use super::builder::{Builder, Feed, Place};
-use super::{Divided, FAR_AWAY, FARTHEST, Orientation};
-use crate::program::{Number, ProgramFile, lines};
+use super::{FAR_AWAY, FARTHEST};
+use crate::program::{ProgramFile, lines};
+use cycle::Cycle;
 use nalgebra::{UnitVector3, Vector3};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
-use words::{Word, axis_component, is_target, words_of};
-
-/// G-words, times ten, that change no point: offsets of tools, feed, exact stop, returns of cycles.
-const QUIET: &[u16] = &[
-    80, 90, 150, 230, 400, 430, 434, 435, 440, 490, 500, 501, 600, 601, 602, 610, 611, 620, 630,
-    640, 641, 642, 690, 800, 930, 940, 950, 960, 970, 980, 990, 1500, 1600, 6410, 6420, 6430, 6440,
-    6450,
-];
-
-/// G-words, times ten, that move or turn the frame of the points, or go on a spline.
-const REFUSED: &[u16] = &[
-    50, 51, 52, 53, 62, 100, 120, 160, 330, 332, 333, 380, 383, 410, 420, 510, 520, 680, 682, 684,
-    920, 921, 922, 923, 5100, 71, 121, 511, 650, 660, 661, 1100, 1110, 1120,
-];
-
-#[derive(Clone, Copy, PartialEq)]
-enum Mode {
-    Rapid,
-    Feed,
-    /// Counter-clockwise or clockwise.
-    Arc(bool),
-}
+pub use table::page;
+use table::{Feeds, Mode};
+use words::{Beside, Word, axis_component, words_of};
 
 struct State<'b, 'c> {
     builder: &'b mut Builder<'c>,
@@ -46,7 +34,8 @@ struct State<'b, 'c> {
     centres_absolute: bool,
     /// Whether I, J, K of a straight move are the tool axis (G43.5).
     vectors: bool,
-    offset: Option<u16>,
+    /// The work offset, by its word and its number.
+    offset: Option<[f64; 2]>,
     /// In units of the program, as far as it is known.
     position: [Option<f64>; 3],
     /// Of A, B, C \[deg\].
@@ -54,10 +43,17 @@ struct State<'b, 'c> {
     axis: UnitVector3<f64>,
     /// As it was stated last.
     stated: [f64; 3],
-    /// What F stands for: 93 the inverse of a time, 94 a feed a minute, 95 a turn.
-    feeds: u16,
+    feeds: Feeds,
     /// S is the speed of the cutting edge (G96), and not that of the spindle.
     is_cutting_speed: bool,
+    cycle: Cycle,
+}
+
+/// The words of a block and what stands around them.
+struct Block<'a, 'w> {
+    words: &'w [Word<'a>],
+    beside: &'w Beside,
+    file: &'a ProgramFile,
 }
 
 pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> {
@@ -74,353 +70,232 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         rotary: [0.0; 3],
         axis: Vector3::z_axis(),
         stated: [0.0, 0.0, 1.0],
-        feeds: 94,
+        feeds: Feeds::Minute,
         is_cutting_speed: false,
+        cycle: Cycle::default(),
     };
     let mut words = Vec::new();
+    let (mut has_begun, mut has_ended) = (false, false);
     for mut line in lines(file) {
+        if line.is_done() {
+            continue;
+        }
+        if has_ended {
+            let behind = line.line_number();
+            let is_comment = |c: char| matches!(c, '%' | ';' | '(');
+            if !line.rest().trim_start().starts_with(is_comment) {
+                let remark =
+                    "What stands behind the end of the program ({}) is not driven, and not read.";
+                let builder = &mut state.builder;
+                builder.remark("behind-the-end", "", behind, Severity::Caution, || {
+                    remark.to_string()
+                });
+                break;
+            }
+            continue;
+        }
         words.clear();
-        let rest = words_of(&mut line, state.builder, &mut words)?;
+        let beside = words_of(&mut line, state.builder, &mut words)?;
         if words.iter().all(|word| matches!(word.letter, b'N' | b'O')) {
             // A comment with a line of its own names what follows, and one behind the program's number.
             let comment = |c: char| c.is_whitespace() || matches!(c, ';' | '(' | ')');
-            state.builder.named(rest.trim_matches(comment));
+            let name = beside.comments.trim_matches(comment);
+            state.builder.named(name, line.line_number());
         }
-        state.block(&words, &rest, file)?;
+        let block = Block {
+            words: &words,
+            beside: &beside,
+            file,
+        };
+        has_ended = state.block(&block)? || beside.is_mark && has_begun;
+        has_begun = true;
     }
     Ok(())
 }
 
+impl<'a> Block<'a, '_> {
+    /// The word of this letter.
+    fn word(&self, letter: u8) -> Option<&Word<'a>> {
+        let mut words = self.words.iter();
+        words.find(|word| word.letter == letter && word.index == 0)
+    }
+
+    fn value(&self, letter: u8) -> Option<f64> {
+        self.word(letter).map(|word| word.number.value)
+    }
+
+    /// The text of a word in capitals.
+    fn name(&self, word: &Word<'_>) -> String {
+        word.text(&self.file.text).to_ascii_uppercase()
+    }
+
+    /// A word that is not read, and why.
+    fn refused(&self, word: &Word<'_>, why: &str) -> stiffarm::Error {
+        let error = word.place.wrong(format!("{} {why}", self.name(word)));
+        error.hint(
+            "post-process the path into one file, with absolute points of the tool tip in the frame of the workpiece",
+        )
+    }
+}
+
 impl State<'_, '_> {
-    fn block(&mut self, words: &[Word<'_>], beside: &str, file: &ProgramFile) -> Result<()> {
-        let mut skips = false;
-        let goes = words.iter().any(|word| matches!(word.letter, b'X'..=b'Z'));
-        for word in words.iter().filter(|word| word.letter == b'G') {
-            skips |= self.prepare(word, goes)?;
+    /// Takes a block; true where it ends the program.
+    fn block(&mut self, block: &Block<'_, '_>) -> Result<bool> {
+        let fate = self.modes(block)?;
+        self.check(block)?;
+        if !fate.dwells || block.word(b'P').is_some() {
+            self.speeds(block);
         }
-        for word in words.iter().filter(|word| word.letter == b'M') {
-            if matches!(word.number.value as i64, 97 | 98 | 198) {
-                return Err(word
-                    .place
-                    .wrong("Subprograms are not read here: post-process the path into one file."));
+        if fate.takes_axes {
+            return Ok(fate.ends);
+        }
+        let is_target = |word: &&Word<'_>| {
+            word.axis().is_some()
+                || axis_component(word, self.vectors).is_some()
+                || matches!(word.letter, b'I'..=b'K')
+        };
+        let moving = block.words.iter().filter(is_target);
+        let last = moving.max_by_key(|word| word.end);
+        if fate.leaves {
+            // Where the machine stands then is its own affair.
+            let named = |axis: usize| block.words.iter().any(|word| word.axis() == Some(axis));
+            let is_alone = (0..6).all(|axis| !named(axis));
+            if let Some(word) = block.words.iter().find(|word| word.letter == b'G') {
+                let line = word.place.line_number();
+                self.builder
+                    .remark("machine-place", "", line, Severity::Note, || {
+                        "Moves to places of the machine ({}) are no part of the path.".to_string()
+                    });
+            }
+            for axis in (0..3).filter(|axis| named(*axis) || is_alone && !fate.stays_without_axes) {
+                self.position[axis] = None;
+            }
+            return Ok(fate.ends);
+        }
+        if let Some(last) = last {
+            self.go(block, last)?;
+        }
+        Ok(fate.ends)
+    }
+
+    /// Takes feed and speed.
+    fn speeds(&mut self, block: &Block<'_, '_>) {
+        if let Some(value) = block.value(b'F') {
+            let own = value * self.builder.form.unit;
+            match self.feeds {
+                Feeds::Minute => self.builder.feed = Some(Feed::Second(own / 60.0)),
+                Feeds::Turn => self.builder.feed = Some(Feed::Turn(own)),
+                Feeds::Inverse => {}
             }
         }
-        let feed = words.iter().find(|word| word.letter == b'F');
-        if let Some(word) = feed {
-            self.feed(word);
-        }
-        let speed = words
-            .iter()
-            .find(|word| word.letter == b'S' && word.index < 2);
+        let mut words = block.words.iter();
+        let speed = words.find(|word| word.letter == b'S' && word.index < 2);
         if let Some(word) = speed.filter(|_| !self.is_cutting_speed) {
             self.builder.spindle = Some(word.number.value / 60.0);
         }
-        if let Some(word) = words
-            .iter()
-            .find(|word| matches!(word.letter, b'U' | b'V' | b'W'))
-        {
-            return Err(word.place.wrong("Axes U, V and W are not read here."));
-        }
-        let moving = words.iter().filter(|word| is_target(word, self.vectors));
-        let Some(last) = moving.clone().max_by_key(|word| word.end) else {
-            return Ok(());
-        };
-        for (count, word) in words.iter().enumerate() {
-            let same = |other: &Word<'_>| (other.letter, other.index) == (word.letter, word.index);
-            if is_target(word, self.vectors) && words[..count].iter().any(same) {
-                return Err(word.place.wrong("This word stands twice in the block."));
-            }
-        }
-        if skips {
-            // Where the machine stands then is its own affair.
-            for word in moving.filter(|word| word.letter >= b'X') {
-                self.position[usize::from(word.letter - b'X')] = None;
-            }
-            return Ok(());
-        }
-        let Some(mode) = self.mode else {
-            return Ok(());
-        };
-        let (before, start) = (self.axis, self.position);
-        self.turn(words)?;
-        for word in words
-            .iter()
-            .filter(|word| (b'X'..=b'Z').contains(&word.letter))
-        {
-            let own = &mut self.position[usize::from(word.letter - b'X')];
-            *own = if self.steps {
-                own.map(|own| own + word.number.value)
-            } else {
-                Some(word.number.value)
-            };
-        }
+    }
+
+    /// Goes where a block leads.
+    fn go(&mut self, block: &Block<'_, '_>, last: &Word<'_>) -> Result<()> {
         let line = last.place.line_number();
+        let mode = self.mode.unwrap_or_else(|| {
+            let remark = "No word says how to go to the points of some blocks ({}): they are read as rapid moves.";
+            self.builder.remark("no-motion", "", line, Severity::Caution, || remark.to_string());
+            Mode::Rapid
+        });
+        match mode {
+            Mode::Unfollowed => {
+                self.builder
+                    .remark("cycle", "", line, Severity::Caution, || {
+                        "Some cycles ({}) are not followed: their points are left out.".to_string()
+                    });
+                self.position = [None; 3];
+                return Ok(());
+            }
+            Mode::Drill(drill) => return self.drill(block, drill, last),
+            _ => {}
+        }
+        let (before, start) = (self.axis, self.position);
+        self.turn(block.words, mode)?;
+        for word in block.words {
+            if let Some(axis @ 0..3) = word.axis() {
+                self.position[axis] = self.moved(self.position[axis], word.number.value);
+            }
+        }
         let Some(end) = known(&self.position) else {
             if mode != Mode::Rapid {
-                self.builder
-                    .remark("position-unknown", "", line, Severity::Caution, || {
-                        "Moves at feed before x, y and z are all known ({}) are left out."
-                            .to_string()
-                    });
+                self.unknown(line);
             }
             return Ok(());
         };
-        if (end * self.builder.form.unit).amax() > FARTHEST {
+        let unit = self.builder.form.unit;
+        if (end * unit).amax() > FARTHEST {
             return Err(last.place.wrong(FAR_AWAY));
         }
-        if self.steps {
-            self.builder
-                .fixed
-                .get_or_insert((line, "it moves by steps here"));
-        }
-        let unit = self.builder.form.unit;
+        self.keeps_steps(line);
         let place = Place::Axis(end * unit, self.axis);
         let start = known(&start).map(|start| start * unit);
         let first = self.builder.points.len();
-        let Mode::Arc(is_left) = mode else {
-            self.inverse(feed, start.map(|start| (end * unit - start).norm()));
+        let Mode::Arc { is_left } = mode else {
+            self.inverse(block, start.map(|start| (end * unit - start).norm()));
             let from = start.filter(|_| mode == Mode::Feed);
             let from = from.map(|start| Place::Axis(start, before));
             if from.is_some_and(|from| self.builder.between(line, &from, &place)) {
                 let points = first..self.builder.points.len() + 1;
-                self.divided(words, beside, file, points, false);
+                self.pieces(block, points, false, Default::default());
             }
             self.builder.point(line, &place, mode == Mode::Rapid);
-            self.slots(words, last.end);
+            self.slots(block.words, last.end);
             return Ok(());
         };
         let Some(start) = start else {
             return Err(last.place.wrong("An arc needs a point that it begins at."));
         };
-        let Some(circle) = self.circle(words, start, end * unit, is_left)? else {
+        let Some(circle) = self.circle(block, start, end * unit, is_left)? else {
             return Err(last.place.wrong(
                 "This is no arc: its end is not on the circle about its centre through the point before.",
             ));
         };
-        self.inverse(feed, Some(circle.length()));
+        self.inverse(block, Some(circle.length()));
         let from = Place::Axis(start, before);
         for (share, point) in circle.points() {
             self.builder
                 .point(line, &from.towards(&place, share, point), false);
         }
         let points = first..self.builder.points.len();
-        self.divided(words, beside, file, points, true);
+        self.pieces(block, points, true, Default::default());
         Ok(())
     }
 
-    /// Keeps how a block would be written as several straight moves.
-    fn divided(
-        &mut self,
-        words: &[Word<'_>],
-        beside: &str,
-        file: &ProgramFile,
-        points: std::ops::Range<usize>,
-        is_arc: bool,
-    ) {
-        let begins = words
-            .iter()
-            .map(|word| word.place.position())
-            .min()
-            .unwrap_or(0);
-        let ends = words.iter().map(|word| word.end).max().unwrap_or(begins);
-        let text = |word: &Word<'_>| &file.text[word.place.position()..word.end];
-        let number = words.iter().find(|word| word.letter == b'N');
-        let others = words.iter().filter(|word| {
-            let motion = word.letter == b'G' && (0.0..=3.0).contains(&word.number.value);
-            !(motion
-                || matches!(word.letter, b'N' | b'X'..=b'Z' | b'I'..=b'K' | b'R' | b'P')
-                || word.index == 3)
-        });
-        let others: String = others.map(|word| format!(" {}", text(word))).collect();
-        // Comments between words are behind them then.
-        let inside = beside.trim_start().starts_with('(') && file.text[begins..ends].contains('(');
-        self.builder.divided.push(Divided {
-            points,
-            is_arc,
-            text: begins..ends,
-            first: number.map_or_else(String::new, |word| format!("{} ", text(word))),
-            begin: "G1".to_string(),
-            end: if inside { others + beside } else { others },
-        });
-    }
-
-    /// Takes a G-word of a block that `goes` to a point or does not; true where the points of its block are none of
-    /// the path.
-    fn prepare(&mut self, word: &Word<'_>, goes: bool) -> Result<bool> {
-        let code = (word.number.value * 10.0).round() as u16;
-        let line = word.place.line_number();
-        let mut place = word.place.clone();
-        match code {
-            0 => self.mode = Some(Mode::Rapid),
-            10 => self.mode = Some(Mode::Feed),
-            20 | 30 => self.mode = Some(Mode::Arc(code == 30)),
-            170 | 180 | 190 => self.plane = [2, 1, 0][usize::from(code / 10 - 17)],
-            200 | 700 | 7000 | 210 | 710 | 7100 => {
-                if !self.builder.measures(matches!(code, 200 | 700 | 7000)) {
-                    return Err(place.wrong_here("The units change within the path."));
-                }
-            }
-            930 | 940 | 950 => {
-                self.feeds = code / 10;
-                self.builder.feed = None;
-            }
-            960 | 970 => {
-                self.is_cutting_speed = code == 960;
-                self.builder.spindle = None;
-            }
-            900 => self.steps = false,
-            910 => self.steps = true,
-            901 => self.centres_absolute = true,
-            911 => self.centres_absolute = false,
-            540..=599 => {
-                if self
-                    .offset
-                    .replace(code)
-                    .is_some_and(|offset| offset != code)
-                {
-                    self.builder.remark("work-offset", "", line, Severity::Serious, || {
-                        "The work offset changes within the program ({}): the cell has one workpiece frame.".to_string()
-                    });
-                }
-            }
-            40 | 280 | 281 | 300 | 530 | 750 => return Ok(true),
-            730 | 740 | 760 | 810..=890 => {
-                self.mode = None;
-                self.builder
-                    .remark("cycle", "", line, Severity::Caution, || {
-                        "Drilling cycles ({}) are not followed: their points are left out."
-                            .to_string()
-                    });
-            }
-            // FANUC's contour control, unless it goes somewhere: then it is LinuxCNC's spline.
-            50 | 51 if !goes => {}
-            code if REFUSED.contains(&code) => {
-                let message =
-                    "This changes where the points lie, or goes on a curve, and is not read here.";
-                return Err(place.wrong_here(message).hint(
-                    "post-process the path with absolute points of the tool tip in the frame of the workpiece",
-                ));
-            }
-            _ => {
-                self.vectors |= code == 435;
-                if matches!(code, 490 | 430 | 434) {
-                    self.vectors = false;
-                }
-                if code == 435 {
-                    self.builder.form.before = &[" X", " Y", " Z", " I", " J", " K"];
-                }
-                if !QUIET.contains(&code) {
-                    let name = format!("G{}", word.number.value);
-                    self.builder.not_followed(&name, line, Severity::Note);
-                }
-            }
+    /// What a word makes of a coordinate.
+    fn moved(&self, from: Option<f64>, value: f64) -> Option<f64> {
+        if self.steps {
+            from.map(|from| from + value)
+        } else {
+            Some(value)
         }
-        Ok(false)
     }
 
-    /// Takes the feed of a block, where it is one a minute or a turn.
-    fn feed(&mut self, word: &Word<'_>) {
-        let own = word.number.value * self.builder.form.unit;
-        match self.feeds {
-            94 => self.builder.feed = Some(Feed::Second(own / 60.0)),
-            95 => self.builder.feed = Some(Feed::Turn(own)),
-            _ => {}
+    fn unknown(&mut self, line: usize) {
+        self.builder
+            .remark("position-unknown", "", line, Severity::Caution, || {
+                "Moves at feed before x, y and z are all known ({}) are left out.".to_string()
+            });
+    }
+
+    /// A point that is a step from another cannot be written.
+    fn keeps_steps(&mut self, line: usize) {
+        if self.steps {
+            let why = (line, "it moves by steps here");
+            self.builder.fixed.get_or_insert(why);
         }
     }
 
     /// Takes the feed of a move of this length \[m\], where it is the inverse of the move's time.
-    fn inverse(&mut self, word: Option<&Word<'_>>, way: Option<f64>) {
-        if self.feeds == 93 {
-            let pair = word.zip(way);
-            self.builder.feed =
-                pair.map(|(word, way)| Feed::Second(word.number.value * way / 60.0));
-        }
-    }
-
-    /// Takes the tool axis.
-    fn turn(&mut self, words: &[Word<'_>]) -> Result<()> {
-        let component = |word: &Word<'_>| {
-            axis_component(word, self.vectors && self.mode != Some(Mode::Arc(true)))
-        };
-        let vector: Vec<(usize, &Word<'_>)> = words
-            .iter()
-            .filter_map(|word| Some((component(word)?, word)))
-            .collect();
-        if let Some((_, first)) = vector.first() {
-            let mut axis = Vector3::zeros();
-            for (component, word) in &vector {
-                axis[*component] = word.number.value;
-            }
-            self.stated = axis.into();
-            let Some(axis) = UnitVector3::try_new(axis, 1e-6) else {
-                return Err(first.place.wrong("This tool axis has length zero."));
-            };
-            self.axis = axis;
-            self.builder.form.orientation = Orientation::Axis;
-        }
-        let mut has_turned = false;
-        for word in words
-            .iter()
-            .filter(|word| word.index == 0 && (b'A'..=b'C').contains(&word.letter))
-        {
-            let own = &mut self.rotary[usize::from(word.letter - b'A')];
-            let value = if self.steps {
-                *own + word.number.value
-            } else {
-                word.number.value
-            };
-            let is_known = self
-                .builder
-                .cell
-                .work
-                .rotary
-                .iter()
-                .any(|axis| axis.letter() == word.letter);
-            if !is_known && value != 0.0 {
-                let letter = char::from(word.letter);
-                let message = format!(
-                    "The rotary axis {letter} turns, and nothing says how it carries the tool."
-                );
-                return Err(word.place.wrong(message).hint(
-                    "say so in [work] of the cell, from the workpiece to the tool: rotary_axes = [\"C\", \"A\"] for a \
-                     head that turns about C and then A, [\"-A\", \"-C\"] for a table",
-                ));
-            }
-            (*own, has_turned) = (value, true);
-        }
-        if has_turned {
-            let axes = self.builder.cell.work.rotary.iter().rev();
-            let turned = axes.fold(Vector3::z(), |axis, rotary| {
-                rotary.rotation(self.rotary[usize::from(rotary.letter() - b'A')]) * axis
-            });
-            self.axis = UnitVector3::new_normalize(turned);
-        }
-        Ok(())
-    }
-
-    /// The places of the numbers of the point given last; what is left out would stand at `end`.
-    fn slots(&mut self, words: &[Word<'_>], end: usize) {
-        // Of an axis that is stated, components that are left out are zero.
-        let has_axis = words
-            .iter()
-            .any(|word| axis_component(word, self.vectors).is_some());
-        for component in 0..6 {
-            let word = words.iter().find(|word| match component {
-                0..3 => word.letter == b'X' + component as u8,
-                _ => axis_component(word, self.vectors) == Some(component - 3),
-            });
-            let value = match component {
-                0..3 => self.position[component].unwrap_or_default(),
-                _ => self.stated[component - 3],
-            };
-            let left_out = Number {
-                value,
-                at: end as u32,
-                length: 0,
-            };
-            let modal = word.is_none() && !(has_axis && component >= 3);
-            let number = word.map_or(left_out, |word| word.number);
-            self.builder.numeral(0, component, number, modal);
+    fn inverse(&mut self, block: &Block<'_, '_>, way: Option<f64>) {
+        if self.feeds == Feeds::Inverse {
+            let pair = block.value(b'F').zip(way);
+            self.builder.feed = pair.map(|(feed, way)| Feed::Second(feed * way / 60.0));
         }
     }
 }

@@ -19,6 +19,7 @@ pub(super) fn check(cell: &Cell, findings: &mut Vec<Finding>) {
         findings.extend(found);
     }
     findings.extend(implausible::process(cell));
+    findings.extend(cell.work.shown_tool_axis());
     let distance = cell.work.workpiece.translation.vector.norm();
     let sentence = if distance > 0.0 && distance < NEAR {
         format!(

@@ -3,6 +3,7 @@
 use super::{Check, axes, cell_with, codes, positions, read, read_with, rounded, stated, unit};
 use nalgebra::Vector3;
 use std::f64::consts::PI;
+use stiffarm::findings::Severity;
 
 #[test]
 fn words_are_modal_and_may_have_blanks() -> Check {
@@ -186,8 +187,8 @@ fn five_axes_as_angles() -> Check {
 
 #[test]
 fn what_is_not_followed_is_said() -> Check {
-    let text = "G90 G54 G0 X0 Y0 Z5\nG81 X10 Y10 Z-5 R2\nX20\nG80\nG1 Z0\nG28 X0\nG1 Y5\nG4 X2\nX1\n\
-                G55\nG64 P0.01\nG777 X2\nWAITM(1)\n";
+    let text = "G90 G54 G0 X0 Y0 Z5\nG84 X10 Y10 Z-5 R2\nX20\nG80\nG1 Z0\nG28 X0\nG1 Y5\nG1 X0 Y5 Z0\n\
+                G55\nG64 P0.01\nG777\nWAITM(1)\n";
     let path = read("a.nc", text)?;
     assert_eq!(
         codes(&path),
@@ -195,11 +196,137 @@ fn what_is_not_followed_is_said() -> Check {
             "work-offset",
             "cycle",
             "not-followed",
+            "not-followed",
             "position-unknown",
-            "not-followed"
+            "machine-place"
         ]
     );
     let sentence = &path.findings[0].sentence;
-    assert!(sentence.contains("(line 10)"), "{sentence}");
+    assert!(sentence.contains("(line 9)"), "{sentence}");
     Ok(())
+}
+
+/// What becomes of blocks behind `G90 G0 X0 Y0 Z5`, `G1 X1 F100`: the points that are stated, or `refused`, and codes of
+/// findings that are more than notes.
+fn becomes(blocks: &str) -> String {
+    let text = format!("G90 G0 X0 Y0 Z5\nG1 X1 F100\n{blocks}\n");
+    match read("a.mpf", &text) {
+        Err(_) => "refused".to_string(),
+        Ok(path) => {
+            let points = rounded(&path.points);
+            let mut shown: Vec<String> = points[2..]
+                .iter()
+                .map(|p| format!("{},{},{}", p[0], p[1], p[2]))
+                .collect();
+            let said = path
+                .findings
+                .iter()
+                .filter(|finding| finding.severity > Severity::Note);
+            shown.extend(said.map(|finding| finding.code.clone()));
+            shown.join(" ")
+        }
+    }
+}
+
+/// Words of controls that LinuxCNC does not have. Siemens: SINUMERIK 840D sl, Programming Guide; FANUC: Series 30i
+/// Operator's Manual; Haas, Okuma, slicers.
+#[test]
+fn words_of_other_controls_lose_no_move() {
+    let rows = [
+        // The rest of a block behind a word of several letters counts.
+        ("CFTCP G1 X2 Y3", "2,3,5"),
+        ("G1 X2 Y3 SPOS=90 Z4", "2,3,4"),
+        ("G1 X2 SPOS[1]=90 Y3", "2,3,5"),
+        ("MSG(\"G1 (X9)\") G1 X2", "2,0,5"),
+        ("CYCLE832(0.01,1) G1 X2", "2,0,5"),
+        ("G1 X2 S1=5000 M1=3", "2,0,5"),
+        ("G1 X2 M2=3\nX3", "2,0,5 3,0,5"),
+        ("G1 X2 WAITM(1)", "refused"),
+        ("WAITM(1)\nG1 X2", "2,0,5 not-followed"),
+        // Words that say where the tool is in another way.
+        ("L100", "refused"),
+        ("G1 X2 A2=10 B2=20 C2=0", "refused"),
+        ("G1 X1=2", "refused"),
+        ("G2 X3 Y0 I1 J0 TURN=0.5", "refused"),
+        ("G1 X=IC(2)", "refused"),
+        ("G1 X2 CR=5", "refused"),
+        ("G1 X2 ,R5", "refused"),
+        ("G1 X2 RND=5", "refused"),
+        ("CYCLE800(1,\"A\")", "refused"),
+        ("CYCLE800()\nG1 X2", "2,0,5"),
+        ("TRANS\nG1 X2", "2,0,5"),
+        ("TRANS X2", "refused"),
+        ("DIAMON", "refused"),
+        ("R1=5 G1 X2", "2,0,5"),
+        ("DEF REAL X1=5\nG1 X2", "2,0,5"),
+        ("G1 X=R1", "refused"),
+        ("GOTOF END1", "refused"),
+        ("IF[#1 EQ 2]GOTO10", "refused"),
+        ("GOTO10", "refused"),
+        // Drilling in a way of the control.
+        (
+            "CYCLE81(10,0,2,-5)\nG1 X2\nG1 X2 Y0 Z0\nX3",
+            "2,0,0 3,0,0 position-unknown",
+        ),
+        // Waiting times and limits are no points.
+        ("G4 F2\nG1 X2", "2,0,5"),
+        ("G4 X1.5\nG1 Y2", "1,2,5"),
+        ("G4 X1.5 Y2", "refused"),
+        ("G22 X9 Y9 I1\nG1 X2", "2,0,5"),
+        ("G26 X9 Y9\nG1 X2", "2,0,5"),
+        // Frames.
+        ("G54\nG1 X2", "2,0,5"),
+        ("G15 H2\nG1 X2", "2,0,5 work-offset"),
+        ("G54.1 P1\nG1 X2\nG54.1 P2\nX3", "2,0,5 3,0,5 work-offset"),
+        ("G92 S2000\nG1 X2", "2,0,5"),
+        ("G92 E0\nG1 X2 E1.5", "2,0,5"),
+        ("G92.1\nG1 X2", "refused"),
+        ("G58 X5", "refused"),
+        // Arcs of which I, J, K may be the tool axis.
+        ("G43.5 H1\nG2 X3 Y0 I1 J0", "refused"),
+        // Several switches of optional blocks.
+        ("/2 G1 X2", "2,0,5"),
+        ("N10 ANFANG: G1 X2", "2,0,5"),
+        ("ANFANG: G1 X2", "2,0,5"),
+    ];
+    let found: Vec<(&str, String)> = rows
+        .iter()
+        .map(|(blocks, _)| (*blocks, becomes(blocks)))
+        .collect();
+    let wanted: Vec<(&str, String)> = rows
+        .iter()
+        .map(|(blocks, wanted)| (*blocks, wanted.to_string()))
+        .collect();
+    assert_eq!(found, wanted);
+}
+
+#[test]
+fn offsets_are_held_against_the_first_of_every_control() -> Check {
+    let own = read("a.nc", "G90 G55 G0 X0 Y0 Z5\nG1 X1\n")?;
+    assert!(codes(&own).is_empty());
+    let later = read("a.nc", "G90 G0 X0 Y0 Z5\nG1 X1\nG55 X2\n")?;
+    assert_eq!(codes(&later), ["work-offset"]);
+    let reset = read("a.nc", "G92.1\nG90 G0 X0 Y0 Z5\nG1 X1\n")?;
+    assert!(codes(&reset).is_empty());
+    Ok(())
+}
+
+#[test]
+fn every_word_stands_in_the_table_once() {
+    let page = stiffarm_files::tool_path::gcode_page();
+    let words = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    let mut words: Vec<&str> = words
+        .flat_map(|words| words.split(' '))
+        .filter(|word| !matches!(*word, "words" | "to"))
+        .collect();
+    let count = words.len();
+    words.sort_unstable();
+    words.dedup();
+    assert!(
+        count > 250 && words.len() == count,
+        "{} of {count}",
+        words.len()
+    );
 }

@@ -1,6 +1,7 @@
 //! Tool paths as programs: what is read, what is written, and how each slip is reported.
 
 mod gcode;
+mod interpreter;
 mod languages;
 mod loads;
 mod moves;

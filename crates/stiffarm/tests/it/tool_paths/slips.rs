@@ -19,7 +19,7 @@ const SLIPS: [(&str, &str); 44] = [
     ("a.mpf", "G1 X0 Y0 Z0 A3=0 B3=0 C3=0\n"),
     ("a.nc", "(nothing)\n"),
     ("a.nc", "G0 X0 Y0 Z5\n"),
-    ("a.nc", "G90 G0 X0 Y0 Z5\nG1 X1e9\n"),
+    ("a.nc", "G90 G0 X0 Y0 Z5\nG1 X1000000000\n"),
     ("a.cls", "GOTO/1,2,3\nGOTO/1e9,2,3\n"),
     ("a.src", "LIN {X 1e9,Y 2,Z 3,A 0,B 0,C 0}\n"),
     ("a.cls", "GOTO/1,2\n"),

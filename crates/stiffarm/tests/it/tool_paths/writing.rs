@@ -298,3 +298,75 @@ fn robots_say_where_a_long_move_would_need_points() -> Check {
     );
     Ok(())
 }
+
+/// The written program after a correction of 0.1 mm in z of all moves at feed.
+fn higher(program: &str) -> String {
+    let path = read("a.nc", program).unwrap();
+    text(&write(&path, &corrected(&path, Vector3::z(), |_| 0.1)).unwrap())
+}
+
+/// F of G93 is the inverse of the whole move's time: the times of the pieces of an arc add up to it.
+#[test]
+fn the_pieces_of_a_move_have_their_own_inverse_times() -> Check {
+    let program =
+        "G90 G0 X10 Y0 Z0\nG93 G1 X10.5 F60\nN3 G3 X-10.5 Y0 I-10.5 J0 F2.5 (round)\nG1 X0 F30\n";
+    let written = higher(program);
+    let pieces: Vec<&str> = written
+        .lines()
+        .filter(|line| line.contains("G1") && line.contains('Y'))
+        .collect();
+    assert!(pieces.len() > 20, "{written}");
+    let feed = |line: &str| -> f64 {
+        line.split(" F")
+            .nth(1)
+            .unwrap()
+            .split_whitespace()
+            .next()
+            .unwrap()
+            .parse()
+            .unwrap()
+    };
+    let time: f64 = pieces.iter().map(|line| 1.0 / feed(line)).sum();
+    assert!((time - 1.0 / 2.5).abs() < 1e-4, "{time}\n{written}");
+    assert!(
+        pieces[0].starts_with("N3 G1 X") && pieces[1].starts_with("G1 X"),
+        "{written}"
+    );
+    Ok(())
+}
+
+#[test]
+fn what_stands_beside_a_divided_move_stays_where_it_counts() {
+    let program = "G90 G0 X10 Y0 Z0\nG1 Z-1 F100\n/N3 G9 G3 X-10 Y0 I-10 J0 F200 M8 M0\nG1 X0\n";
+    let written = higher(program);
+    let pieces: Vec<&str> = written
+        .lines()
+        .filter(|line| line.starts_with('/'))
+        .collect();
+    // Every piece may be left out with the block.
+    assert!(pieces.len() > 20, "{written}");
+    assert!(
+        pieces[0].starts_with("/N3 G1 X") && pieces[1].starts_with("/G1 X"),
+        "{written}"
+    );
+    // Feed and coolant count from the first on; the exact stop and the halt belong to the end of the move.
+    for (k, piece) in pieces.iter().enumerate() {
+        let (is_first, is_last) = (k == 0, k + 1 == pieces.len());
+        assert_eq!(piece.contains(" F200 M8"), is_first, "{piece}");
+        assert_eq!(piece.ends_with(" G9 M0"), is_last, "{piece}");
+    }
+}
+
+#[test]
+fn cycles_are_written_as_the_moves_that_they_are() {
+    let program = "G90 G0 X0 Y0 Z5\nN2 G98 G82 X10 Y0 Z-3 R2 P0.5 F100 (holes)\nX20\nG80\nG0 X0\n";
+    let written = higher(program);
+    let expected = "G90 G0 X0 Y0 Z5\n\
+        N2 G0 X10.0000 Y0.0000 Z5.0000 G98 F100\nG0 X10.0000 Y0.0000 Z2.0000\nG1 X10.0000 Y0.0000 Z-2.9000\nG4 P0.5\n\
+        G0 X10.0000 Y0.0000 Z5.0000 (holes)\n\
+        G0 X20.0000 Y0.0000 Z5.0000\nG0 X20.0000 Y0.0000 Z2.0000\nG1 X20.0000 Y0.0000 Z-2.9000\nG4 P0.5\nG0 X20.0000 Y0.0000 Z5.0000\n\
+        G80\nG0 X0\n";
+    assert_eq!(written, expected);
+    let again = read("a.nc", &written).unwrap();
+    assert!(positions(&again).contains(&[20.0, 0.0, -2.9]));
+}

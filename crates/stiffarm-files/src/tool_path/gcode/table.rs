@@ -1,0 +1,180 @@
+//! What a word of G-code can do to where the tool is, and the one table of `rows` behind reader, documentation and
+//! tests.
+
+use super::rows::ROWS;
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+/// How a block leads to its point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Mode {
+    Rapid,
+    Feed,
+    /// Counter-clockwise or clockwise.
+    Arc {
+        is_left: bool,
+    },
+    Drill(Drill),
+    /// A cycle that is not followed.
+    Unfollowed,
+}
+
+/// How a drilling cycle goes into the hole and out of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drill {
+    /// In steps of Q, out of the hole after each.
+    pub pecks: bool,
+    /// Stays at the bottom for the time P.
+    pub dwells: bool,
+    /// Comes out at feed.
+    pub feeds_out: bool,
+}
+
+/// What F stands for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Feeds {
+    /// The inverse of the move's time.
+    Inverse,
+    Minute,
+    Turn,
+}
+
+/// What a word does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Effect {
+    Moves(Mode),
+    /// Arcs lie across this axis.
+    Plane(usize),
+    Inches(bool),
+    Steps(bool),
+    CentresAbsolute(bool),
+    Feeds(Feeds),
+    CuttingSpeed(bool),
+    /// I, J, K of straight moves are the tool axis.
+    Vectors(bool),
+    /// Cycles come back to where they began, or to R only.
+    BackToStart(bool),
+    EndsCycle,
+    /// Another frame of the points; its number is the value of this letter, where it has one.
+    Offset(Option<u8>),
+    /// The axes of the block go to the machine's coordinates.
+    Machine,
+    /// The axes of the block, or all, go to a place of the machine.
+    Home,
+    /// An arc has so many more turns.
+    Turns,
+    /// Waits: for X where no P says how long.
+    Dwells,
+    /// The axis words of the block are its own, and no point.
+    TakesAxes,
+    Quiet,
+    /// The rest of the block is its own.
+    Declares,
+    /// Changes nothing in a block without axis words; beside them it is refused.
+    Alone,
+    /// Takes back what this program cannot have set, in its head or without values.
+    Resets,
+    /// The program is over.
+    Ends,
+    /// Stops behind the move of its block.
+    Stops,
+    Refused,
+}
+
+/// Words with the same effect.
+#[derive(Debug)]
+pub struct Row {
+    /// With blanks between them; `G505-G599` are all from the first to the last.
+    pub words: &'static str,
+    pub effect: Effect,
+    /// What they do, as the rest of a sentence that begins with the word.
+    pub does: &'static str,
+}
+
+type Numbered = HashMap<(u8, u32), &'static Row>;
+
+static INDEX: LazyLock<(Numbered, HashMap<&'static str, &'static Row>)> = LazyLock::new(|| {
+    let (mut numbered, mut named) = (HashMap::new(), HashMap::new());
+    for row in ROWS {
+        for word in row.words.split_whitespace() {
+            let (first, last) = word.split_once('-').unwrap_or((word, word));
+            match (key_of(first), key_of(last)) {
+                (Some((letter, first)), Some((_, last))) => {
+                    let whole = (first..=last).step_by(PARTS as usize);
+                    numbered.extend(whole.map(|number| ((letter, number), row)));
+                }
+                _ => {
+                    named.insert(word, row);
+                }
+            }
+        }
+    }
+    (numbered, named)
+});
+
+/// Numbers of words are kept in tenths.
+const PARTS: u32 = 10;
+
+fn key_of(word: &str) -> Option<(u8, u32)> {
+    let number = word.get(1..)?.parse().ok()?;
+    key(word.as_bytes()[0], number)
+}
+
+fn key(letter: u8, number: f64) -> Option<(u8, u32)> {
+    let tenths = number * f64::from(PARTS);
+    let is_whole = (tenths - tenths.round()).abs() < 1e-6 && (0.0..1e6).contains(&tenths);
+    is_whole.then_some((letter, tenths.round() as u32))
+}
+
+/// The row of `G43.4` or `M30`.
+pub fn numbered(letter: u8, number: f64) -> Option<&'static Row> {
+    INDEX.0.get(&key(letter, number)?).copied()
+}
+
+/// The row of a word of several letters, in capitals: its own, or that without its digits, as `GOTO10` has it.
+pub fn named(name: &str) -> Option<&'static Row> {
+    let letters = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let mut names = [name, letters].into_iter();
+    names.find_map(|name| INDEX.1.get(name).copied())
+}
+
+/// How the documentation groups effects, and what it says of a group.
+fn group(effect: Effect) -> &'static str {
+    use Effect::*;
+    match effect {
+        Moves(Mode::Unfollowed) | Machine | Home => "Not followed, and said",
+        Refused => "Refused",
+        Alone => "Refused beside axis words, else without effect",
+        Resets => "Refused behind the first point or with values, else without effect",
+        Quiet | Declares | TakesAxes | Dwells | Stops => "Without effect on the points",
+        _ => "Followed",
+    }
+}
+
+/// The table as a page of the documentation.
+pub fn page() -> String {
+    let mut page = "# Words of G-code\n\n\
+        Made from the table that the reader goes by. A word that is not here is refused in a block with axis words, and said as a\n\
+        caution in any other. What holds for paths as a whole stands in [paths](paths.md).\n"
+        .to_string();
+    let mut groups: Vec<&str> = Vec::new();
+    for row in ROWS {
+        let name = group(row.effect);
+        if !groups.contains(&name) {
+            groups.push(name);
+        }
+    }
+    for name in groups {
+        page += &format!("\n## {name}\n\n| words | what they do |\n|:--|:--|\n");
+        for row in ROWS.iter().filter(|row| group(row.effect) == name) {
+            let words: Vec<&str> = row.words.split_whitespace().collect();
+            page += &format!(
+                "| {} | {} |\n",
+                words.join(" ").replace('-', " to "),
+                row.does
+            );
+        }
+    }
+    page
+}
