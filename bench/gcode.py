@@ -24,7 +24,7 @@ import tempfile
 import warnings
 from pathlib import Path
 
-TOLERANCE = 0.012  # mm: stiffarm's chords are 0.01 mm from an arc at most, rs274 prints four decimals
+TOLERANCE = 0.016  # mm: chords are 0.01 mm from an arc at most, and rs274 prints four decimals, also of an inch
 HEAD = "G21 G90 G17 G40 G49 G54 G94\nG0 X1 Y2 Z5\nF100\n"
 CELL = """format = 1
 robot.catalogue = 'kuka-kr500-r2800-2'
@@ -146,6 +146,7 @@ G83 X1 Z-3 R2
 G99 G85 X1 Z-3 R2
 G98 G85 X1 Z-3 R2
 G99 G89 X1 Z-3 R2 P.1
+G98 G89 X1 Z-3 R2 P.1
 G99 G73 X1 Z-3 R2 Q2 / G80 / G1 X9
 G84 X1 Z-3 R2
 G86 X1 Z-3 R2 P.1

@@ -1,6 +1,6 @@
 //! Drilling cycles, as LinuxCNC's interpreter drives them (G98 and G99, L, G91; ISO 6983-1 names them).
 
-use super::table::{Drill, Feeds};
+use super::table::{Drill, Feeds, Out};
 use super::words::Word;
 use super::{Block, State, known};
 use crate::tool_path::builder::Place;
@@ -147,8 +147,10 @@ impl State<'_, '_> {
                     bottoms.push(number - 1);
                 }
             }
-            if drill.feeds_out {
-                to(&mut at, over(r), false);
+            match drill.out {
+                Out::Rapid => {}
+                Out::FeedToR => _ = to(&mut at, over(r), false),
+                Out::Feed => _ = to(&mut at, over(clear), false),
             }
             to(&mut at, over(clear), true);
         }

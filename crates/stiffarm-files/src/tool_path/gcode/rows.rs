@@ -5,7 +5,7 @@
 //! by one word, the row is the one that loses nothing.
 
 use super::table::Effect::{self, *};
-use super::table::{Drill, Feeds, Mode, Row};
+use super::table::{Drill, Feeds, Mode, Out, Row};
 
 const fn row(words: &'static str, effect: Effect, does: &'static str) -> Row {
     Row {
@@ -15,12 +15,8 @@ const fn row(words: &'static str, effect: Effect, does: &'static str) -> Row {
     }
 }
 
-const fn drill(pecks: bool, dwells: bool, feeds_out: bool) -> Effect {
-    Effect::Moves(Mode::Drill(Drill {
-        pecks,
-        dwells,
-        feeds_out,
-    }))
+const fn drill(pecks: bool, dwells: bool, out: Out) -> Effect {
+    Effect::Moves(Mode::Drill(Drill { pecks, dwells, out }))
 }
 
 /// The table.
@@ -41,21 +37,25 @@ pub const ROWS: &[Row] = &[
         Moves(Mode::Arc { is_left: true }),
         "leads on a counter-clockwise arc or helix",
     ),
-    row("G81", drill(false, false, false), "drills"),
+    row("G81", drill(false, false, Out::Rapid), "drills"),
     row(
         "G82",
-        drill(false, true, false),
+        drill(false, true, Out::Rapid),
         "drills and waits at the bottom",
     ),
     row(
         "G83",
-        drill(true, false, false),
+        drill(true, false, Out::Rapid),
         "drills in steps of Q, out of the hole after each",
     ),
-    row("G85", drill(false, false, true), "bores, out at feed"),
+    row(
+        "G85",
+        drill(false, false, Out::FeedToR),
+        "bores, out at feed",
+    ),
     row(
         "G89",
-        drill(false, true, true),
+        drill(false, true, Out::Feed),
         "bores, waits at the bottom, out at feed",
     ),
     row(

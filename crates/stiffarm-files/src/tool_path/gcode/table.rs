@@ -27,8 +27,16 @@ pub struct Drill {
     pub pecks: bool,
     /// Stays at the bottom for the time P.
     pub dwells: bool,
-    /// Comes out at feed.
-    pub feeds_out: bool,
+    pub out: Out,
+}
+
+/// How it comes out of the hole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Out {
+    Rapid,
+    /// At feed to R, from there rapidly.
+    FeedToR,
+    Feed,
 }
 
 /// What F stands for.
