@@ -4,6 +4,7 @@ mod gcode;
 mod languages;
 mod loads;
 mod moves;
+mod robots;
 mod slips;
 mod writing;
 
