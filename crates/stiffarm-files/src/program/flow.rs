@@ -5,7 +5,6 @@
 
 use super::ProgramFile;
 use super::cursor::Cursor;
-use super::dialect::Syntax;
 use super::reader::Reader;
 use std::collections::HashMap;
 use stiffarm::error::Result;
@@ -69,11 +68,11 @@ impl Procedures {
     }
 }
 
-/// The statements of `files` in the order in which they run.
+/// The statements of `files` in the order in which they run; `moves` are the words of moves.
 pub fn order<'a>(
     files: &[&'a ProgramFile],
-    syntax: &Syntax,
     procedures: &Procedures,
+    moves: &[&str],
     reader: &mut Reader<'a>,
 ) -> Result<Vec<Cursor<'a>>> {
     let mut flow = Flow::default();
@@ -91,7 +90,7 @@ pub fn order<'a>(
             flow.enter(*index, procedures, &mut Vec::new(), reader)?;
         }
         let names = started.iter().map(|index| &flow.all[*index]);
-        let moving: Vec<&Procedure<'_>> = names.filter(|own| own.moves(syntax)).collect();
+        let moving: Vec<&Procedure<'_>> = names.filter(|own| own.has(moves)).collect();
         if let [first, .., last] = &moving[..] {
             let sentence = format!(
                 "Nothing in the file calls its procedures {} to {} ({{}}): they are read in the order of the file, and \
@@ -108,7 +107,7 @@ pub fn order<'a>(
         }
     }
     for (own, has_run) in flow.all.iter().zip(&flow.has_run) {
-        if !has_run && own.moves(syntax) {
+        if !has_run && own.has(moves) {
             let sentence = format!(
                 "The procedure {} ({{}}) is called by nothing that is read: its moves are no part of the path.",
                 own.name
@@ -126,12 +125,10 @@ pub fn order<'a>(
 }
 
 impl<'a> Procedure<'a> {
-    fn moves(&self, syntax: &Syntax) -> bool {
-        let is_move = |statement: &Cursor<'a>| {
-            Procedures::is_one_of(&[syntax.joint_move], statement)
-                || Procedures::is_one_of(syntax.other_moves, statement)
-        };
-        self.body.iter().any(is_move)
+    /// Whether it has a statement that begins with one of these words.
+    fn has(&self, words: &[&str]) -> bool {
+        let mut body = self.body.iter();
+        body.any(|statement| Procedures::is_one_of(words, statement))
     }
 }
 

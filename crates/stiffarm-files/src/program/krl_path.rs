@@ -4,7 +4,7 @@ use super::ProgramFile;
 use super::aims::{Aim, Motion};
 use super::cursor::{Cursor, lines};
 use super::flow::Procedures;
-use super::krl::{aggregate, aim, declaration};
+use super::krl_points::{aggregate, aim, declaration};
 use super::reader::{Reader, leading};
 use stiffarm::error::Result;
 
@@ -36,7 +36,7 @@ const FRAMES: [[&str; 4]; 2] = [
 ];
 
 /// Words before a bracket that are no calls of procedures which may move the robot.
-const NO_CALLS: [&str; 22] = [
+const NO_CALLS: [&str; 23] = [
     "IF",
     "WHILE",
     "UNTIL",
@@ -58,6 +58,7 @@ const NO_CALLS: [&str; 22] = [
     "CWRITE",
     "SWRITE",
     "SREAD",
+    "SET_CD_PARAMS",
     "CLEAR",
 ];
 

@@ -13,7 +13,7 @@ use super::aims::{Aim, External, OpenPoint};
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
-use super::ls_path::{is_no_move, path_statement};
+use super::ls_path::{is_no_move, label, path_statement, point};
 use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -188,7 +188,8 @@ CONTROL_CODE\t= 00000000 00000000;
 
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.word("/PROG") {
-        reader.named(line.identifier()?);
+        // The controller's own have names that begin with a sign.
+        reader.named(line.identifier().unwrap_or_default());
     } else if line.word("/MN") {
         reader.section = Section::Body;
     } else if line.word("/POS") {
@@ -234,28 +235,6 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         return Ok(false);
     }
     Ok(true)
-}
-
-/// `P[1]`, with or without a comment.
-pub fn point(line: &mut Cursor<'_>) -> Result<String> {
-    line.expect("P[")?;
-    let label = label(line)?;
-    if line.passes(":") {
-        line.skip(line.rest().find(']').unwrap_or(0));
-    }
-    line.expect("]")?;
-    Ok(label)
-}
-
-/// `P[` and the number of a point.
-fn label(line: &mut Cursor<'_>) -> Result<String> {
-    let place = line.clone();
-    let number = line.number()?;
-    if number >= 1.0 && number.fract() == 0.0 && number <= 1e6 {
-        Ok(format!("P[{number}]"))
-    } else {
-        Err(place.wrong("This is no number of a point."))
-    }
 }
 
 /// A line of `/POS`.

@@ -2,7 +2,6 @@
 
 use super::aims::{Aim, Motion};
 use super::cursor::Cursor;
-use super::ls::point;
 use super::reader::{Reader, leading};
 use stiffarm::error::Result;
 
@@ -28,11 +27,58 @@ pub fn path_statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Res
         }
         let set = line.assigned().filter(|_| line.clone().word(frame));
         if let Some((name, _)) = set {
-            reader.sets(line, name);
+            sets_frame(line, number, name, reader);
             return Ok(true);
         }
     }
+    if line.clone().word("PR") {
+        sets_register(line, reader);
+        return Ok(true);
+    }
     path_move(line, reader)
+}
+
+/// `UFRAME[1]=PR[9]`: followed where the program has set all numbers of the register to stated ones.
+fn sets_frame<'a>(line: &Cursor<'a>, number: usize, name: String, reader: &mut Reader<'a>) {
+    let (_, value) = line.rest().split_once('=').unwrap_or_default();
+    let register = value.trim().trim_end_matches(';').trim();
+    let stated = reader.registers.get(register);
+    let stated = stated.filter(|numbers| numbers.iter().take(6).all(Option::is_some));
+    match stated.map(|numbers| *reader.pose(*numbers, line)) {
+        Some(pose) => {
+            reader.frames.insert(name.clone(), vec![pose]);
+            // The moves that come take it as it is now, if they took it before.
+            let is_taken = reader.taken[number]
+                .as_ref()
+                .is_some_and(|own| own.name == name);
+            if is_taken {
+                reader.takes(number, name, line.line_number());
+            }
+        }
+        None => reader.sets(line, name),
+    }
+}
+
+/// `PR[9,1]=807.7`; any other value makes the register unknown.
+fn sets_register<'a>(line: &Cursor<'a>, reader: &mut Reader<'a>) {
+    let Some((name, value)) = line.rest().split_once('=') else {
+        return;
+    };
+    let inner = name.trim().trim_start_matches("PR[").trim_end_matches(']');
+    let (register, component) = inner.split_once(',').unwrap_or((inner, ""));
+    let key = format!("PR[{}]", register.trim());
+    let mut at = line.clone();
+    at.skip(line.rest().len() - value.len());
+    let number = at.placed().ok().filter(|_| at.passes(";"));
+    match (component.trim().parse::<usize>(), number) {
+        (Ok(component @ 1..=6), Some(number)) => {
+            let own = reader.registers.entry(key).or_insert([None; 7]);
+            own[component - 1] = Some(number);
+        }
+        _ => {
+            reader.registers.remove(&key);
+        }
+    }
 }
 
 /// What moves a position of a tool path.
@@ -100,4 +146,26 @@ fn feed(rest: &str) -> Option<f64> {
     let mut units = units.iter();
     let (_, unit) = units.find(|(name, _)| unit.trim_start().starts_with(name))?;
     Some(leading(rest)? * unit)
+}
+
+/// `P[1]`, with or without a comment.
+pub fn point(line: &mut Cursor<'_>) -> Result<String> {
+    line.expect("P[")?;
+    let label = label(line)?;
+    if line.passes(":") {
+        line.skip(line.rest().find(']').unwrap_or(0));
+    }
+    line.expect("]")?;
+    Ok(label)
+}
+
+/// `P[` and the number of a point.
+pub fn label(line: &mut Cursor<'_>) -> Result<String> {
+    let place = line.clone();
+    let number = line.number()?;
+    if number >= 1.0 && number.fract() == 0.0 && number <= 1e6 {
+        Ok(format!("P[{number}]"))
+    } else {
+        Err(place.wrong("This is no number of a point."))
+    }
 }

@@ -43,6 +43,7 @@ mod inform;
 mod inform_path;
 mod krl;
 mod krl_path;
+mod krl_points;
 mod language;
 mod ls;
 mod ls_path;

@@ -28,7 +28,8 @@ pub fn read_lines<'a>(
 ) -> Result<()> {
     match syntax.procedures.as_ref().filter(|_| reader.is_path) {
         Some(procedures) => {
-            let order = flow::order(&files, syntax, procedures, reader)?;
+            let moves = [&[syntax.joint_move], syntax.other_moves].concat();
+            let order = flow::order(&files, procedures, &moves, reader)?;
             order
                 .into_iter()
                 .try_for_each(|line| read_line(line, syntax, reader))

@@ -44,6 +44,8 @@ pub struct Reader<'a> {
     pub has_poses: bool,
     /// Frames that the program gives, by their names in capital letters: products of these.
     pub frames: HashMap<String, Vec<Pose<'a>>>,
+    /// Numbers of position registers that the program has set.
+    pub registers: HashMap<String, [Option<Number>; 7]>,
     /// What says which tool and base an inline form takes (FDAT), by its name in capital letters.
     pub forms: HashMap<String, Cursor<'a>>,
     /// The tool and the base of the moves that come.
@@ -104,6 +106,7 @@ impl<'a> Reader<'a> {
             arc_points: 0,
             has_poses: false,
             frames: HashMap::new(),
+            registers: HashMap::new(),
             forms: HashMap::new(),
             taken: [None, None],
             feature: None,
@@ -358,7 +361,7 @@ impl<'a> Reader<'a> {
     /// The moves of a tool path, points in place of their labels.
     pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
         self.check_closed()?;
-        let (points, named) = (&self.points, &mut self.named_points);
+        let (points, assigned, named) = (&self.points, &self.assigned, &mut self.named_points);
         let mut resolved = |aim: Aim<'a>, motion: Motion| match aim {
             Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
                 Some(Aim::Unset(place, why)) => Err(place.wrong(why.as_str())),
@@ -370,7 +373,17 @@ impl<'a> Reader<'a> {
                 }
                 // A position of the controller, as HOME: not of the path.
                 None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new(), Vec::new())),
-                None => Err(place.wrong_here(format!("The program has no point {label}."))),
+                None => {
+                    let name = label.to_ascii_uppercase();
+                    let message = if assigned.iter().any(|(_, set)| *set == name) {
+                        format!(
+                            "{label} is calculated by the program: only stated positions are read."
+                        )
+                    } else {
+                        format!("The program has no point {label}.")
+                    };
+                    Err(place.wrong_here(message))
+                }
             },
             Aim::Unset(place, why) => Err(place.wrong(why)),
             aim => Ok(aim),

@@ -197,6 +197,16 @@ fn moves_of_rapid_that_are_not_read_are_refused_by_their_target() {
         let error = read("a.mod", &format!("{point}{line}\n")).unwrap_err();
         assert_eq!(error.place().line, Some(3), "{line}: {}", error.message());
     }
+    let error = read(
+        "a.mod",
+        "VAR robtarget p2;\np2:=Offs(p1,0,0,5);\nMoveL p2,v50,z1,t;\n",
+    )
+    .unwrap_err();
+    assert!(
+        error.message().starts_with("p2 is calculated"),
+        "{}",
+        error.message()
+    );
     for line in [
         "WaitTime 1;",
         "ConfL\\Off;",
@@ -368,6 +378,23 @@ fn frames_that_fanuc_sets_are_serious_where_a_move_takes_them() -> Check {
         codes(&read("a.ls", &ls(&set, &points))?),
         ["frame-assigned", "frame-unknown"]
     );
+    // Stated numbers are followed.
+    let numbers = |name: &str, numbers: [f64; 6]| {
+        let lines = numbers.into_iter().zip(1..);
+        let lines = lines.map(|(number, at)| format!("  PR[{name},{at}]={number}"));
+        lines.collect::<Vec<_>>()
+    };
+    let mut lines = numbers("95", [1500.5, -200.0, 612.25, 10.0, -20.0, 35.0]);
+    lines.extend(["  UFRAME[9]=PR[95]".into(), "  UFRAME_NUM=9".into()]);
+    lines.extend(numbers("95", [0.0, 0.0, 300.0, 0.0, 0.0, 0.0]));
+    lines.extend(["  UTOOL[9]=PR[95]".into(), "  UTOOL_NUM=9".into()]);
+    lines.push("L P[1] 50mm/sec FINE".into());
+    let texts: Vec<&str> = lines.iter().map(String::as_str).collect();
+    let path = read("a.ls", &ls(&texts, &points))?;
+    assert!(path.findings.is_empty(), "{:?}", path.findings);
+    lines[5] = "  PR[95,6]=R[1]".into();
+    let texts: Vec<&str> = lines.iter().map(String::as_str).collect();
+    assert!(codes(&read("a.ls", &ls(&texts, &points))?).contains(&"frame-assigned"));
     let other = [
         "  UTOOL[4]=PR[9]",
         "  UTOOL_NUM=2",
@@ -550,6 +577,16 @@ fn inform_jobs_with_poses_are_paths() -> Check {
     let table = "x_mm,y_mm,z_mm,roll_deg,pitch_deg,yaw_deg\n-10,5,7,180,0,30\n";
     let table = stiffarm_files::table::read_path(table.as_bytes(), "a.csv", &cell_with(""), None)?;
     assert!(super::apart(&[path.points.last().unwrap().clone()], &table.points).1 < 1e-9);
+    // It is written with other numbers, and where nothing moves with the same bytes.
+    let text = format!("{JOB}MOVL C00001 V=1\nMOVL C00004 V=1\nEND\n");
+    let path = read("a.jbi", &text)?;
+    let same = path.program.write(&path.points, &path.points)?;
+    assert_eq!(same.files[0].1, text.as_bytes());
+    let shift = Vector3::new(0.5, -0.25, 0.125);
+    let moved = super::commanded(&path, |_, _| shift, |_, _| Vector3::zeros());
+    let written = path.program.write(&path.points, &moved)?;
+    let again = read("a.jbi", std::str::from_utf8(&written.files[0].1)?)?;
+    assert!(super::apart(&stated(&again)[..1], &moved[..1]).0 < 1e-6);
     // Two arcs that follow each other.
     let two =
         "MOVC C00001 V=1\nMOVC C00002 V=1\nMOVC C00003 V=1 FPT\nMOVC C00004 V=1\nMOVC C00001 V=1\n";
