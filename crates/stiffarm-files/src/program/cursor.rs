@@ -3,17 +3,22 @@
 use super::ProgramFile;
 use stiffarm::error::{Code, Error, Result};
 
-/// Goes through one line.
+/// Goes through one line, or through one statement of several lines.
 #[derive(Debug, Clone)]
 pub struct Cursor<'a> {
     file: &'a str,
-    line: &'a str,
-    /// Counted from 1.
+    /// Which file of a program.
+    index: u32,
+    /// The text of the file.
+    text: &'a str,
+    /// The line in which it begins, counted from 1.
     number: usize,
-    /// Byte position of the line in the file.
+    /// Byte positions in the file.
     begins: usize,
-    /// Byte position in the line.
+    ends: usize,
     at: usize,
+    /// Begins a remark within a statement of several lines.
+    remark: Option<char>,
 }
 
 /// A number as it stands in a file.
@@ -34,29 +39,62 @@ pub fn lines(file: &ProgramFile) -> impl Iterator<Item = Cursor<'_>> {
         .enumerate()
         .map(move |(i, whole)| {
             let line = whole.strip_suffix('\n').unwrap_or(whole);
-            let cursor = Cursor {
-                file: &file.name,
-                line: line.strip_suffix('\r').unwrap_or(line),
-                number: i + 1,
-                begins,
-                at: 0,
-            };
+            let line = line.strip_suffix('\r').unwrap_or(line);
+            let cursor = Cursor::over(file, i + 1, begins..begins + line.len());
             begins += whole.len();
             cursor
         })
 }
 
 impl<'a> Cursor<'a> {
-    /// What is left of the line.
-    pub fn rest(&self) -> &'a str {
-        &self.line[self.at..]
+    /// These bytes of a file, which begin in the line of this number.
+    pub fn over(file: &'a ProgramFile, number: usize, bytes: std::ops::Range<usize>) -> Self {
+        Cursor {
+            file: &file.name,
+            index: 0,
+            text: &file.text,
+            number,
+            begins: bytes.start,
+            ends: bytes.end,
+            at: bytes.start,
+            remark: None,
+        }
     }
 
-    /// Passes spaces.
+    /// The same in a file of this number.
+    pub fn in_file(self, index: u32) -> Self {
+        Cursor { index, ..self }
+    }
+
+    /// The same where `remark` begins a remark up to the end of its line.
+    pub fn with_remarks(self, remark: char) -> Self {
+        let remark = Some(remark);
+        Cursor { remark, ..self }
+    }
+
+    /// Which file of a program it is in.
+    pub fn file_index(&self) -> u32 {
+        self.index
+    }
+
+    /// What is left of the line.
+    pub fn rest(&self) -> &'a str {
+        &self.text[self.at..self.ends]
+    }
+
+    /// Passes spaces, and remarks within a statement.
     pub fn space(&mut self) -> &mut Self {
-        let rest = self.rest();
-        self.at += rest.len() - rest.trim_start().len();
-        self
+        loop {
+            let rest = self.rest();
+            self.at += rest.len() - rest.trim_start().len();
+            let is_remark = self
+                .remark
+                .is_some_and(|remark| self.rest().starts_with(remark));
+            if !is_remark {
+                return self;
+            }
+            self.at += self.rest().find('\n').unwrap_or(self.rest().len());
+        }
     }
 
     /// Passes so many bytes.
@@ -66,12 +104,12 @@ impl<'a> Cursor<'a> {
 
     /// The line's number, counted from 1.
     pub fn line_number(&self) -> usize {
-        self.number
+        self.number + self.text[self.begins..self.at].matches('\n').count()
     }
 
     /// Byte position in the file.
     pub fn position(&self) -> usize {
-        self.begins + self.at
+        self.at
     }
 
     /// A finite number with its place.
@@ -87,7 +125,7 @@ impl<'a> Cursor<'a> {
 
     /// True where only spaces are left.
     pub fn is_done(&self) -> bool {
-        self.rest().trim().is_empty()
+        self.clone().space().rest().is_empty()
     }
 
     /// Passes `text`, after spaces and in any case, if it stands here.
@@ -224,9 +262,10 @@ impl<'a> Cursor<'a> {
 
     /// An error at this place.
     pub fn wrong(&self, message: impl Into<String>) -> Error {
-        let column = self.line[..self.at].chars().count() + 1;
+        let before = self.text[..self.at].rsplit('\n').next().unwrap_or_default();
+        let column = before.trim_start_matches('\u{feff}').chars().count() + 1;
         Error::new(Code::Program, message)
             .file(self.file)
-            .line(self.number, Some(column))
+            .line(self.line_number(), Some(column))
     }
 }

@@ -1,6 +1,7 @@
 //! What is known of a robot's language: one value per language.
 
 use super::cursor::Cursor;
+use super::flow::Procedures;
 use super::reader::Reader;
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -109,6 +110,8 @@ pub struct Syntax {
     pub other_moves: &'static [&'static str],
     /// Words of lines that may change the way through the program.
     pub branches: &'static [&'static str],
+    /// How its procedures stand; `None` where a file is one.
+    pub procedures: Option<Procedures>,
     /// How the poses of its moves stand; `None` where they are not read.
     pub poses: Option<PoseForm>,
     /// What says that a point is not there; its label follows.
@@ -147,6 +150,7 @@ impl Syntax {
         joint_move: "",
         other_moves: &[],
         branches: &[],
+        procedures: None,
         poses: None,
         missing_point: "",
         comment: "",
@@ -174,8 +178,12 @@ pub struct PoseForm {
     pub decimals: [usize; 2],
     /// Whether poses are those in the base frame of the robot, not in a workpiece frame.
     pub in_base: bool,
-    /// How a tool path is written.
-    pub moves: Moves,
+    /// Names of the base of the controller and of the flange, in capital letters.
+    pub null_frames: &'static [&'static str],
+    /// Whether the point on the way of an arc says how the tool is turned there; else that follows from its ends.
+    pub turns_on_the_way: bool,
+    /// How a tool path is written; `None` where it is not.
+    pub moves: Option<Moves>,
 }
 
 /// A program of linear moves.

@@ -13,11 +13,14 @@
 //! The date of the head is a constant, so that equal plans give equal bytes. CR LF, as the
 //! controller writes.
 
+use super::aims::Aim;
 use super::characters::said;
 use super::cursor::Cursor;
-use super::dialect::{Angles, Dialect, Syntax, Tool};
-use super::reader::{Aim, Reader, Section};
+use super::dialect::{Angles, Dialect, PoseForm, Syntax, Tool};
+use super::inform_path;
+use super::reader::{Reader, Section};
 use stiffarm::error::Result;
+use stiffarm::model::pose::Convention;
 use stiffarm::model::robot::Controller;
 
 /// Characters of a comment and of a message.
@@ -52,7 +55,24 @@ pub const INFORM: Dialect = Dialect {
         },
         read,
         joint_move: "MOVJ",
-        other_moves: &["MOVL", "MOVC", "MOVS", "IMOV", "SMOVL"],
+        other_moves: &[
+            "MOVL", "MOVC", "MOVS", "IMOV", "SMOVL", "SMOVC", "SMOVJ", "EIMOVL", "EIMOVC", "EMOVL",
+            "EMOVC",
+        ],
+        branches: &[
+            "JUMP", "CALL", "IF", "IFTHEN", "ELSEIF", "FOR", "WHILE", "SWITCH",
+        ],
+        poses: Some(PoseForm {
+            convention: Convention::Fanuc,
+            unit: 1e-3,
+            degrees: true,
+            before: &[],
+            decimals: [3, 4],
+            in_base: false,
+            null_frames: &["BASE", "ROBOT"],
+            turns_on_the_way: true,
+            moves: None,
+        }),
         missing_point: "//POS has no",
         comment: "'",
         comments_fill_lines: true,
@@ -88,16 +108,18 @@ END
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.word("//NAME") {
         reader.named(line.identifier()?);
-    } else if line.word("///POSTYPE") {
-        if !line.word("PULSE") {
-            return Err(line.wrong_here("Only positions in pulses can be read (PULSE)."));
-        }
     } else if line.word("//INST") {
         reader.section = Section::Body;
     } else if line.passes("'") {
         match line.rest().strip_prefix(SAID) {
             Some(text) => reader.say(text),
             None => reader.comment(line.rest()),
+        }
+    } else if reader.is_path {
+        return inform_path::read(line, reader);
+    } else if line.word("///POSTYPE") {
+        if !line.word("PULSE") {
+            return Err(line.wrong_here("Only positions in pulses can be read (PULSE)."));
         }
     } else if line.clone().passes("/") || line.is_done() {
     } else if reader.section != Section::Body {

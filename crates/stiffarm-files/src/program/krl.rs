@@ -11,10 +11,13 @@
 //!
 //! CR LF: the controller's file system is that of Windows.
 
+use super::aims::Motion;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Leads, Moves, PoseForm, Syntax, Tool};
-use super::reader::{Aim, Motion, Reader, leading};
+use super::krl_path::{self, PROCEDURES};
+use super::krl_points::{POSE, aim, axis_name, declaration};
+use super::reader::Reader;
 use super::text::fixed;
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -25,10 +28,7 @@ pub const KRL: Dialect = Dialect {
     title: "KUKA KRL",
     controller: Some(Controller::Kuka),
     axes: [6, 12],
-    axis_name: |axis| match axis {
-        0..6 => Controller::Kuka.axis_name(axis),
-        _ => format!("E{}", axis - 5),
-    },
+    axis_name,
     tool: Tool::Number(128, None),
     // KSS operating manuals: 24 characters for a module.
     longest_name: 24,
@@ -71,6 +71,7 @@ pub const KRL: Dialect = Dialect {
             "SPL",
         ],
         branches: &["FOR", "WHILE", "LOOP", "REPEAT", "SWITCH", "IF", "GOTO"],
+        procedures: Some(PROCEDURES),
         poses: Some(PoseForm {
             convention: Convention::Kuka,
             unit: 1e-3,
@@ -78,7 +79,9 @@ pub const KRL: Dialect = Dialect {
             before: &[",X ", ",Y ", ",Z ", ",A ", ",B ", ",C "],
             decimals: [4, 5],
             in_base: false,
-            moves: Moves {
+            null_frames: &["BASE_DATA[0]", "TOOL_DATA[0]", "$NULLFRAME", "$WORLD"],
+            turns_on_the_way: true,
+            moves: Some(Moves {
                 template: SRC,
                 frames: ["1", "1"],
                 most: usize::MAX,
@@ -99,7 +102,7 @@ pub const KRL: Dialect = Dialect {
                     )],
                 },
                 point: |_| Vec::new(),
-            },
+            }),
         }),
         missing_point: "The .dat has no joint position (E6AXIS)",
         comment: ";",
@@ -137,38 +140,20 @@ DEFDAT {name}
 ENDDAT
 ";
 
-/// Numbers of a pose.
-const POSE: [&str; 6] = ["X", "Y", "Z", "A", "B", "C"];
-
-/// The words of moves; a plan has the first.
-const MOVES: [(&str, Motion); 6] = [
-    ("PTP", Motion::Joint),
-    ("SPTP", Motion::Joint),
-    ("LIN", Motion::Linear),
-    ("SLIN", Motion::Linear),
-    ("CIRC", Motion::Circular),
-    ("SCIRC", Motion::Circular),
-];
-
 /// What else the `.dat` declares is not looked at.
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.passes(";") {
         reader.comment(line.rest());
     } else if line.word("DEF") {
         reader.named(line.identifier()?);
+    } else if reader.is_path {
+        return krl_path::read(line, reader);
     } else if line.word("BAS") {
         line.expect("(")?;
         if line.passes("#VEL_PTP") {
             line.expect(",")?;
             reader.speed = line.percent()?;
             line.expect(")")?;
-        } else if line.passes("#VEL_CP") {
-            line.expect(",")?;
-            reader.feed = line.number().ok();
-        } else if reader.is_path && (line.clone().passes("#BASE") || line.clone().passes("#TOOL")) {
-            let number = usize::from(line.clone().passes("#BASE"));
-            let name = line.rest().trim().to_string();
-            reader.uses(number, name, line.line_number());
         }
     } else if line.word("MsgNotify") {
         line.expect("(")?;
@@ -176,127 +161,11 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     } else if line.word("HALT") {
         line.end()?;
         reader.wait();
-    } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &MOVES[..1] }) {
-        reader.move_to(line, motion, aim)?;
-        if reader.is_path && line.clone().passes(":") {
-            return Err(line.wrong_here(
-                "This position is calculated by the controller: only stated positions are read.",
-            ));
-        }
-        if let Some((_, own)) = line.rest().split_once("$VEL.CP") {
-            let own = own.trim_start().strip_prefix('=');
-            reader.at_feed(own.and_then(leading));
-        }
-        if !reader.is_path {
-            line.end()?;
-        } else if line.clone().passes(",") {
-            return Err(
-                line.wrong_here("An arc that ends at an angle of its own (CA) is not read here.")
-            );
-        }
-    } else if reader.is_path && line.passes("$VEL.CP") {
-        line.expect("=")?;
-        // What is calculated is not known.
-        reader.feed = line.number().ok();
-    } else if reader.is_path
-        && (line.clone().passes("$BASE") || line.clone().passes("$TOOL"))
-        && line.clone().assigns_whole()
-    {
-        let name = line.identifier()?.to_ascii_uppercase();
-        line.expect("=")?;
-        let number = usize::from(name == "$BASE");
-        if !line.clone().passes("{") {
-            let other = format!("{name}={}", line.rest().trim());
-            reader.uses(number, other, line.line_number());
-        } else if let Aim::Pose(pose) = aggregate(line, reader)? {
-            let mut own = name.clone();
-            // Another value is another frame.
-            while reader
-                .frames
-                .get(&own)
-                .is_some_and(|known| known.values() != pose.values())
-            {
-                own += "'";
-            }
-            reader.uses(number, own.clone(), line.line_number());
-            reader.frames.insert(own, pose);
-        }
-    } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {
-        reader.assigned.push((line.line_number(), name));
+    } else if line.word("PTP") {
+        reader.move_to(line, Motion::Joint, aim)?;
+        line.end()?;
     } else {
-        line.word("DECL");
-        line.word("GLOBAL");
-        let types: &[&str] = if reader.is_path {
-            &["E6AXIS", "AXIS", "E6POS", "POS", "FRAME"]
-        } else {
-            &["E6AXIS", "AXIS"]
-        };
-        if !types.iter().any(|name| line.word(name)) {
-            return Ok(false);
-        }
-        let label = line.identifier()?;
-        if line.passes("=") {
-            let aim = aggregate(line, reader)?;
-            line.end()?;
-            reader.point(label, aim);
-        }
+        return declaration(line, reader, &["E6AXIS", "AXIS"]);
     }
     Ok(true)
-}
-
-/// A position in braces, or the label of one.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
-    if line.clone().passes("{") {
-        return aggregate(line, reader);
-    }
-    line.label()
-}
-
-/// `{A1 …,A2 …}` or, of a tool path, `{X …,Y …}`, with or without the name of its type.
-fn aggregate<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
-    let start = line.clone();
-    line.expect("{")?;
-    for name in ["E6AXIS:", "AXIS:", "E6POS:", "POS:", "FRAME:"] {
-        line.passes(name);
-    }
-    let mut values = vec![None; reader.joints];
-    let (mut pose, mut is_pose, mut last) = ([None; 7], false, line.clone());
-    loop {
-        let field = line.clone();
-        let axis = line.identifier()?.to_ascii_uppercase();
-        if let Some(at) = POSE.iter().position(|name| *name == axis && reader.is_path) {
-            if pose[at].replace(line.placed()?).is_some() {
-                return Err(field.wrong(format!("`{axis}` stands twice in this position.")));
-            }
-            (is_pose, last) = (true, line.clone());
-        } else if is_pose {
-            // Status, turn, and axes that carry the robot or the workpiece.
-            let carries = line.number()? != 0.0 && axis.starts_with('E');
-            if carries {
-                let message =
-                    format!("The external axis {axis} is not at 0: the path moves with it.");
-                return Err(field.wrong(message));
-            }
-        } else {
-            let value = line.angle()?;
-            let Some(known) = (0..12).find(|i| (KRL.axis_name)(*i) == axis) else {
-                let message = format!("`{axis}` is no axis: this is no joint position.");
-                return Err(field.wrong(message));
-            };
-            // Further external axes of the controller are none of the cell's.
-            if let Some(own) = values.get_mut(known) {
-                *own = Some(value);
-            }
-        }
-        if !line.passes(",") {
-            break;
-        }
-    }
-    line.expect("}")?;
-    if is_pose {
-        return Ok(Aim::Pose(reader.pose(pose, &last)));
-    }
-    reader
-        .complete(&values)
-        .map_err(|axis| start.wrong(format!("The position has no {axis}.")))
 }

@@ -9,10 +9,12 @@
 //!
 //! CR LF, as the controller writes.
 
+use super::aims::{Aim, External, OpenPoint};
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Target, Tool};
-use super::reader::{Aim, Motion, OpenPoint, Reader, Section, leading};
+use super::ls_path::{is_no_move, label, path_statement, point};
+use super::reader::{Reader, Section};
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
 use stiffarm::model::robot::Controller;
@@ -66,7 +68,14 @@ pub const LS: Dialect = Dialect {
         joint_move: "J",
         other_moves: &["L", "C", "A", "S"],
         branches: &[
-            "IF", "JMP", "FOR", "SELECT", "CALL", "OFFSET", "UFRAME", "UTOOL",
+            "IF",
+            "JMP",
+            "FOR",
+            "SELECT",
+            "CALL",
+            "RUN",
+            "OFFSET",
+            "TOOL_OFFSET",
         ],
         poses: Some(PoseForm {
             convention: Convention::Fanuc,
@@ -75,7 +84,9 @@ pub const LS: Dialect = Dialect {
             before: &[],
             decimals: [3, 3],
             in_base: false,
-            moves: Moves {
+            null_frames: &["UFRAME[0]", "UTOOL[0]"],
+            turns_on_the_way: true,
+            moves: Some(Moves {
                 template: LISTING,
                 frames: ["1", "1"],
                 // Lines of a program are numbered with 15 bits.
@@ -120,7 +131,7 @@ pub const LS: Dialect = Dialect {
                         "};".to_string(),
                     ]
                 },
-            },
+            }),
         }),
         missing_point: "/POS has no",
         comment: "!",
@@ -177,7 +188,8 @@ CONTROL_CODE\t= 00000000 00000000;
 
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.word("/PROG") {
-        reader.named(line.identifier()?);
+        // The controller's own have names that begin with a sign.
+        reader.named(line.identifier().unwrap_or_default());
     } else if line.word("/MN") {
         reader.section = Section::Body;
     } else if line.word("/POS") {
@@ -206,13 +218,9 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
         reader.say(said);
     } else if line.word("PAUSE") {
         reader.wait();
-    } else if reader.is_path && (line.clone().word("UFRAME_NUM") || line.clone().word("UTOOL_NUM"))
-    {
-        let number = usize::from(line.identifier()?.eq_ignore_ascii_case("UFRAME_NUM"));
-        let name = line.rest().trim().trim_end_matches(';').trim().to_string();
-        reader.uses(number, name, line.line_number());
+    } else if is_no_move(line) {
     } else if reader.is_path {
-        return path_move(line, reader);
+        return path_statement(line, reader);
     } else if line.word("J") {
         let place = line.clone();
         let label = point(line)?;
@@ -229,93 +237,6 @@ fn statement<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool>
     Ok(true)
 }
 
-/// What moves a position of a tool path.
-const CALCULATED: [&str; 9] = [
-    "PR[",
-    " Offset",
-    " OFFSET",
-    "Tool_Offset",
-    "TOOL_OFFSET",
-    " INC",
-    "VOFFSET",
-    " VOFF",
-    "SEARCH",
-];
-
-/// A move of a tool path. The end of an arc stands in a line of its own.
-fn path_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
-    let place = line.clone();
-    if let Some((start, via)) = reader.arc.take() {
-        let aim = Aim::Label(place, point(line)?);
-        reader.moves(start, Motion::Circular, Some(via), aim);
-        reader.at_feed(feed(line.rest()));
-        return Ok(true);
-    }
-    let words = [
-        ("L", Motion::Linear),
-        ("J", Motion::Joint),
-        ("C", Motion::Circular),
-    ];
-    let Some(motion) = line.motion(&words) else {
-        return Ok(false);
-    };
-    if let Some(word) = CALCULATED.iter().find(|word| line.rest().contains(**word)) {
-        return Err(line.wrong_here(format!(
-            "This move is calculated by the controller ({}): only stated positions are read.",
-            word.trim()
-        )));
-    }
-    let aim = Aim::Label(line.clone(), point(line)?);
-    if line.rest().contains(" COORD") {
-        // The path moves with a positioner.
-        reader.passed_over.push((line.line_number(), "COORD"));
-    }
-    match motion {
-        Motion::Circular => reader.arc = Some((place, aim)),
-        _ => {
-            reader.moves(place, motion, None, aim);
-            reader.at_feed(feed(line.rest()));
-        }
-    }
-    Ok(true)
-}
-
-/// The feed that stands behind the point, `100mm/sec` \[m/s\].
-fn feed(rest: &str) -> Option<f64> {
-    let units = [
-        ("mm/sec", 1e-3),
-        ("cm/min", 1e-2 / 60.0),
-        ("inch/min", 25.4e-3 / 60.0),
-    ];
-    let rest = rest.trim_start();
-    let unit = rest.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
-    let mut units = units.iter();
-    let (_, unit) = units.find(|(name, _)| unit.trim_start().starts_with(name))?;
-    Some(leading(rest)? * unit)
-}
-
-/// `P[1]`, with or without a comment.
-fn point(line: &mut Cursor<'_>) -> Result<String> {
-    line.expect("P[")?;
-    let label = label(line)?;
-    if line.passes(":") {
-        line.skip(line.rest().find(']').unwrap_or(0));
-    }
-    line.expect("]")?;
-    Ok(label)
-}
-
-/// `P[` and the number of a point.
-fn label(line: &mut Cursor<'_>) -> Result<String> {
-    let place = line.clone();
-    let number = line.number()?;
-    if number >= 1.0 && number.fract() == 0.0 && number <= 1e6 {
-        Ok(format!("P[{number}]"))
-    } else {
-        Err(place.wrong("This is no number of a point."))
-    }
-}
-
 /// A line of `/POS`.
 fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
     if line.passes("P[") {
@@ -326,30 +247,30 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
             place,
             values: vec![None; reader.joints],
             pose: [None; 7],
-            is_first_group: true,
+            external: Vec::new(),
+            group: 1,
         });
     } else if line.passes("}") {
         if let Some(open) = reader.open.take() {
             let label = open.label;
             let aim = if open.pose.iter().any(Option::is_some) {
                 match open.pose.iter().take(6).position(Option::is_none) {
-                    None => Ok(Aim::Pose(reader.pose(open.pose, &open.place))),
+                    None => {
+                        let mut pose = reader.pose(open.pose, &open.place);
+                        pose.external = open.external;
+                        Ok(Aim::Pose(pose))
+                    }
                     Some(at) => Err(POSE[at].to_string()),
                 }
             } else {
                 reader.complete(&open.values)
             };
-            let missing = |name| open.place.wrong(format!("{label} has no {name}."));
-            reader.point(&label, aim.map_err(missing)?);
+            // It counts only where a move goes there: controllers keep points that were never taught.
+            let unset = |name| Aim::Unset(open.place, format!("{label} has no {name}."));
+            reader.point(&label, aim.unwrap_or_else(unset));
         }
     } else if let Some(open) = &mut reader.open {
-        let was_first = open.is_first_group;
         fields(line, open, reader.is_path)?;
-        if was_first && !open.is_first_group {
-            reader
-                .passed_over
-                .push((line.line_number(), "A second group of axes"));
-        }
     }
     Ok(())
 }
@@ -358,29 +279,35 @@ fn position<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
 const POSE: [&str; 6] = ["X", "Y", "Z", "W", "P", "R"];
 
 /// A line within a position: `J1= 10.000 deg,`.
-fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Result<()> {
+fn fields<'a>(line: &mut Cursor<'a>, open: &mut OpenPoint<'a>, is_path: bool) -> Result<()> {
     if line.passes("GP") {
-        open.is_first_group = line.number()? == 1.0 || !is_path;
+        open.group = if is_path { line.number()? as u32 } else { 1 };
         return Ok(());
     }
     if line.word("UF") || (is_path && line.word("CONFIG")) {
         return Ok(());
     }
-    if !open.is_first_group {
-        let values = line.rest().split('=').skip(1);
-        let mut values =
-            values.filter_map(|part| part.split_whitespace().next()?.parse::<f64>().ok());
-        return if values.any(|value| value != 0.0) {
-            Err(line.wrong_here("A second group of axes is not at 0: the path moves with it."))
-        } else {
-            Ok(())
-        };
-    }
     let values = &mut open.values;
     while !line.is_done() {
         let mut field = line.clone();
         let axis = line.identifier()?.to_ascii_uppercase();
-        if let Some(at) = POSE.iter().position(|name| is_path && *name == axis) {
+        let known = (0..9).find(|i| (LS.axis_name)(*i) == axis);
+        if is_path
+            && line.clone().passes("=")
+            && line.rest().trim_start()[1..].trim_start().starts_with('*')
+        {
+            // Never taught.
+            line.skip(
+                line.rest()
+                    .find(',')
+                    .map_or(line.rest().len(), |comma| comma + 1),
+            );
+            continue;
+        }
+        if let Some(at) = POSE
+            .iter()
+            .position(|name| is_path && open.group == 1 && *name == axis)
+        {
             line.expect("=")?;
             if open.pose[at].replace(line.placed()?).is_some() {
                 return Err(field.wrong_here(format!("`{axis}` stands twice in this position.")));
@@ -391,7 +318,25 @@ fn fields(line: &mut Cursor<'_>, open: &mut OpenPoint<'_>, is_path: bool) -> Res
             }
             continue;
         }
-        let Some(known) = (0..9).find(|i| (LS.axis_name)(*i) == axis) else {
+        if is_path && (open.group > 1 || known.is_some_and(|at| at >= values.len())) {
+            line.expect("=")?;
+            let name = if open.group > 1 {
+                format!("{axis} of group {}", open.group)
+            } else {
+                axis
+            };
+            open.external.push(External {
+                name,
+                value: line.number()?,
+                place: field,
+            });
+            let _ = line.word("mm") || line.word("deg");
+            if !line.passes(",") {
+                line.end()?;
+            }
+            continue;
+        }
+        let Some(known) = known else {
             let message = format!(
                 "`{axis}` is no joint: only positions in joint representation can be read."
             );

@@ -31,19 +31,27 @@
 //! # }
 //! ```
 
+mod aims;
 pub(crate) mod characters;
 mod checks;
 mod compare;
 mod csv;
 mod cursor;
 mod dialect;
+mod flow;
 mod inform;
+mod inform_path;
 mod krl;
+mod krl_path;
+mod krl_points;
 mod language;
 mod ls;
+mod ls_path;
 mod options;
 mod pdl2;
 mod rapid;
+mod rapid_path;
+mod rapid_statements;
 mod read;
 mod reader;
 mod statements;
@@ -51,12 +59,13 @@ pub(crate) mod text;
 mod urscript;
 mod writer;
 
+pub(super) use aims::{Aim, External, Frames, Leg, Motion, Pose, Taken};
 pub use compare::{Difference, compare_moves, missing_stops};
 pub(super) use cursor::{Cursor, Number, lines};
 pub(super) use dialect::{Leads, PoseForm};
 pub use language::Language;
 pub use options::ProgramOptions;
-pub(super) use reader::{Aim, Leg, Motion, Pose, Reader};
+pub(super) use reader::Reader;
 pub use statements::compare_statements;
 pub(super) use text::fixed;
 pub(super) use writer::filled;

@@ -9,10 +9,12 @@
 //!
 //! CR LF: RobotStudio writes modules so.
 
+use super::aims::Aim;
 use super::characters::said;
 use super::cursor::Cursor;
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax, Tool};
-use super::reader::{Aim, Motion, Pose, Reader, leading};
+use super::rapid_path::{self, PROCEDURES, external, speed};
+use super::reader::Reader;
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
 use stiffarm::model::robot::Controller;
@@ -71,14 +73,40 @@ pub const RAPID: Dialect = Dialect {
             "TriggL",
             "TriggJ",
             "TriggC",
+            "TriggAbsJ",
+            "TriggLIOs",
+            "TriggJIOs",
             "SearchL",
             "SearchC",
+            "SearchExtJ",
             "PDispSet",
             "PDispOn",
             "EOffsSet",
             "EOffsOn",
+            "CorrCon",
+            "IndAMove",
+            "IndRMove",
+            "IndDMove",
+            "IndCMove",
+            "FCPressL",
+            "FCPressC",
+            "FCPress1LStart",
+            "EGMMoveL",
+            "EGMMoveC",
+            "EGMRunPose",
+            "EGMRunJoint",
         ],
-        branches: &["FOR", "WHILE", "IF", "TEST", "GOTO"],
+        branches: &[
+            "FOR",
+            "WHILE",
+            "IF",
+            "ELSEIF",
+            "TEST",
+            "GOTO",
+            "SoftAct",
+            "CallByVar",
+        ],
+        procedures: Some(PROCEDURES),
         poses: Some(PoseForm {
             convention: Convention::Abb,
             unit: 1e-3,
@@ -86,7 +114,9 @@ pub const RAPID: Dialect = Dialect {
             before: &[],
             decimals: [4, 8],
             in_base: false,
-            moves: Moves {
+            null_frames: &["WOBJ0", "TOOL0"],
+            turns_on_the_way: true,
+            moves: Some(Moves {
                 template: PATH,
                 frames: ["tool1", "wobj1"],
                 most: usize::MAX,
@@ -108,7 +138,7 @@ pub const RAPID: Dialect = Dialect {
                     }]
                 },
                 point: |_| Vec::new(),
-            },
+            }),
         }),
         missing_point: "The module has no jointtarget",
         comment: "!",
@@ -142,13 +172,6 @@ MODULE {name}
 ENDMODULE
 ";
 
-/// The words of moves of a tool path.
-const MOVES: [(&str, Motion); 3] = [
-    ("MoveL", Motion::Linear),
-    ("MoveJ", Motion::Joint),
-    ("MoveC", Motion::Circular),
-];
-
 fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     if line.passes("!") {
         reader.comment(line.rest());
@@ -158,44 +181,43 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         reader.named(line.identifier()?);
         return Ok(true);
     }
+    let _ = line.word("LOCAL") || line.word("TASK");
     if line.word("PROC") {
         reader.feature = Some(line.identifier()?.into());
         return Ok(true);
     }
-    let _ = line.word("LOCAL") || line.word("TASK");
     let declares = line.word("CONST") || line.word("PERS") || line.word("VAR");
     if declares && line.word("jointtarget") {
         let label = line.identifier()?;
+        if reader.is_path
+            && !{
+                let mut line = line.clone();
+                line.passes(":=") && line.passes("[")
+            }
+        {
+            // Its moves are no part of the path.
+            return Ok(true);
+        }
         line.expect(":=")?;
         let aim = target(line, reader)?;
         line.expect(";")?;
         reader.point(label, aim);
-    } else if declares && reader.is_path && line.word("robtarget") {
-        let label = line.identifier()?;
-        line.expect(":=")?;
-        let aim = robtarget(line, reader)?;
-        reader.point(label, aim);
-    } else if declares && reader.is_path && (line.word("tooldata") || line.word("wobjdata")) {
-        let label = line.identifier()?.to_ascii_uppercase();
-        if line.passes(":=") {
-            let frame = frame(line, reader)?;
-            reader.frames.insert(label, frame);
-        }
     } else if declares && line.word("speeddata") {
         let label = line.identifier()?.to_ascii_uppercase();
-        if let Some(speed) = line.rest().split_once('[') {
-            let speed = leading(speed.1).map(|mm| (label, mm * 1e-3));
-            reader.feeds.extend(speed);
-        }
-    } else if line.word("VelSet") {
+        speed(line, label, reader);
+    } else if !reader.is_path && line.word("VelSet") {
         reader.speed = line.percent()?;
-    } else if line.word("TPWrite") {
+    } else if !reader.is_path && line.word("TPWrite") {
         reader.say(line.quoted('"')?);
         line.expect(";")?;
-    } else if line.word("Stop") {
+    } else if !reader.is_path && line.word("Stop") {
         line.expect(";")?;
         reader.wait();
     } else if line.word("MoveAbsJ") {
+        if reader.is_path && line.clone().passes("\\Conc") {
+            line.expect("\\Conc")?;
+            line.expect(",")?;
+        }
         let place = line.clone();
         let aim = if line.clone().passes("[") {
             target(line, reader)?
@@ -206,157 +228,35 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         if !reader.is_path {
             ends_at_rest(line)?;
         }
-    } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {
-        reader.assigned.push((line.line_number(), name));
-    } else if let Some(motion) = line.motion(if reader.is_path { &MOVES } else { &[] }) {
-        reader.move_to(line, motion, aim)?;
-        frames_of_move(line, reader)?;
+    } else if reader.is_path {
+        return rapid_path::read(line, reader, declares);
     } else {
         return Ok(false);
     }
     Ok(true)
 }
 
-/// A robtarget, or the label of one.
-fn aim<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
-    if line.clone().passes("[") {
-        return robtarget(line, reader);
-    }
-    line.label()
-}
-
-/// `[x,y,z],[q1,q2,q3,q4]` in brackets.
-fn placed<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose>> {
-    let mut numbers = [None; 7];
-    for (at, number) in numbers.iter_mut().enumerate() {
-        let signs: &[&str] = match at {
-            0 => &["[", "["],
-            3 => &["]", ",", "["],
-            _ => &[","],
-        };
-        for sign in signs {
-            line.expect(sign)?;
-        }
-        *number = Some(line.placed()?);
-    }
-    line.expect("]")?;
-    Ok(reader.pose(numbers, line))
-}
-
-/// `[[x,y,z],[q1,q2,q3,q4],[cf1,cf4,cf6,cfx],[eax_a…]]`.
-fn robtarget<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
-    let pose = placed(line, reader)?;
-    for (count, what) in [(4, false), (6, true)] {
-        line.expect(",")?;
-        line.expect("[")?;
-        line.list(count, |line, _| {
-            let place = line.clone();
-            let value = line.number()?;
-            if what && value != 0.0 && value != 9e9 {
-                Err(place.wrong("An external axis is not at 0: the path moves with it."))
-            } else {
-                Ok(value)
-            }
-        })?;
-        line.expect("]")?;
-    }
-    line.expect("]")?;
-    Ok(Aim::Pose(pose))
-}
-
-/// The pose of a tooldata, `[TRUE,[pose],[load]]`, or the frames of a wobjdata,
-/// `[FALSE,TRUE,"",[uframe],[oframe]]`, of which one is the identity.
-fn frame<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Box<Pose>> {
-    line.expect("[")?;
-    let is_tool = line.word("TRUE");
-    if !is_tool {
-        line.expect("FALSE")?;
-    }
-    line.expect(",")?;
-    if is_tool && !line.clone().passes("[") {
-        return Err(line.wrong_here("A work object that the robot holds (TRUE) is not read here."));
-    }
-    if line.clone().passes("[") {
-        return if is_tool {
-            placed(line, reader)
-        } else {
-            Err(line.wrong_here("A tool that stands still (FALSE) is not read here."))
-        };
-    }
-    if !line.word("TRUE") {
-        line.expect("FALSE")?;
-    }
-    line.expect(",")?;
-    line.quoted('"')?;
-    line.expect(",")?;
-    let user = placed(line, reader)?;
-    line.expect("]")?;
-    line.expect(",")?;
-    let place = line.clone();
-    let object = placed(line, reader)?;
-    let is_identity = |pose: &Pose| {
-        let values = pose.numbers.iter().flatten().map(|number| number.value);
-        values.eq([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
-    };
-    match (is_identity(&user), is_identity(&object)) {
-        (true, _) => Ok(object),
-        (_, true) => Ok(user),
-        _ => Err(place
-            .wrong("A work object with both a user frame and an object frame is not read here.")),
-    }
-}
-
-/// What follows the target: a speed, a zone, the tool and the work object.
-fn frames_of_move<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<()> {
-    let number = line.line_number();
-    let parts: Vec<&str> = line
-        .rest()
-        .split(';')
-        .next()
-        .unwrap_or_default()
-        .split(',')
-        .collect();
-    let last = parts.last().map_or("", |part| part.trim());
-    let mut words = last.split('\\');
-    let tool = words.next().unwrap_or_default().trim();
-    if tool.is_empty() || parts.len() < 3 {
-        return Err(line.wrong_here("A speed, a zone and a tool are missing here."));
-    }
-    let speed = parts[1].trim().trim_start_matches('[').to_ascii_uppercase();
-    let known = reader.feeds.get(&speed).copied();
-    let stated = leading(speed.trim_start_matches('V')).map(|mm| mm * 1e-3);
-    reader.at_feed(known.or(stated));
-    reader.uses(0, tool.to_ascii_uppercase(), number);
-    let object = words.find_map(|word| {
-        let (key, name) = word.split_once(":=")?;
-        key.trim().eq_ignore_ascii_case("WObj").then(|| name.trim())
-    });
-    let object = object.unwrap_or("wobj0").to_ascii_uppercase();
-    reader.uses(1, object, number);
-    Ok(())
-}
-
 /// `[[six angles],[six external axes]]`.
 fn target<'a>(line: &mut Cursor<'a>, reader: &Reader<'a>) -> Result<Aim<'a>> {
-    let mut values = Vec::with_capacity(12);
-    for axis in 0..12 {
-        let signs: &[&str] = match axis {
-            0 => &["[", "["],
-            6 => &["]", ",", "["],
-            _ => &[","],
-        };
-        for sign in signs {
-            line.expect(sign)?;
-        }
-        if axis < reader.joints {
-            values.push(line.angle()?);
-        } else {
-            line.number()?;
-        }
+    line.expect("[")?;
+    line.expect("[")?;
+    let mut values = line.list(6, |line, _| line.angle())?;
+    line.expect("]")?;
+    line.expect(",")?;
+    let own = reader.joints.saturating_sub(6);
+    let before = line.clone();
+    let others = external(line, own)?;
+    line.expect("]")?;
+    // The axes of an arm of more than six joints stand with the external ones.
+    let mut arm = before;
+    for axis in 0..own {
+        arm.expect(if axis == 0 { "[" } else { "," })?;
+        values.push(arm.angle()?);
     }
-    line.expect("]")?;
-    line.expect("]")?;
-    Ok(reader.angles(&values))
+    let Aim::Angles(q, _) = reader.angles(&values) else {
+        return Ok(reader.angles(&values));
+    };
+    Ok(Aim::Angles(q, others))
 }
 
 /// What follows the target: a speed, `fine`, a tool.

@@ -1,7 +1,8 @@
 //! A program out of the files of a language: lines that are looked for, one after the other.
 
-use super::cursor::lines;
+use super::cursor::{Cursor, lines};
 use super::dialect::{Dialect, Syntax};
+use super::flow;
 use super::reader::{Reader, only};
 use super::{Program, ProgramFile, ProgramOptions};
 use stiffarm::error::{Code, Error, Result};
@@ -19,31 +20,41 @@ pub fn read(
     reader.program(syntax.missing_point)
 }
 
-/// Reads the lines of `files`.
+/// Reads the lines of `files`; those of a path in the order in which they run.
 pub fn read_lines<'a>(
     files: Vec<&'a ProgramFile>,
     syntax: &Syntax,
     reader: &mut Reader<'a>,
 ) -> Result<()> {
-    for (number, file) in (0..).zip(files) {
-        reader.file = number;
-        for mut line in lines(file) {
-            if (syntax.read)(&mut line, reader)? {
-                continue;
-            }
-            let is_next = |word: &&&str| line.clone().word(word);
-            if let Some(word) = syntax.branches.iter().find(is_next) {
-                reader.passed_over.push((line.line_number(), word));
-            } else if let Some(word) = syntax.other_moves.iter().find(is_next) {
-                let joint_move = syntax.joint_move;
-                let message = if reader.is_path {
-                    format!("{word} is a move that is not read here.")
-                } else {
-                    format!("{word} is no move to joint angles ({joint_move}).")
-                };
-                return Err(line.wrong_here(message));
-            }
+    match syntax.procedures.as_ref().filter(|_| reader.is_path) {
+        Some(procedures) => {
+            let moves = [&[syntax.joint_move], syntax.other_moves].concat();
+            let order = flow::order(&files, procedures, &moves, reader)?;
+            order
+                .into_iter()
+                .try_for_each(|line| read_line(line, syntax, reader))
         }
+        None => (0..).zip(files).try_for_each(|(index, file)| {
+            lines(file).try_for_each(|line| read_line(line.in_file(index), syntax, reader))
+        }),
+    }
+}
+
+fn read_line<'a>(mut line: Cursor<'a>, syntax: &Syntax, reader: &mut Reader<'a>) -> Result<()> {
+    if (syntax.read)(&mut line, reader)? {
+        return Ok(());
+    }
+    let is_next = |word: &&&str| line.clone().word(word);
+    if let Some(word) = syntax.branches.iter().find(is_next) {
+        reader.passes_over(&line, word);
+    } else if let Some(word) = syntax.other_moves.iter().find(is_next) {
+        let joint_move = syntax.joint_move;
+        let message = if reader.is_path {
+            format!("{word} is a move that is not read here.")
+        } else {
+            format!("{word} is no move to joint angles ({joint_move}).")
+        };
+        return Err(line.wrong_here(message));
     }
     Ok(())
 }

@@ -1,10 +1,12 @@
 //! What the lines of a program have said so far.
 
+use super::aims::{Aim, Frames, Leg, Motion, OpenPoint, Pose, Remark, Taken};
 use super::cursor::{Cursor, Number};
 use super::{Move, MoveKind, Program, ProgramFile, ProgramOptions, Step, text};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use stiffarm::error::{Code, Error, Result};
+use stiffarm::findings::Severity;
 
 /// Part of a file that has parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,103 +16,9 @@ pub enum Section {
     Points,
 }
 
-impl<'a> Cursor<'a> {
-    /// The variable that the line sets, as a whole or in part.
-    pub fn assigned(&self) -> Option<&'a str> {
-        let mut line = self.clone();
-        let name = line.identifier().ok()?;
-        (line.passes(".") || line.passes("=") || line.passes(":=")).then_some(name)
-    }
-
-    /// Whether the line sets a whole variable.
-    pub fn assigns_whole(&self) -> bool {
-        let mut line = self.clone();
-        line.identifier().is_ok() && line.passes("=")
-    }
-
-    /// Passes the word of a move, one of `words`.
-    pub fn motion(&mut self, words: &[(&str, Motion)]) -> Option<Motion> {
-        let mut words = words.iter().filter(|(word, _)| self.word(word));
-        words.next().map(|(_, motion)| *motion)
-    }
-
-    /// The name of a point, which is stated and not calculated.
-    pub fn label(&mut self) -> Result<Aim<'a>> {
-        let mut place = self.clone();
-        let label = self.identifier()?.to_string();
-        if self.clone().passes("(") || self.clone().passes("{") {
-            Err(place.wrong_here(format!(
-                "`{label}` is calculated by the program: only stated positions are read."
-            )))
-        } else {
-            Ok(Aim::Label(place, label))
-        }
-    }
-}
-
-/// A point that stands in several lines.
-pub struct OpenPoint<'a> {
-    pub label: String,
-    /// Where it begins.
-    pub place: Cursor<'a>,
-    /// Angles found so far \[rad\].
-    pub values: Vec<Option<f64>>,
-    /// Numbers of a pose found so far.
-    pub pose: [Option<Number>; 7],
-    /// False within what it says of a second group of axes.
-    pub is_first_group: bool,
-}
-
-/// A pose as it stands in a program: x, y, z and the numbers of the orientation, in its units.
-#[derive(Debug, Clone, Default)]
-pub struct Pose {
-    /// In the order of the language; `None` where it is not said.
-    pub numbers: [Option<Number>; 7],
-    /// Which file.
-    pub file: u32,
-    /// Byte position behind its last number.
-    pub end: u32,
-    pub line: usize,
-}
-
-/// Where a move goes.
-#[derive(Debug, Clone)]
-pub enum Aim<'a> {
-    /// Joint angles in the cell's order \[rad\].
-    Angles(Vec<f64>),
-    Pose(Box<Pose>),
-    /// A point that stands elsewhere.
-    Label(Cursor<'a>, String),
-}
-
-/// How a move goes there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Motion {
-    Joint,
-    Linear,
-    /// An arc; the move before the last one is its point on the way.
-    Circular,
-}
-
-/// A move as it was read.
-pub struct Leg<'a> {
-    /// Where the word stands that moves.
-    pub place: Cursor<'a>,
-    pub motion: Motion,
-    /// Of an arc the point on the way.
-    pub via: Option<Box<Aim<'a>>>,
-    pub aim: Aim<'a>,
-    /// Name of the procedure that it stands in.
-    pub feature: Option<Arc<str>>,
-    /// Feed \[m/s\], where the program states it.
-    pub feed: Option<f64>,
-    speed: u8,
-    marked: Option<(MoveKind, String)>,
-}
-
 enum Read<'a> {
     Wait(String),
-    Leg(Leg<'a>),
+    Leg(Box<Leg<'a>>),
 }
 
 /// What has been read so far.
@@ -130,20 +38,26 @@ pub struct Reader<'a> {
     pub open: Option<OpenPoint<'a>>,
     /// An arc whose end is still to come: where its word stands, and its point on the way.
     pub arc: Option<(Cursor<'a>, Aim<'a>)>,
-    /// Which file is read.
-    pub file: u32,
-    /// Frames that the program gives, by their names in capital letters.
-    pub frames: HashMap<String, Box<Pose>>,
-    /// Names of tools and of bases that moves name.
-    pub used: [BTreeMap<String, usize>; 2],
+    /// How many points of an arc have been said, where each is a move of its own; 4 where the third begins another.
+    pub arc_points: u8,
+    /// Whether the positions that come are poses.
+    pub has_poses: bool,
+    /// Frames that the program gives, by their names in capital letters: products of these.
+    pub frames: HashMap<String, Vec<Pose<'a>>>,
+    /// Numbers of position registers that the program has set.
+    pub registers: HashMap<String, [Option<Number>; 7]>,
+    /// What says which tool and base an inline form takes (FDAT), by its name in capital letters.
+    pub forms: HashMap<String, Cursor<'a>>,
+    /// The tool and the base of the moves that come.
+    pub taken: Frames<'a>,
     /// Name of the procedure that is read.
     pub feature: Option<Arc<str>>,
-    /// Variables that the program sets, with the line.
-    pub assigned: Vec<(usize, &'a str)>,
+    /// Variables in capital letters that the program sets to what is not read, with the line.
+    pub assigned: Vec<(usize, String)>,
     /// Points that moves name, in capital letters.
     pub named_points: HashSet<String>,
-    /// What is not followed, with the line.
-    pub passed_over: Vec<(usize, &'a str)>,
+    /// What is to be said.
+    pub remarks: Vec<Remark>,
     /// What an axis of the controller is called.
     axis_name: fn(usize) -> String,
     name: String,
@@ -176,13 +90,6 @@ pub fn only<'a>(files: &'a [ProgramFile], title: &str) -> Result<&'a ProgramFile
     }
 }
 
-impl Pose {
-    /// Its numbers alone.
-    pub fn values(&self) -> [Option<f64>; 7] {
-        self.numbers.map(|number| number.map(|number| number.value))
-    }
-}
-
 impl<'a> Reader<'a> {
     /// Nothing has been read.
     pub fn new(options: &'a ProgramOptions, joints: usize, axis_name: fn(usize) -> String) -> Self {
@@ -196,13 +103,16 @@ impl<'a> Reader<'a> {
             section: Section::Head,
             open: None,
             arc: None,
-            file: 0,
+            arc_points: 0,
+            has_poses: false,
             frames: HashMap::new(),
-            used: [BTreeMap::new(), BTreeMap::new()],
+            registers: HashMap::new(),
+            forms: HashMap::new(),
+            taken: [None, None],
             feature: None,
             assigned: Vec::new(),
             named_points: HashSet::new(),
-            passed_over: Vec::new(),
+            remarks: Vec::new(),
             axis_name,
             name: String::new(),
             points: HashMap::new(),
@@ -249,22 +159,56 @@ impl<'a> Reader<'a> {
 
     /// A move.
     pub fn moves(&mut self, place: Cursor<'a>, motion: Motion, via: Option<Aim<'a>>, aim: Aim<'a>) {
-        self.steps.push(Read::Leg(Leg {
+        let (via, aim) = (via.map(|via| self.as_known(via)), self.as_known(aim));
+        self.steps.push(Read::Leg(Box::new(Leg {
             place,
             motion,
             via: via.map(Box::new),
             aim,
             feature: self.feature.clone(),
             feed: self.feed,
+            frames: self.taken.clone(),
             speed: self.speed,
             marked: self.next.take(),
-        }));
+        })));
+    }
+
+    /// The point of this label as it is now.
+    pub fn known(&self, label: &str) -> Option<&Aim<'a>> {
+        self.points.get(&label.to_ascii_uppercase())
+    }
+
+    /// Of a path the point of this label as it is now: the program may set it to another later.
+    fn as_known(&mut self, aim: Aim<'a>) -> Aim<'a> {
+        match &aim {
+            Aim::Label(_, label) if self.is_path => {
+                let label = label.to_ascii_uppercase();
+                match self.points.get(&label) {
+                    Some(known) => {
+                        let known = known.clone();
+                        if matches!(known, Aim::Pose(_)) {
+                            self.named_points.insert(label);
+                        }
+                        known
+                    }
+                    None => aim,
+                }
+            }
+            _ => aim,
+        }
     }
 
     /// The feed of the move given last \[m/s\].
     pub fn at_feed(&mut self, feed: Option<f64>) {
         if let Some(Read::Leg(leg)) = self.steps.last_mut() {
             leg.feed = feed;
+        }
+    }
+
+    /// The move given last takes these frames, those that come do not.
+    pub fn in_frames(&mut self, own: Frames<'a>) {
+        if let Some(Read::Leg(leg)) = self.steps.last_mut() {
+            leg.frames = own;
         }
     }
 
@@ -288,9 +232,44 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// A move or a line takes the tool (0) or the base (1) of this name; the first line counts.
-    pub fn uses(&mut self, number: usize, name: String, line: usize) {
-        self.used[number].entry(name).or_insert(line);
+    /// The moves that come take the tool (0) or the base (1) of this name, as it is now.
+    pub fn takes(&mut self, number: usize, name: impl Into<String>, line: usize) {
+        let name = name.into();
+        let given = self.frames.get(&name.to_ascii_uppercase());
+        let given = given.cloned().unwrap_or_default();
+        let taken = Taken { name, line, given };
+        let own = self.taken[number].take();
+        let own = own.filter(|own| own.is_same(&taken));
+        self.taken[number] = own.or_else(|| Some(Arc::new(taken)));
+    }
+
+    /// The program sets the variable of this name to what is not read.
+    pub fn sets(&mut self, line: &Cursor<'_>, name: impl Into<String>) {
+        self.assigned.push((line.line_number(), name.into()));
+    }
+
+    /// A word of the line is not followed.
+    pub fn passes_over(&mut self, line: &Cursor<'_>, word: &str) {
+        let sentence = format!("{word} ({{}}) is not followed here.");
+        self.remark("not-followed", word, line, Severity::Caution, sentence);
+    }
+
+    /// Says what the lines with `word` leave open. In `sentence`, `{}` stands for the lines.
+    pub fn remark(
+        &mut self,
+        code: &'static str,
+        word: &str,
+        line: &Cursor<'_>,
+        severity: Severity,
+        sentence: impl Into<String>,
+    ) {
+        self.remarks.push(Remark {
+            code,
+            word: word.to_string(),
+            line: line.line_number(),
+            severity,
+            sentence: sentence.into(),
+        });
     }
 
     /// A point.
@@ -300,7 +279,7 @@ impl<'a> Reader<'a> {
 
     /// Joint angles of the controller's axes.
     pub fn angles(&self, values: &[f64]) -> Aim<'a> {
-        Aim::Angles(self.options.to_cell(values))
+        Aim::Angles(self.options.to_cell(values), Vec::new())
     }
 
     /// Angles in the order of the cell's joints, if all are there; else the name of the first that is not.
@@ -315,12 +294,13 @@ impl<'a> Reader<'a> {
     }
 
     /// The pose with these numbers, which ends at `line`'s place.
-    pub fn pose(&self, numbers: [Option<Number>; 7], line: &Cursor<'_>) -> Box<Pose> {
+    pub fn pose(&self, numbers: [Option<Number>; 7], line: &Cursor<'_>) -> Box<Pose<'a>> {
         Box::new(Pose {
             numbers,
-            file: self.file,
+            file: line.file_index(),
             end: line.position() as u32,
             line: line.line_number(),
+            ..Pose::default()
         })
     }
 
@@ -329,7 +309,12 @@ impl<'a> Reader<'a> {
             Some(OpenPoint { label, place, .. }) => {
                 Err(place.wrong(format!("The `}}` that ends {label} is missing.")))
             }
-            None => Ok(()),
+            None => match &self.arc {
+                Some((place, _)) => {
+                    Err(place.clone().wrong_here("The end of this arc is missing."))
+                }
+                None => Ok(()),
+            },
         }
     }
 
@@ -340,16 +325,17 @@ impl<'a> Reader<'a> {
         let steps = self.steps.into_iter().map(|step| {
             let mut leg = match step {
                 Read::Wait(text) => return Ok(Step::Wait(text)),
-                Read::Leg(leg) => leg,
+                Read::Leg(leg) => *leg,
             };
             let q = match leg.aim {
-                Aim::Angles(q) => q,
-                Aim::Pose(_) => {
+                Aim::Angles(q, _) => q,
+                Aim::Pose(_) | Aim::Unset(..) => {
                     return Err(leg.place.wrong_here("This goes to no joint position."));
                 }
                 Aim::Label(mut place, label) => {
                     match self.points.get(&label.to_ascii_uppercase()) {
-                        Some(Aim::Angles(q)) => q.clone(),
+                        Some(Aim::Angles(q, _)) => q.clone(),
+                        Some(Aim::Unset(place, why)) => return Err(place.wrong(why.as_str())),
                         _ => return Err(place.wrong_here(format!("{missing} {label}."))),
                     }
                 }
@@ -375,23 +361,37 @@ impl<'a> Reader<'a> {
     /// The moves of a tool path, points in place of their labels.
     pub fn legs(&mut self) -> Result<Vec<Leg<'a>>> {
         self.check_closed()?;
-        let (points, named) = (&self.points, &mut self.named_points);
+        let (points, assigned, named) = (&self.points, &self.assigned, &mut self.named_points);
         let mut resolved = |aim: Aim<'a>, motion: Motion| match aim {
             Aim::Label(mut place, label) => match points.get(&label.to_ascii_uppercase()) {
+                Some(Aim::Unset(place, why)) => Err(place.wrong(why.as_str())),
                 Some(aim) => {
-                    named.insert(label.to_ascii_uppercase());
+                    if matches!(aim, Aim::Pose(_)) {
+                        named.insert(label.to_ascii_uppercase());
+                    }
                     Ok(aim.clone())
                 }
                 // A position of the controller, as HOME: not of the path.
-                None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new())),
-                None => Err(place.wrong_here(format!("The program has no point {label}."))),
+                None if motion == Motion::Joint => Ok(Aim::Angles(Vec::new(), Vec::new())),
+                None => {
+                    let name = label.to_ascii_uppercase();
+                    let message = if assigned.iter().any(|(_, set)| *set == name) {
+                        format!(
+                            "{label} is calculated by the program: only stated positions are read."
+                        )
+                    } else {
+                        format!("The program has no point {label}.")
+                    };
+                    Err(place.wrong_here(message))
+                }
             },
+            Aim::Unset(place, why) => Err(place.wrong(why)),
             aim => Ok(aim),
         };
         let legs = std::mem::take(&mut self.steps).into_iter();
         let legs = legs.filter_map(|step| match step {
             Read::Wait(_) => None,
-            Read::Leg(leg) => Some(leg),
+            Read::Leg(leg) => Some(*leg),
         });
         legs.map(|leg| {
             Ok(Leg {

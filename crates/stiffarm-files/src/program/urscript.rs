@@ -7,10 +7,12 @@
 //!
 //! LF: the controller runs Linux.
 
+use super::aims::{Aim, Motion};
 use super::characters::said;
-use super::cursor::Cursor;
+use super::cursor::{Cursor, lines};
 use super::dialect::{Angles, Dialect, Moves, PoseForm, Syntax};
-use super::reader::{Aim, Motion, Reader};
+use super::flow::Procedures;
+use super::reader::Reader;
 use super::text::fixed;
 use stiffarm::error::Result;
 use stiffarm::model::pose::Convention;
@@ -57,8 +59,41 @@ pub const URSCRIPT: Dialect = Dialect {
         },
         read,
         joint_move: "movej",
-        other_moves: &["movel", "movep", "movec", "servoj", "speedj"],
-        branches: &["while", "if", "for", "force_mode", "set_payload_cog"],
+        other_moves: &[
+            "movel",
+            "movep",
+            "movec",
+            "optimovej",
+            "optimovel",
+            "servoj",
+            "servoc",
+            "servop",
+            "speedj",
+            "speedl",
+            "speed_loop",
+            "mc_add_linear",
+            "mc_add_circular",
+            "mc_add_path",
+            "mc_run_motion",
+            "track_conveyor_linear",
+            "track_conveyor_circular",
+            "path_offset_enable",
+            "path_offset_set",
+            "freedrive_mode",
+            "teach_mode",
+            "tool_contact",
+        ],
+        branches: &[
+            "while",
+            "if",
+            "elif",
+            "for",
+            "thread",
+            "force_mode",
+            "screw_driving",
+            "move_until_contact",
+        ],
+        procedures: Some(PROCEDURES),
         poses: Some(PoseForm {
             convention: Convention::Ur,
             unit: 1.0,
@@ -66,7 +101,9 @@ pub const URSCRIPT: Dialect = Dialect {
             before: &[],
             decimals: [7, 8],
             in_base: true,
-            moves: Moves {
+            null_frames: &[],
+            turns_on_the_way: false,
+            moves: Some(Moves {
                 template: FUNCTION,
                 frames: ["", ""],
                 most: usize::MAX,
@@ -89,7 +126,7 @@ pub const URSCRIPT: Dialect = Dialect {
                     }]
                 },
                 point: |_| Vec::new(),
-            },
+            }),
         }),
         missing_point: "The program has no joint position",
         comment: "#",
@@ -106,6 +143,24 @@ def {name}():
 {body}
 end
 ";
+
+const PROCEDURES: Procedures = Procedures {
+    statements: |file| lines(file).collect(),
+    scopes: &[],
+    begin: &["def"],
+    end: &["end"],
+    blocks: &["if", "while", "for", "thread", "sec"],
+    handlers: &[],
+    first_is_main: false,
+    call,
+};
+
+/// `name(…)`.
+fn call<'a>(statement: &Cursor<'a>) -> Option<&'a str> {
+    let mut line = statement.clone();
+    let name = line.identifier().ok()?;
+    line.passes("(").then_some(name)
+}
 
 /// The words of moves of a tool path.
 const MOVES: [(&str, Motion); 4] = [
@@ -130,15 +185,42 @@ fn read<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
         line.expect("(")?;
         reader.move_to(line, motion, aim)?;
         reader.at_feed(feed(line.rest()));
+        let rest: String = line.rest().split_whitespace().collect();
+        if motion == Motion::Circular
+            && (rest.contains("mode=1")
+                || rest
+                    .split(',')
+                    .nth(4)
+                    .is_some_and(|mode| mode.starts_with('1')))
+        {
+            return Err(line.wrong_here(
+                "An arc that turns the tool along with it (mode=1) is not read here.",
+            ));
+        }
     } else if reader.is_path && line.word("set_tcp") {
         line.expect("(")?;
-        if let Aim::Pose(pose) = aim(line, reader)? {
-            reader.uses(0, "TCP".to_string(), line.line_number());
-            reader.frames.insert("TCP".to_string(), pose);
+        let number = line.line_number();
+        match aim(line, reader)? {
+            Aim::Pose(pose) => {
+                reader.frames.insert("TCP".to_string(), vec![*pose]);
+                reader.takes(0, "TCP", number);
+            }
+            Aim::Label(_, name) => {
+                // A pose that has a name.
+                let aim = reader.known(&name);
+                let given = match aim {
+                    Some(Aim::Pose(pose)) => vec![(**pose).clone()],
+                    _ => Vec::new(),
+                };
+                reader.frames.insert(name.to_ascii_uppercase(), given);
+                reader.takes(0, name, number);
+            }
+            _ => {}
         }
     } else if reader.is_path && assigns(line, reader)? {
-    } else if let Some(name) = line.assigned().filter(|_| reader.is_path) {
-        reader.assigned.push((line.line_number(), name));
+    } else if let Some((name, _)) = line.assigned().filter(|_| reader.is_path) {
+        let name = name.split('[').next().unwrap_or_default();
+        reader.sets(line, name);
     } else if line.word("movej") {
         let start = line.clone();
         line.expect("(")?;
@@ -191,7 +273,12 @@ fn assigns<'a>(line: &mut Cursor<'a>, reader: &mut Reader<'a>) -> Result<bool> {
     let Ok(name) = next.identifier() else {
         return Ok(false);
     };
-    if !next.passes("=") || !next.clone().passes("p[") {
+    if !next.passes("=") || !next.clone().passes("p[") && !next.clone().passes("[") {
+        return Ok(false);
+    }
+    let mut whole = next.clone();
+    if aim(&mut whole, reader).is_err() || !whole.is_done() && !whole.passes("#") {
+        // It is calculated.
         return Ok(false);
     }
     *line = next;

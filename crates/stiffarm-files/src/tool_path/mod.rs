@@ -1,5 +1,5 @@
 //! Tool paths as programs: CL data of a CAM system (APT, Siemens NX CLSF), G-code, and the
-//! programs of robot controllers (KRL, RAPID, FANUC TP, URScript).
+//! programs of robot controllers (KRL, RAPID, FANUC TP, INFORM, URScript).
 //!
 //! [`read_tool_path`] gives the points of a program as a table would ([`PathPoint`]): the moves at
 //! feed with the load of the process, rapid moves without one. [`ToolPath::write`] gives the same text
@@ -64,7 +64,7 @@ pub enum Kind {
 }
 
 /// Endings of file names, in small letters.
-const ENDINGS: [(Kind, &[&str]); 6] = [
+const ENDINGS: [(Kind, &[&str]); 7] = [
     (
         Kind::Apt,
         &[
@@ -85,6 +85,7 @@ const ENDINGS: [(Kind, &[&str]); 6] = [
     (Kind::Robot(Language::Krl), &["src"]),
     (Kind::Robot(Language::Rapid), &["mod", "modx", "prg"]),
     (Kind::Robot(Language::Ls), &["ls"]),
+    (Kind::Robot(Language::Inform), &["jbi"]),
     (Kind::Robot(Language::Urscript), &["script", "urscript"]),
 ];
 

@@ -42,7 +42,8 @@ pub fn write_moves(
     options: &MoveOptions,
 ) -> Result<String> {
     let fault = |code, message: String| Err(Error::new(code, message));
-    let Some(poses) = language.poses() else {
+    let known = language.poses();
+    let Some((poses, moves)) = known.and_then(|poses| Some((poses, poses.moves?))) else {
         let message = format!("Paths are not written in {} here.", language.title());
         return Err(Error::new(Code::Unsupported, message)
             .hint("krl, rapid, ls and urscript hold paths; so does a table"));
@@ -68,7 +69,6 @@ pub fn write_moves(
                 .key("speed_mm_s"),
         );
     }
-    let moves = &poses.moves;
     if points.len() > moves.most {
         let message = format!(
             "The path has {} points; a program in {} has {} moves at most.",

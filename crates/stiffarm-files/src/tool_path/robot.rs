@@ -8,10 +8,13 @@ use super::arc::Circle;
 use super::builder::{Builder, Feed, Place};
 use super::{Divided, FAR_AWAY, FARTHEST, Form, Orientation};
 use crate::program::{
-    Aim, Language, Motion, Number, Pose, PoseForm, ProgramFile, ProgramOptions, Reader, read_legs,
+    Aim, Cursor, External, Frames, Language, Leg, Motion, Number, Pose, PoseForm, ProgramFile,
+    ProgramOptions, Reader, Taken, read_legs,
 };
 use nalgebra::{Isometry3, Vector3};
-use stiffarm::error::Result;
+use std::collections::{BTreeMap, HashSet};
+use std::sync::Arc;
+use stiffarm::error::{Error, Result};
 use stiffarm::findings::Severity;
 use stiffarm::model::pose::Convention;
 use stiffarm::units::deg_to_rad;
@@ -51,63 +54,192 @@ pub(super) fn read(
         poses,
         numbers: [None; 7],
         last: None,
+        external: BTreeMap::new(),
+        frames: Vec::new(),
+        went: HashSet::new(),
     };
     for leg in legs {
         let line = leg.place.line_number();
-        let (to, via) = match (leg.aim, leg.via.map(|via| *via)) {
-            (Aim::Pose(to), None) => (to, None),
-            (Aim::Pose(to), Some(Aim::Pose(via))) => (to, Some(via)),
-            (Aim::Angles(_), None) if leg.motion == Motion::Joint => {
-                walk.builder.remark("joint-moves", "", line, Severity::Note, || {
-                    "Moves to joint angles ({}) stay as they are: the path is what lies between them.".to_string()
-                });
-                continue;
-            }
-            _ => {
-                return Err(leg
-                    .place
-                    .wrong("This move needs a pose, and the point has joint angles."));
-            }
+        let at = |error: Error| match error.place().line {
+            Some(_) => error,
+            None => error.line(line, None).file(files[0].name.as_str()),
         };
-        walk.builder.feature = leg.feature;
-        walk.builder.feed = leg.feed.map(Feed::Second);
-        let at = |error: stiffarm::Error| error.line(line, None).file(files[0].name.as_str());
-        match via {
-            Some(via) => walk.arc(line, &via, &to),
-            None => walk.go(line, &to, leg.motion == Motion::Joint),
-        }
-        .map_err(at)?;
+        walk.leg(leg).map_err(at)?;
     }
+    let Walk {
+        external, frames, ..
+    } = walk;
+    for (name, axis) in external
+        .iter()
+        .filter(|(_, axis)| axis.stands.is_some_and(|at| at != 0.0))
+    {
+        let at = axis.stands.unwrap_or_default();
+        builder.remark("external-axis", name, axis.line, Severity::Note, || {
+            format!(
+                "External axis {name} stands at {at} at every point ({{}} on): the cell's base is taken to be where the \
+                 robot then stands."
+            )
+        });
+    }
+    let names = frames.iter().flat_map(|frame| frame.taken.as_ref());
+    let frames_of_moves: HashSet<String> =
+        names.map(|taken| taken.name.to_ascii_uppercase()).collect();
     for (line, name) in &reader.assigned {
-        if reader.named_points.contains(&name.to_ascii_uppercase()) {
-            builder.remark("point-assigned", name, *line, Severity::Serious, || {
-                format!("The program sets {name} itself ({{}}), and what it says then is not read: the robot goes elsewhere.")
-            });
-        }
+        let name = name.to_ascii_uppercase();
+        let code = if reader.named_points.contains(&name) {
+            "point-assigned"
+        } else if frames_of_moves.contains(&name) {
+            "frame-assigned"
+        } else {
+            continue;
+        };
+        builder.remark(code, &name, *line, Severity::Serious, || {
+            format!("The program sets {name} itself ({{}}), and what it says then is not read: the robot goes elsewhere.")
+        });
     }
-    for (line, word) in std::mem::take(&mut reader.passed_over) {
-        builder.not_followed(word, line, Severity::Caution);
+    for remark in std::mem::take(&mut reader.remarks) {
+        builder.remark(
+            remark.code,
+            &remark.word,
+            remark.line,
+            remark.severity,
+            || remark.sentence,
+        );
     }
-    frames(&reader, &poses, &base, builder)
+    hold(&frames, &poses, &base, builder)
 }
 
-struct Walk<'b, 'c> {
+/// An axis that carries the robot or the workpiece.
+struct Axis {
+    /// Where it stands at the points of the path, from the first one on.
+    stands: Option<f64>,
+    /// Where the last move left it.
+    now: f64,
+    line: usize,
+}
+
+/// A point's tool (0) or base (1).
+struct Frame<'a> {
+    number: usize,
+    taken: Option<Arc<Taken<'a>>>,
+}
+
+/// So much may the same place of an external axis differ, in the program's unit: what is rounded.
+const SAME_PLACE: f64 = 1e-3;
+
+struct Walk<'a, 'b, 'c> {
     builder: &'b mut Builder<'c>,
     poses: PoseForm,
     /// What the numbers of the next pose are where it leaves them out.
     numbers: [Option<f64>; 7],
     last: Option<Place>,
+    /// By their names.
+    external: BTreeMap<String, Axis>,
+    /// Frames of the points, each once.
+    frames: Vec<Frame<'a>>,
+    /// Poses that leave numbers out: file and end.
+    went: HashSet<(u32, u32)>,
 }
 
-impl Walk<'_, '_> {
-    fn place(&mut self, to: &Pose) -> Result<Place> {
+impl<'a> Walk<'a, '_, '_> {
+    fn leg(&mut self, leg: Leg<'a>) -> Result<()> {
+        let line = leg.place.line_number();
+        let (to, via) = match (leg.aim, leg.via.map(|via| *via)) {
+            (Aim::Pose(to), None) => (to, None),
+            (Aim::Pose(to), Some(Aim::Pose(via))) => (to, Some(via)),
+            (Aim::Angles(_, external), None) if leg.motion == Motion::Joint => {
+                self.stand(external, line);
+                self.builder.remark("joint-moves", "", line, Severity::Note, || {
+                    "Moves to joint angles ({}) stay as they are: the path is what lies between them.".to_string()
+                });
+                return Ok(());
+            }
+            _ => {
+                let message = "This move needs a pose, and the point has joint angles.";
+                return Err(leg.place.wrong(message));
+            }
+        };
+        self.builder.feature = leg.feature;
+        self.builder.feed = leg.feed.map(Feed::Second);
+        for pose in via.iter().chain([&to]) {
+            self.carried(&leg.place, pose)?;
+            self.takes(&pose.frames, &leg.frames);
+            let is_whole = pose.numbers.iter().take(6).all(Option::is_some);
+            if !is_whole && !self.went.insert((pose.file, pose.end)) {
+                let why = "a position that leaves numbers out is gone to twice";
+                self.builder.fixed.get_or_insert((line, why));
+            }
+        }
+        match via {
+            Some(via) => self.arc(line, &via, &to),
+            None => self.go(line, &to, leg.motion == Motion::Joint),
+        }
+    }
+
+    /// A move leaves these axes there.
+    fn stand(&mut self, external: Vec<External<'_>>, line: usize) {
+        // At the points before it nothing is said of where they stood.
+        let unsaid = (!self.builder.points.is_empty()).then_some(0.0);
+        for External { name, value, .. } in external {
+            let axis = self.external.entry(name).or_insert(Axis {
+                stands: unsaid,
+                now: value,
+                line,
+            });
+            axis.now = value;
+        }
+    }
+
+    /// Axes that carry the robot or the workpiece have to stay where they are.
+    fn carried(&mut self, place: &Cursor<'_>, pose: &Pose<'_>) -> Result<()> {
+        let line = place.line_number();
+        self.stand(pose.external.clone(), line);
+        for (name, axis) in &mut self.external {
+            let stands = *axis.stands.get_or_insert(axis.now);
+            if (axis.now - stands).abs() > SAME_PLACE {
+                let own = pose.external.iter().find(|own| own.name == *name);
+                let own = own.map_or(place, |own| &own.place);
+                let message = format!(
+                    "The external axis {name} goes from {stands} to {} here: the path moves with it.",
+                    axis.now
+                );
+                return Err(own.clone().wrong_here(message).hint(
+                    "a path is read where external axes stand still: read the parts of the program between their moves as files of their own",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The frames of a point: its own, else those of the move.
+    fn takes(&mut self, own: &Frames<'a>, others: &Frames<'a>) {
+        for number in 0..2 {
+            let taken = own[number].as_ref().or(others[number].as_ref());
+            let is_known = self.frames.iter().any(|known| {
+                let same = match (&known.taken, taken) {
+                    (Some(known), Some(taken)) => Arc::ptr_eq(known, taken) || known.is_same(taken),
+                    (None, None) => true,
+                    _ => false,
+                };
+                known.number == number && same
+            });
+            if !is_known {
+                self.frames.push(Frame {
+                    number,
+                    taken: taken.cloned(),
+                });
+            }
+        }
+    }
+
+    fn place(&mut self, to: &Pose<'_>) -> Result<Place> {
         for (own, number) in self.numbers.iter_mut().zip(to.values()) {
             *own = number.or(*own);
         }
         placed(&self.poses, &self.numbers).map(Place::Pose)
     }
 
-    fn go(&mut self, line: usize, to: &Pose, rapid: bool) -> Result<()> {
+    fn go(&mut self, line: usize, to: &Pose<'_>, rapid: bool) -> Result<()> {
         let place = self.place(to)?;
         let first = self.builder.points.len();
         let from = self.last.filter(|_| !rapid);
@@ -124,7 +256,7 @@ impl Walk<'_, '_> {
     }
 
     /// The places of the numbers of the point given last, which are `values` where they are left out.
-    fn slots(&mut self, to: &Pose, values: [Option<f64>; 7]) {
+    fn slots(&mut self, to: &Pose<'_>, values: [Option<f64>; 7]) {
         let count = self.poses.convention.columns().len() + 3;
         let numbers = to.numbers.iter().zip(values).take(count);
         for (component, (number, value)) in numbers.enumerate() {
@@ -139,7 +271,7 @@ impl Walk<'_, '_> {
     }
 
     /// Of an arc the point on the way and the end are corrected; those between are there for their loads.
-    fn arc(&mut self, line: usize, via: &Pose, to: &Pose) -> Result<()> {
+    fn arc(&mut self, line: usize, via: &Pose<'_>, to: &Pose<'_>) -> Result<()> {
         let start = self.last;
         let middle = self.place(via)?;
         let of_middle = self.numbers;
@@ -150,6 +282,11 @@ impl Walk<'_, '_> {
         });
         let mut between = Vec::new();
         let mut before = 0;
+        let mut middle = middle;
+        if let (Some((start, circle)), false) = (&circle, self.poses.turns_on_the_way) {
+            let share = circle.share_at(middle.position());
+            middle = start.towards(&end, share, middle.position());
+        }
         if let Some((start, circle)) = circle {
             let half = circle.share_at(middle.position());
             let inner = circle.points().filter(|(share, _)| *share < 1.0);
@@ -203,9 +340,9 @@ fn placed(poses: &PoseForm, numbers: &[Option<f64>; 7]) -> Result<Isometry3<f64>
     ))
 }
 
-/// Holds the frames that the program says against those of the cell.
-fn frames(
-    reader: &Reader<'_>,
+/// Holds the frames of the points against those of the cell.
+fn hold(
+    frames: &[Frame<'_>],
     poses: &PoseForm,
     base: &Isometry3<f64>,
     builder: &mut Builder<'_>,
@@ -220,31 +357,40 @@ fn frames(
             workpiece,
         ),
     ];
-    for (number, ((what, own, cell), used)) in kinds.into_iter().zip(&reader.used).enumerate() {
-        for (name, line) in used {
-            let given = match (reader.frames.get(name), name.as_str()) {
-                (Some(given), _) => {
-                    placed(poses, &given.values()).map_err(|error| error.line(given.line, None))?
-                }
-                // RAPID's names of the base and of the flange.
-                (None, "WOBJ0" | "TOOL0") => Isometry3::identity(),
-                _ => {
-                    builder.remark("frame-unknown", what, *line, Severity::Note, || {
-                        format!("{what} {name} ({{}}) is not in the file, so it could not be held against {own}.")
-                    });
-                    continue;
-                }
+    for (number, (what, own, cell)) in kinds.into_iter().enumerate() {
+        let taken = frames.iter().filter(|frame| frame.number == number);
+        let taken: Vec<&Taken<'_>> = taken.filter_map(|frame| frame.taken.as_deref()).collect();
+        for Taken { name, line, given } in &taken {
+            let is_null = poses
+                .null_frames
+                .contains(&name.to_ascii_uppercase().as_str());
+            if given.is_empty() && !is_null {
+                builder.remark("frame-unknown", what, *line, Severity::Note, || {
+                    format!("{what} {name} ({{}}) is not in the file, so it could not be held against {own}.")
+                });
+                continue;
+            }
+            let mut product = if number == 1 {
+                *base
+            } else {
+                Isometry3::identity()
             };
-            let given = if number == 1 { base * given } else { given };
-            builder.frame(&format!("{what} {name} (line {line})"), own, &given, &cell);
+            for given in given {
+                product *=
+                    placed(poses, &given.values()).map_err(|error| error.line(given.line, None))?;
+            }
+            builder.frame(
+                &format!("{what} {name} (line {line})"),
+                own,
+                &product,
+                &cell,
+            );
         }
-        if used.len() > 1 {
-            let names: Vec<&str> = used.keys().map(String::as_str).collect();
-            let (first, last) = (names[0], names[names.len() - 1]);
-            let line = *used.values().max().unwrap_or(&1);
-            builder.remark("program-frames", what, line, Severity::Serious, || {
+        if let [first, .., last] = &taken[..] {
+            builder.remark("program-frames", what, last.line, Severity::Serious, || {
                 format!(
-                    "{what} changes within the program ({first}, {last}; {{}}): the cell has one."
+                    "{what} changes within the program ({}, {}; {{}}): the cell has one.",
+                    first.name, last.name
                 )
             });
         }

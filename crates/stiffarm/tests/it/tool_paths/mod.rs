@@ -5,6 +5,7 @@ mod interpreter;
 mod languages;
 mod loads;
 mod moves;
+mod robots;
 mod slips;
 mod writing;
 

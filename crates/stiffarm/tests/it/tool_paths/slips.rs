@@ -39,7 +39,10 @@ const SLIPS: [(&str, &str); 44] = [
     ("a.src", "LIN {X 1,Y 2}\n"),
     ("a.src", "LIN XP7\n"),
     ("a.src", "LIN_REL {X 1}\n"),
-    ("a.src", "LIN {X 1,Y 2,Z 3,A 0,B 0,C 0,E1 100}\n"),
+    (
+        "a.src",
+        "LIN {X 1,Y 2,Z 3,A 0,B 0,C 0,E1 100}\nLIN {X 2,E1 100.5}\n",
+    ),
     ("a.mod", "MoveL Offs(p1,0,0,5),v50,z1,t;\n"),
     (
         "a.mod",
@@ -66,7 +69,7 @@ const SLIPS: [(&str, &str); 44] = [
     ),
     (
         "a.ls",
-        "/PROG A\n/MN\n/POS\nP[1]{\n GP1:\n GP2:\n UF : 1, UT : 2,\n J1= 12.0 deg\n};\n/END\n",
+        "/PROG A\n/MN\n 1:L P[1] 50mm/sec FINE ;\n 2:L P[2] 50mm/sec FINE ;\n/POS\nP[1]{\n GP1:\n X= 1 mm, Y= 2 mm, Z= 3 mm,\n W= 0 deg, P= 0 deg, R= 0 deg\n GP2:\n UF : 1, UT : 2,\n J1= 12.0 deg\n};\nP[2]{\n GP1:\n X= 2 mm, Y= 2 mm, Z= 3 mm,\n W= 0 deg, P= 0 deg, R= 0 deg\n GP2:\n J1= 13.0 deg\n};\n/END\n",
     ),
     ("a.script", "movel(pose_trans(a, b), a=1)\n"),
 ];
