@@ -176,7 +176,9 @@ impl State<'_, '_> {
             }
             (None, _) => return Ok(false),
         };
-        let start = self.position.unwrap_or(end);
+        let Some(start) = self.position else {
+            return Err(statement.wrong("The point from which this arc sets out is missing."));
+        };
         let Some(circle) = Circle::about(centre, axis, start, end) else {
             if first.is_some() {
                 return Ok(false);

@@ -29,9 +29,9 @@ fn name<'a>(line: &mut Cursor<'a>) -> &'a str {
 
 /// The word that begins a line, in capitals; a label before it (`A1)`) is passed.
 pub(super) fn word<'a>(line: &mut Cursor<'a>) -> Cow<'a, str> {
-    let own = name(line);
-    if !own.is_empty() && line.passes(")") {
-        return word(line);
+    let mut own = name(line);
+    while !own.is_empty() && line.passes(")") {
+        own = name(line);
     }
     if own.bytes().any(|byte| byte.is_ascii_lowercase()) {
         Cow::Owned(own.to_ascii_uppercase())

@@ -52,6 +52,7 @@ fn arcs_run_as_the_system_that_wrote_them_has_them() -> Check {
     // With the straight moves beside it each is the short way round.
     for (name, head, circle) in [
         ("a.ncl", "UNITS / MM\n", "0,0,-2, $\n 0,0,1, 15"),
+        ("OP010.NCL.12", "UNITS / MM\n", "0,0,-2,0,0,1,15"),
         ("a.cl", creo, "0,0,-2,0,0,1,15"),
         ("a.apt", "UNIT/MM\n", "0,0,-2,0,0,1."),
         ("a.cls", nx, "0,0,-2,0,0,-1,15,0.06,0.5,10,0"),
@@ -232,7 +233,7 @@ fn arcs_of_apt_set_out_as_their_direction_says() -> Check {
 }
 
 #[test]
-fn what_an_arc_of_apt_leaves_open_is_refused() {
+fn what_an_arc_leaves_open_is_refused() {
     let circle = "CIRCLE/0,0,-2,15";
     let line = "(LINE/0,0,-2,0,15,-2)";
     for (text, says) in [
@@ -254,6 +255,14 @@ fn what_an_arc_of_apt_leaves_open_is_refused() {
         (
             apt("0,1,0", circle, "TO,(LINE/0,0,-2,0,15,-2)"),
             "not read here",
+        ),
+        (
+            "CIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(),
+            "sets out",
+        ),
+        (
+            "GOTO/15,0,0\nGOHOME\nCIRCLE/0,0,0,0,0,1,15\nGOTO/15,0,0\n".to_string(),
+            "sets out",
         ),
         (
             "GOTO/15,0,0\nTLON,GOFWD/(CIRCLE/0,0,0,15),ON,(LINE/0,0,0,0,15,0)\n".to_string(),
