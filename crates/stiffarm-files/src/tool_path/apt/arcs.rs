@@ -41,7 +41,7 @@ pub(super) struct Arcs {
     unknown: Option<usize>,
     /// Joins that are tangent, and those that would be the other way round.
     joins: [usize; 2],
-    /// Direction of the straight move at feed that ended last.
+    /// The straight move at feed that ended last.
     heading: Option<Vector3<f64>>,
     /// The tangent at the end of the arc that ended last, how it began (1 tangent, −1 the other way round), its line.
     last: Option<(Vector3<f64>, i32, usize)>,
@@ -51,7 +51,8 @@ pub(super) struct Arcs {
 
 /// 1 where a move goes on in this direction, −1 where it goes back.
 fn join(tangent: Vector3<f64>, way: Option<Vector3<f64>>) -> i32 {
-    let along = way.map_or(0.0, |way| tangent.dot(&way));
+    let way = way.filter(|way| way.norm() > SHORT);
+    let along = way.map_or(0.0, |way| tangent.dot(&way) / way.norm());
     i32::from(along > TANGENT) - i32::from(along < -TANGENT)
 }
 
@@ -74,10 +75,7 @@ impl Arcs {
         to: Vector3<f64>,
         builder: &mut Builder<'_>,
     ) {
-        let way = from.map(|from| to - from);
-        self.heading = way
-            .filter(|way| way.norm() > SHORT)
-            .map(|way| way.normalize());
+        self.heading = from.map(|from| to - from);
         self.closes(self.heading, builder);
     }
 

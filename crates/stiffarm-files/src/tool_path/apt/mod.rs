@@ -104,7 +104,11 @@ fn read_with(file: &ProgramFile, builder: &mut Builder<'_>, clockwise: bool) -> 
                 if word != "GOTO" {
                     state.arcs.open = None;
                 }
-                let weight = weights.get(&*word).copied();
+                // Most lines are points.
+                let weight = match &*word {
+                    "GOTO" => Some(Weight::Numbers),
+                    _ => weights.get(&*word).copied(),
+                };
                 match weight {
                     Some(Weight::Text) => continue,
                     Some(Weight::Raw) => {

@@ -52,7 +52,7 @@ impl<'a> Statement<'a> {
             head,
             word,
             weight,
-            numbers: Vec::new(),
+            numbers: Vec::with_capacity(6),
             words: Vec::new(),
             end: 0,
         }
@@ -61,14 +61,16 @@ impl<'a> Statement<'a> {
     /// Takes numbers and words with commas between them; true where the next line goes on.
     pub fn items(&mut self, line: &mut Cursor<'a>) -> Result<bool> {
         loop {
-            while line.passes(",") {}
-            if line.is_done() || line.clone().passes("$$") {
-                return Ok(false);
+            match line.space().rest().as_bytes() {
+                [] | [b'$', b'$', ..] => return Ok(false),
+                [b'$', ..] => return Ok(true),
+                [b',', ..] => {
+                    line.skip(1);
+                    continue;
+                }
+                _ => {}
             }
-            if line.passes("$") {
-                return Ok(true);
-            }
-            let place = line.space().clone();
+            let place = line.clone();
             match line.placed() {
                 Ok(number) => {
                     self.end = line.position();

@@ -114,6 +114,9 @@ pub(super) fn unit_of_feeds(file: &ProgramFile) -> Option<[Option<usize>; 2]> {
     let mut found = [None; 2];
     for (i, line) in file.text.lines().enumerate() {
         let line = line.trim_start();
+        if !line.starts_with(['U', 'u', 'F', 'f', 'M', 'm']) {
+            continue;
+        }
         let begins = |word: &str| {
             line.get(..word.len())
                 .is_some_and(|head| head.eq_ignore_ascii_case(word))
