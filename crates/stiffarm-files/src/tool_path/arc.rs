@@ -5,7 +5,10 @@ use nalgebra::{Rotation3, UnitVector3, Vector3};
 use std::f64::consts::TAU;
 
 /// Start and end may be this far from one circle \[m\]; programs are rounded.
-const ROUNDED: f64 = 0.05e-3;
+pub(super) const ROUNDED: f64 = 0.05e-3;
+
+/// So near where it begins an arc has gone round \[m\].
+const HERE: f64 = 5e-6;
 
 /// An arc about an axis, counter-clockwise seen against it; with a rise along it a helix.
 pub(super) struct Circle {
@@ -13,8 +16,8 @@ pub(super) struct Circle {
     axis: UnitVector3<f64>,
     start: Vector3<f64>,
     /// Angle of the whole arc \[rad\], above zero.
-    sweep: f64,
-    end: Vector3<f64>,
+    pub sweep: f64,
+    pub end: Vector3<f64>,
 }
 
 impl Circle {
@@ -69,6 +72,50 @@ impl Circle {
         let centre = (normal.cross(&a) * b.norm_squared() + b.cross(&normal) * a.norm_squared())
             / (2.0 * normal.norm_squared());
         Circle::about(start + centre, axis, start, end)
+    }
+
+    /// The arc from `start` to where it meets the plane `normal · p = offset` for the `count`th time; `None`
+    /// where it does not.
+    pub fn until(
+        centre: Vector3<f64>,
+        axis: UnitVector3<f64>,
+        start: Vector3<f64>,
+        (normal, offset): (Vector3<f64>, f64),
+        count: usize,
+    ) -> Option<Self> {
+        let centre = centre + axis.as_ref() * axis.dot(&(start - centre));
+        let spoke = start - centre;
+        let (ahead, aside) = (normal.dot(&spoke), normal.dot(&axis.cross(&spoke)));
+        let away = (offset - normal.dot(&centre)) / ahead.hypot(aside);
+        if spoke.norm() < ROUNDED || away.is_nan() || away.abs() > 1.0 {
+            return None;
+        }
+        let (middle, half) = (aside.atan2(ahead), away.acos());
+        let here = HERE / spoke.norm();
+        let mut met = [middle - half, middle + half].map(|angle| match angle.rem_euclid(TAU) {
+            angle if angle < here || angle > TAU - here => TAU,
+            angle => angle,
+        });
+        met.sort_by(f64::total_cmp);
+        let sweep = *met.get(count.checked_sub(1)?)?;
+        let end = Rotation3::from_axis_angle(&axis, sweep) * spoke + centre;
+        Some(Circle {
+            centre,
+            axis,
+            start,
+            sweep,
+            end,
+        })
+    }
+
+    /// Directions at its start and at its end, without its rise.
+    pub fn tangents(&self) -> [Vector3<f64>; 2] {
+        [self.start, self.end].map(|point| self.axis.cross(&(point - self.centre)).normalize())
+    }
+
+    /// How far it departs from the straight line between its ends \[m\], seen along the axis.
+    pub fn rise(&self) -> f64 {
+        (self.start - self.centre).norm() * (1.0 - (0.5 * self.sweep).cos())
     }
 
     /// Its length \[m\].

@@ -92,7 +92,12 @@ const ENDINGS: [(Kind, &[&str]); 7] = [
 impl Kind {
     /// What the file of this name is, if it is no table.
     pub fn of(name: &str) -> Option<Kind> {
-        let ending = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
+        // Creo numbers its files: `a.ncl.3`.
+        let number = name.rfind(|c: char| !c.is_ascii_digit());
+        let own = number.and_then(|at| name[..=at].strip_suffix('.'));
+        let own = own.filter(|own| own.to_ascii_lowercase().ends_with(".ncl"));
+        let path = Path::new(own.unwrap_or(name));
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         let mut kinds = ENDINGS.iter();
         let found = kinds.find(|(_, endings)| endings.contains(&ending.as_str()));
         found.map(|(kind, _)| *kind)

@@ -1,5 +1,6 @@
 //! Tool paths as programs: what is read, what is written, and how each slip is reported.
 
+mod cl_data;
 mod gcode;
 mod interpreter;
 mod languages;
