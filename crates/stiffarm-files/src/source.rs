@@ -11,7 +11,7 @@ use super::table::{
     PathFormat, PathKind, PathTable, holds_measurements, read_growing_measurements, read_log,
     read_measurements, read_measurements_of, read_path, read_postures,
 };
-use super::tool_path::{Kind, ToolPath, read_tool_path};
+use super::tool_path::{Kind, PathLanguage, ToolPath, read_tool_path, recognised};
 use std::path::Path;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::estimate::saved::{PRIOR, Saved};
@@ -206,8 +206,8 @@ pub trait Source {
         read_stiffness(&bytes, &name, cell)
     }
 
-    /// Reads a path of the tool's tip, a table or a program as the ending of its name says
-    /// ([`Kind::of`]); `axes` are those of its forces where no column says so. `log` is a recorded load along it.
+    /// Reads a path of the tool's tip, a table or a program in `language`, or as its name and its text say
+    /// ([`recognised`]); `axes` are those of its forces where no column says so. `log` is a recorded load along it.
     ///
     /// # Errors
     /// A file that cannot be read, or anything wrong with it.
@@ -215,11 +215,13 @@ pub trait Source {
         &self,
         from: &str,
         cell: &Cell,
+        language: Option<PathLanguage>,
         axes: Option<ForceAxes>,
         log: Option<&str>,
     ) -> Result<NamedPath> {
         let (name, bytes) = self.read("path", from)?;
-        let mut path = match Kind::of(&name) {
+        let (kind, said) = recognised(&name, &bytes, language)?;
+        let mut path = match kind {
             Some(kind) => program_path(self, kind, from, (name, &bytes), cell)?,
             None => NamedPath {
                 table: read_path(&bytes, &name, cell, axes)?,
@@ -228,6 +230,7 @@ pub trait Source {
                 name,
             },
         };
+        path.findings.extend(said);
         if let Some(log) = log {
             let (name, bytes) = self.read("log", log)?;
             let read = read_log(&bytes, &name, cell, axes)?;

@@ -8,6 +8,7 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::source::{NamedPath, Source};
 use stiffarm_files::table::{read_path, write_path};
+use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 
 /// Files of the disk, and those that are built in.
 pub struct Files;
@@ -25,6 +26,17 @@ impl Source for Files {
     }
 }
 
+/// The language of this name.
+fn language_of(name: &str) -> Result<PathLanguage> {
+    let found = LANGUAGES.iter().find(|(own, ..)| *own == name);
+    found.map(|(.., language)| *language).ok_or_else(|| {
+        let names: Vec<&str> = LANGUAGES.iter().map(|(name, ..)| *name).collect();
+        let message = format!("There is no language \"{name}\" of paths.");
+        let error = Error::new(Code::UnknownName, message).key("language");
+        error.hint(names.join(", "))
+    })
+}
+
 /// What is to be known, as JSON.
 fn said(findings: &[Finding]) -> Result<String> {
     serde_json::to_string(findings).map_err(|error| Error::new(Code::Internal, error.to_string()))
@@ -32,9 +44,16 @@ fn said(findings: &[Finding]) -> Result<String> {
 
 /// The table of a path, and what is to be known about it.
 #[pyfunction]
-pub fn path_text(py: Python<'_>, cell: &PyCell, from: &str) -> PyResult<(String, String)> {
+#[pyo3(signature = (cell, from, language))]
+pub fn path_text(
+    py: Python<'_>,
+    cell: &PyCell,
+    from: &str,
+    language: Option<&str>,
+) -> PyResult<(String, String)> {
     let read = py.detach(|| {
-        let path = Files.read_path(from, &cell.cell, None, None)?;
+        let language = language.map(language_of).transpose()?;
+        let path = Files.read_path(from, &cell.cell, language, None, None)?;
         let text = write_path(&path.table.format, &path.table.points)?;
         Ok((text, said(&path.findings)?))
     });
@@ -46,9 +65,17 @@ type Written = (Vec<Vec<u8>>, String);
 
 /// The files of the program `from` with its points where those of a table are.
 #[pyfunction]
-pub fn path_program(py: Python<'_>, cell: &PyCell, from: &str, table: &str) -> PyResult<Written> {
+#[pyo3(signature = (cell, from, table, language))]
+pub fn path_program(
+    py: Python<'_>,
+    cell: &PyCell,
+    from: &str,
+    table: &str,
+    language: Option<&str>,
+) -> PyResult<Written> {
     let written = py.detach(|| -> Result<Written> {
-        let path = Files.read_path(from, &cell.cell, None, None)?;
+        let language = language.map(language_of).transpose()?;
+        let path = Files.read_path(from, &cell.cell, language, None, None)?;
         let NamedPath {
             table: nominal,
             program: Some(program),

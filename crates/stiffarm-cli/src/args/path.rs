@@ -8,10 +8,14 @@ use clap::{Args, ValueEnum, ValueHint};
 use stiffarm::estimate::validate::Model;
 use stiffarm::model::process::ForceAxes;
 use stiffarm_files::program::Language;
+use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 
 /// The path, its loads and its postures.
 #[derive(Debug, Clone, Args)]
 pub struct PathArgs {
+    /// What the path is written in, where neither its name nor its text says it rightly
+    #[arg(long, value_name = "LANGUAGE", value_parser = choice(LANGUAGES))]
+    pub language: Option<PathLanguage>,
     /// Axes of the forces in the path, where it has no column axes, and of --force-n
     #[arg(long, value_name = "AXES", value_parser = choice(AXES))]
     pub axes: Option<ForceAxes>,

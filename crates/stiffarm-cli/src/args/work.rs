@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use stiffarm::model::process::ForceAxes;
 use stiffarm::work::map::MOST_TURNS;
 use stiffarm::work::region::{Plane, RegionRequest, Steps};
+use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 
 #[derive(Debug, Args)]
 pub struct MapArgs {
@@ -106,6 +107,9 @@ pub struct PlaceArgs {
     /// least [region by default: the plane through the given place]
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "PATH.csv")]
     pub place: Option<String>,
+    /// What the path is written in, where neither its name nor its text says it rightly
+    #[arg(long, value_name = "LANGUAGE", value_parser = choice(LANGUAGES), requires = "place")]
+    pub language: Option<PathLanguage>,
     /// Axes of the path's forces, where its rows do not say
     #[arg(long, value_name = "AXES", value_parser = choice(AXES), requires = "place")]
     pub axes: Option<ForceAxes>,

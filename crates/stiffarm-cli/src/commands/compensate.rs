@@ -42,12 +42,17 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .and_then(|()| options.path.posture_options(cell))
         .map_err(of_path_usage)?;
     let (axes, log) = (options.path.axes, args.along.log.as_deref());
-    let path = session.read_path(&args.path, cell, axes, log)?;
+    let path = session.read_path(&args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {
         let new = language.map(Kind::Robot);
-        check_ending(output, new.or(kept.map(ToolPath::kind)), new.is_some())?;
+        check_ending(
+            output,
+            new.or(kept.map(ToolPath::kind)),
+            new.is_some(),
+            &path.name,
+        )?;
         if let Some(ending) = kept.and_then(ToolPath::companion) {
             outputs.beside(session, output, ending, args.force)?;
         }
@@ -153,9 +158,11 @@ fn moves(
 }
 
 /// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program
-/// is new or the one that was read.
-fn check_ending(output: &str, kind: Option<Kind>, is_new: bool) -> Result<()> {
-    if output == "-" || Kind::of(output) == kind {
+/// is new or the one that was read, with the ending of `input`.
+fn check_ending(output: &str, kind: Option<Kind>, is_new: bool, input: &str) -> Result<()> {
+    let [own, read] = [output, input].map(|name| Path::new(name).extension());
+    let is_kept = kind.is_some() && !is_new && own == read;
+    if output == "-" || Kind::of(output) == kind || is_kept {
         return Ok(());
     }
     let message = match kind {

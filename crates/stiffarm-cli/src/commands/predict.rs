@@ -41,7 +41,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let path = args.path.as_ref();
     let (axes, log) = (request.path.axes, args.along.log.as_deref());
     let path = path
-        .map(|path| session.read_path(path, &named.cell, axes, log))
+        .map(|path| session.read_path(path, &named.cell, args.along.language, axes, log))
         .transpose()?;
     let points = path.as_ref().map(|path| path.table.points.as_slice());
     let in_file = |e: Error| match &path {

@@ -15,20 +15,23 @@
 mod apt;
 mod arc;
 mod builder;
+mod divided;
 mod gcode;
+mod kind;
 mod moves;
 mod numbers;
 mod robot;
 mod targets;
 mod write;
 
-use super::program::{Language, ProgramFile};
+use super::program::ProgramFile;
 use super::text::decode;
 use builder::Builder;
+use divided::Divided;
 pub use gcode::page as gcode_page;
+pub use kind::{Kind, LANGUAGES, PathLanguage, recognised};
 pub use moves::{MoveOptions, Posed, write_moves};
 use nalgebra::Isometry3;
-use std::path::Path;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
@@ -51,72 +54,6 @@ const FARTHEST: f64 = 100.0;
 /// What is wrong with such a point.
 const FAR_AWAY: &str =
     "This point is more than 100 m from the origin: look at the unit of the file.";
-
-/// What a tool path is written in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
-    /// CL data: APT, and the CLSF of Siemens NX.
-    Apt,
-    /// G-code.
-    Gcode,
-    /// The program of a robot controller.
-    Robot(Language),
-}
-
-/// Endings of file names, in small letters.
-const ENDINGS: [(Kind, &[&str]); 7] = [
-    (
-        Kind::Apt,
-        &[
-            "cls",
-            "clsf",
-            "apt",
-            "aptsource",
-            "cl",
-            "cldata",
-            "ncl",
-            "as",
-        ],
-    ),
-    (
-        Kind::Gcode,
-        &["nc", "ngc", "gcode", "tap", "cnc", "mpf", "eia", "iso"],
-    ),
-    (Kind::Robot(Language::Krl), &["src"]),
-    (Kind::Robot(Language::Rapid), &["mod", "modx", "prg"]),
-    (Kind::Robot(Language::Ls), &["ls"]),
-    (Kind::Robot(Language::Inform), &["jbi"]),
-    (Kind::Robot(Language::Urscript), &["script", "urscript"]),
-];
-
-impl Kind {
-    /// What the file of this name is, if it is no table.
-    pub fn of(name: &str) -> Option<Kind> {
-        // Creo numbers its files: `a.ncl.3`.
-        let number = name.rfind(|c: char| !c.is_ascii_digit());
-        let own = number.and_then(|at| name[..=at].strip_suffix('.'));
-        let own = own.filter(|own| own.to_ascii_lowercase().ends_with(".ncl"));
-        let path = Path::new(own.unwrap_or(name));
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        let mut kinds = ENDINGS.iter();
-        let found = kinds.find(|(_, endings)| endings.contains(&ending.as_str()));
-        found.map(|(kind, _)| *kind)
-    }
-
-    /// Its name for people.
-    pub fn title(self) -> &'static str {
-        match self {
-            Kind::Apt => "CL data (APT)",
-            Kind::Gcode => "G-code",
-            Kind::Robot(language) => language.title(),
-        }
-    }
-
-    /// The ending of the file beside it in which its points may stand.
-    pub fn companion(self) -> Option<&'static str> {
-        (self == Kind::Robot(Language::Krl)).then_some("dat")
-    }
-}
 
 /// The orientation in a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,32 +93,6 @@ struct Slot {
     component: u8,
     /// Whether it is what it was before where it is left out.
     modal: bool,
-}
-
-/// An arc or a long move as it stands in a program, and the straight moves that may stand for it.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct Divided {
-    /// Its points; the last one is its end.
-    points: std::ops::Range<usize>,
-    /// Whether all its points are written, as those of an arc or a cycle; a straight move is divided only
-    /// where its correction bends.
-    is_arc: bool,
-    /// The bytes that straight moves take the place of; none where the program can have no more points.
-    text: std::ops::Range<usize>,
-    /// What begins the first of those moves, and all others.
-    first: String,
-    others: &'static str,
-    /// What begins each of them, at feed and rapid.
-    begin: String,
-    begin_rapid: &'static str,
-    /// What ends the first of them, and the last.
-    end: String,
-    last: String,
-    /// Points behind which the program waits, and how it says so.
-    waits: Vec<usize>,
-    wait: String,
-    /// The inverse of the whole move's time, where this is its feed: each of those moves has its own.
-    inverse: Option<f64>,
 }
 
 /// The text of a tool path, with the places of its numbers.

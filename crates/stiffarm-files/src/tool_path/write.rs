@@ -1,8 +1,9 @@
 //! The same program with other numbers.
 
+use super::divided::{Divided, Piece, pieces};
 use super::numbers::{bends, decimals_of, near};
 use super::targets::{SAME, SAME_PLACE, Turned, is_same, placed};
-use super::{Divided, Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
+use super::{Form, Kind, Orientation, Slot, TOLERANCE, ToolPath};
 use crate::program::fixed;
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Error, Result};
@@ -52,29 +53,6 @@ impl WrittenPath {
         all.map(|(_, code, severity, sentence)| Finding::new(code, severity, "path", sentence))
             .collect()
     }
-}
-
-/// A straight move that stands with others for one.
-struct Piece {
-    /// The point that it ends at.
-    point: usize,
-    /// The numbers of that point.
-    numbers: [f64; 10],
-    /// In units of the program.
-    length: f64,
-}
-
-/// The straight moves through the points `kept` of a `way` that begins at the point before.
-fn pieces(own: &Divided, way: &[[f64; 10]], kept: &[usize]) -> Vec<Piece> {
-    let place = |k: usize| Vector3::from_column_slice(&way[k][..3]);
-    let from = std::iter::once(0).chain(kept.iter().copied());
-    let pairs = from.zip(kept);
-    let piece = |(from, to): (usize, &usize)| Piece {
-        point: own.points.start + to - 1,
-        numbers: way[*to],
-        length: (place(*to) - place(from)).norm(),
-    };
-    pairs.map(piece).collect()
 }
 
 /// New text for some bytes of a file.
@@ -165,7 +143,7 @@ impl ToolPath {
             if own.points.end > i + 1 {
                 continue;
             }
-            let kept = if own.is_arc {
+            let kept = if own.is_whole {
                 (1..way.len()).collect()
             } else {
                 writer.bends(&way, &at, !own.text.is_empty())
@@ -196,55 +174,6 @@ impl ToolPath {
             tilt_left,
             bend_left,
         })
-    }
-
-    /// Straight moves in place of one.
-    fn lines(&self, own: &Divided, pieces: &[Piece], nominal: &[PathPoint]) -> String {
-        let form = &self.form;
-        let line_end = if self.files[0].text.contains("\r\n") {
-            "\r\n"
-        } else {
-            "\n"
-        };
-        let count = if form.orientation == Orientation::Kept {
-            3
-        } else {
-            form.before.len()
-        };
-        let way: f64 = pieces.iter().map(|piece| piece.length).sum();
-        let mut lines = Vec::with_capacity(pieces.len());
-        for (k, piece) in pieces.iter().enumerate() {
-            let words = form.before.iter().take(count).enumerate();
-            let words = words.map(|(component, before)| {
-                let value = piece.numbers[component];
-                format!("{before}{}", fixed(value, form.decimals_of(component)))
-            });
-            let mut words: String = words.collect();
-            if own.begin.ends_with('/') {
-                words = words.trim_start_matches(',').to_string();
-            }
-            if let Some(inverse) = own.inverse {
-                words += &format!(
-                    " F{}",
-                    fixed(inverse * way / piece.length.max(SAME_PLACE), 4)
-                );
-            }
-            let (first, end) = match k {
-                0 => (own.first.as_str(), own.end.as_str()),
-                _ => (own.others, ""),
-            };
-            let last = if k + 1 == pieces.len() { &own.last } else { "" };
-            let begin = if nominal[piece.point].rapid {
-                own.begin_rapid
-            } else {
-                &own.begin
-            };
-            lines.push(format!("{first}{begin}{words}{end}{last}"));
-            if own.waits.contains(&piece.point) {
-                lines.push(format!("{}{}", own.others, own.wait));
-            }
-        }
-        lines.join(line_end)
     }
 
     /// The files with `edits`, which are in order.
@@ -455,7 +384,7 @@ impl Writer<'_> {
 }
 
 impl Form {
-    fn decimals_of(&self, component: usize) -> usize {
+    pub(super) fn decimals_of(&self, component: usize) -> usize {
         self.decimals[usize::from(component >= 3)]
     }
 }

@@ -26,7 +26,9 @@ class PathTable(Table):
     findings: list[Record]
 
 
-def read_path(cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str]) -> PathTable:
+def read_path(
+    cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str], *, language: str | None = None
+) -> PathTable:
     """The points of a path: of CL data, G-code, a robot's program, or a table.
 
     The table has what ``predict`` and ``compensate`` take as a path: the pose of the tip in the workpiece frame
@@ -35,12 +37,13 @@ def read_path(cell: Cell | str | os.PathLike[str], path: str | os.PathLike[str])
 
     Args:
         cell: The cell, or the name of its file; poses count from its workpiece frame.
-        path: The file; the ending of its name says what it is.
+        path: The file; the ending of its name, or its text, says what it is.
+        language: What it is, where these do not: ``"g-code"``, ``"cl-data"``, ``"krl"``, ``"table"``, ...
 
     Raises:
         StiffarmError: It cannot be read, with file, line and column.
     """
-    text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path))
+    text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path), language)
     table = PathTable.from_csv(text)
     table.findings = _findings(said)
     return table
@@ -52,6 +55,7 @@ def write_path(
     points: TableLike,
     output: str | os.PathLike[str],
     *,
+    language: str | None = None,
     overwrite: bool = False,
 ) -> Path:
     """A program with its points moved: the same text with other numbers, as ``compensate`` writes it.
@@ -65,6 +69,7 @@ def write_path(
         cell: The cell, or the name of its file; poses count from its workpiece frame.
         path: The program as it was read.
         points: Where its points go: as many as :func:`read_path` gave, in their order.
+        language: What it is written in, as for :func:`read_path`.
         output: The new file; KRL's ``.dat`` is written beside it.
         overwrite: Whether files that are there are replaced.
 
@@ -74,7 +79,7 @@ def write_path(
     name, to = _checks.path(path), Path(_checks.path(output, "output"))
     overwrite = _checks.truth(overwrite, "overwrite")
     moved = read_path(cell, points) if isinstance(points, (str, os.PathLike)) else Table.of(points)
-    files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv())
+    files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv(), language)
     _findings(said)
     for number, contents in enumerate(files):
         write_file(to.with_suffix(".dat") if number else to, contents, overwrite=overwrite)

@@ -41,7 +41,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         name,
         findings,
         ..
-    } = session.read_path(path, cell, axes, None)?;
+    } = session.read_path(path, cell, args.place.language, axes, None)?;
     let options = request.place_options(cell).map_err(usage)?;
     let places = options
         .steps

@@ -128,10 +128,10 @@ impl State<'_, '_> {
     }
 
     /// The points from `first` on, with the next one for a straight move, are those of one move.
-    pub(super) fn divided(&mut self, first: usize, is_arc: bool, text: Range<usize>) {
+    pub(super) fn divided(&mut self, first: usize, is_whole: bool, text: Range<usize>) {
         self.builder.divided.push(Divided {
-            points: first..self.builder.points.len() + usize::from(!is_arc),
-            is_arc,
+            points: first..self.builder.points.len() + usize::from(!is_whole),
+            is_whole,
             text,
             begin: "GOTO/".to_string(),
             ..Divided::default()

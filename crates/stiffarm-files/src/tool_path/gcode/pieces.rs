@@ -48,7 +48,7 @@ impl State<'_, '_> {
         }
         self.builder.divided.push(Divided {
             points,
-            is_arc: is_whole,
+            is_whole: is_whole,
             text: begins..ends,
             first: block
                 .word(b'N')

@@ -4,6 +4,7 @@ use super::{Check, axes, cell_with, codes, positions, read, read_with, rounded, 
 use nalgebra::Vector3;
 use std::f64::consts::PI;
 use stiffarm::findings::Severity;
+use stiffarm_files::table::{PathFormat, PathKind, read_path, write_path};
 
 #[test]
 fn words_are_modal_and_may_have_blanks() -> Check {
@@ -182,6 +183,49 @@ fn five_axes_as_angles() -> Check {
     let path = read_with("a.nc", text, &table)?;
     let expected = Vector3::new(c.sin() * a.sin(), c.cos() * a.sin(), a.cos());
     assert!((axes(&stated(&path))[1] - expected).norm() < 1e-12);
+    Ok(())
+}
+
+/// What docs/paths.md says of a table whose A carries its C: Rz(-90°) Rx(-30°) z.
+#[test]
+fn the_order_of_rotary_axes_is_that_in_which_they_carry_each_other() -> Check {
+    let text = "G43.4 H1\nG0 X0 Y0 Z50 A0 C0\nG1 X10 A30 C90\n";
+    let carried = read_with("a.nc", text, &cell_with("rotary_axes = ['-C', '-A']\n"))?;
+    assert!((axes(&stated(&carried))[1] - Vector3::new(0.5, 0.0, 0.75_f64.sqrt())).norm() < 1e-12);
+    let other = read_with("a.nc", text, &cell_with("rotary_axes = ['-A', '-C']\n"))?;
+    assert!((axes(&stated(&other))[1] - Vector3::new(0.0, 0.5, 0.75_f64.sqrt())).norm() < 1e-12);
+    // `check` shows a pose that tells the two apart.
+    let shown = ["['-C', '-A']", "['-A', '-C']", "['C', 'A']", "['-B', 'A']"].map(|axes| {
+        let cell = cell_with(&format!("rotary_axes = {axes}\n"));
+        cell.work.shown_tool_axis().unwrap().sentence
+    });
+    assert!(shown[0].contains("A30") && shown[0].contains("C70") && !shown[0].contains("B40"));
+    assert!(
+        shown
+            .iter()
+            .all(|own| shown.iter().filter(|other| *other == own).count() == 1),
+        "{shown:?}"
+    );
+    assert!(cell_with("").work.shown_tool_axis().is_none());
+    Ok(())
+}
+
+#[test]
+fn names_that_a_table_cannot_hold_are_changed() -> Check {
+    let text =
+        "G90 G0 X0 Y0 Z5\n(=1+1)\nG1 X1\n(-2+3)\nX2\n(\u{1b}[31mred)\nX3\n(@)\nX4\n(- 3 mm)\nX5\n";
+    let path = read("a.nc", text)?;
+    let names: Vec<String> = stated(&path)
+        .iter()
+        .map(|point| point.feature.as_deref().unwrap_or_default().to_string())
+        .collect();
+    assert_eq!(names, ["", "1+1", "2+3", "_[31mred", "_[31mred", "- 3 mm"]);
+    assert_eq!(codes(&path), ["feature-name"]);
+    let cell = cell_with("");
+    let format = PathFormat::new(PathKind::ToolAxes, &cell).holding(&path.points, &cell);
+    let table = write_path(&format, &path.points)?;
+    let again = read_path(table.as_bytes(), "a.csv", &cell, None)?;
+    assert_eq!(again.points.len(), path.points.len());
     Ok(())
 }
 

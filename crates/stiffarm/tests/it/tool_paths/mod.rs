@@ -3,6 +3,7 @@
 mod cl_data;
 mod gcode;
 mod interpreter;
+mod kinds;
 mod languages;
 mod loads;
 mod moves;

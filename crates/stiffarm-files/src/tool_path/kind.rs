@@ -1,0 +1,213 @@
+//! What a path is written in: by the ending of its name, by what stands in it, or as the caller says.
+
+use crate::program::Language;
+use std::path::Path;
+use stiffarm::error::{Code, Error, Result};
+use stiffarm::findings::Finding;
+
+/// What a tool path is written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// CL data: APT, and the CLSF of Siemens NX.
+    Apt,
+    /// G-code.
+    Gcode,
+    /// The program of a robot controller.
+    Robot(Language),
+}
+
+/// Endings of file names, in small letters.
+const ENDINGS: [(Kind, &[&str]); 7] = [
+    (
+        Kind::Apt,
+        &[
+            "cls",
+            "clsf",
+            "apt",
+            "aptsource",
+            "cl",
+            "cldata",
+            "ncl",
+            "as",
+        ],
+    ),
+    (
+        Kind::Gcode,
+        &["nc", "ngc", "gcode", "tap", "cnc", "mpf", "eia", "iso"],
+    ),
+    (Kind::Robot(Language::Krl), &["src"]),
+    (Kind::Robot(Language::Rapid), &["mod", "modx", "prg"]),
+    (Kind::Robot(Language::Ls), &["ls"]),
+    (Kind::Robot(Language::Inform), &["jbi"]),
+    (Kind::Robot(Language::Urscript), &["script", "urscript"]),
+];
+
+impl Kind {
+    /// What the file of this name is, if it is no table.
+    pub fn of(name: &str) -> Option<Kind> {
+        // Creo numbers its files: `a.ncl.3`.
+        let number = name.rfind(|c: char| !c.is_ascii_digit());
+        let own = number.and_then(|at| name[..=at].strip_suffix('.'));
+        let own = own.filter(|own| own.to_ascii_lowercase().ends_with(".ncl"));
+        let path = Path::new(own.unwrap_or(name));
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        let mut kinds = ENDINGS.iter();
+        let found = kinds.find(|(_, endings)| endings.contains(&ending.as_str()));
+        found.map(|(kind, _)| *kind)
+    }
+
+    /// Its name for people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Kind::Apt => "CL data (APT)",
+            Kind::Gcode => "G-code",
+            Kind::Robot(language) => language.title(),
+        }
+    }
+
+    /// The ending of the file beside it in which its points may stand.
+    pub fn companion(self) -> Option<&'static str> {
+        (self == Kind::Robot(Language::Krl)).then_some("dat")
+    }
+}
+
+/// A path's language as a caller may state it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathLanguage {
+    /// A table.
+    Table,
+    /// A program.
+    Program(Kind),
+}
+
+/// All of them, by a name, with what is said of it.
+pub const LANGUAGES: &[(&str, &str, PathLanguage)] = &[
+    ("table", "A table of points", PathLanguage::Table),
+    (
+        "cl-data",
+        "CL data: APT, CLSF",
+        PathLanguage::Program(Kind::Apt),
+    ),
+    ("g-code", "G-code", PathLanguage::Program(Kind::Gcode)),
+    ("krl", "KUKA KRL", robot(Language::Krl)),
+    ("rapid", "ABB RAPID", robot(Language::Rapid)),
+    ("ls", "FANUC TP", robot(Language::Ls)),
+    ("inform", "Yaskawa INFORM", robot(Language::Inform)),
+    ("urscript", "URScript", robot(Language::Urscript)),
+];
+
+const fn robot(language: Language) -> PathLanguage {
+    PathLanguage::Program(Kind::Robot(language))
+}
+
+/// Endings of tables, which are looked into by their own readers.
+const TABLES: [&str; 6] = ["csv", "tsv", "xlsx", "xlsm", "xlsb", "xls"];
+
+/// Lines that are looked at.
+const LOOKED_AT: usize = 1000;
+
+/// What a path is: as `asked`, else by the ending of its name, else by what stands in it, which is said. `None` is a
+/// table.
+///
+/// # Errors
+/// A language that is not read here, as Heidenhain's.
+pub fn recognised(
+    name: &str,
+    bytes: &[u8],
+    asked: Option<PathLanguage>,
+) -> Result<(Option<Kind>, Option<Finding>)> {
+    match asked {
+        Some(PathLanguage::Table) => return Ok((None, None)),
+        Some(PathLanguage::Program(kind)) => return Ok((Some(kind), None)),
+        None => {}
+    }
+    let ending = Path::new(name)
+        .extension()
+        .and_then(|ending| ending.to_str());
+    let ending = ending.unwrap_or_default().to_ascii_lowercase();
+    if TABLES.contains(&ending.as_str()) {
+        return Ok((None, None));
+    }
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
+    let lines = || {
+        text.lines()
+            .map(str::trim)
+            .filter(|line| !line.is_empty())
+            .take(LOOKED_AT)
+    };
+    if let Some(first) = lines().next().filter(|line| is_heidenhain(line)) {
+        let message =
+            format!("`{first}` begins a program of a Heidenhain control, which is not read here.");
+        let error = Error::new(Code::Unsupported, message)
+            .file(name)
+            .line(1, None);
+        return Err(error.hint("post-process the path as G-code (DIN/ISO) or CL data"));
+    }
+    let by_name = Kind::of(name);
+    if by_name.is_some() {
+        return Ok((by_name, None));
+    }
+    let found = MARKS.iter().find(|(_, is_mark)| lines().any(is_mark));
+    let found = found.map(|(kind, _)| *kind);
+    let finding = found.map(|kind| {
+        let sentence = format!(
+            "{name} is read as {}, by what stands in it: `--language` says otherwise.",
+            kind.title()
+        );
+        Finding::caution("path-language", "path", sentence)
+    });
+    Ok((found, finding))
+}
+
+/// `0 BEGIN PGM PART MM`.
+fn is_heidenhain(line: &str) -> bool {
+    let line = line.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' ');
+    starts(line, "BEGIN PGM")
+}
+
+fn starts(line: &str, word: &str) -> bool {
+    line.get(..word.len())
+        .is_some_and(|begin| begin.eq_ignore_ascii_case(word))
+}
+
+/// What only a program in this language has in a line.
+type Mark = (Kind, fn(&str) -> bool);
+
+const MARKS: [Mark; 7] = [
+    (Kind::Apt, |line| {
+        let rest = line.strip_prefix("GOTO").or(line.strip_prefix("FROM"));
+        rest.is_some_and(|rest| rest.trim_start().starts_with('/')) || starts(line, "TOOL PATH/")
+    }),
+    (Kind::Robot(Language::Rapid), |line| {
+        starts(line, "MODULE ") || starts(line, "MoveL ") && line.ends_with(';')
+    }),
+    (Kind::Robot(Language::Ls), |line| starts(line, "/PROG")),
+    (Kind::Robot(Language::Inform), |line| line == "/JOB"),
+    (Kind::Robot(Language::Krl), |line| {
+        starts(line, "&ACCESS") || starts(line, "LIN {") || starts(line, "PTP {")
+    }),
+    (Kind::Robot(Language::Urscript), |line| {
+        starts(line, "movel(") || starts(line, "movej(")
+    }),
+    (Kind::Gcode, is_gcode),
+];
+
+/// A block that moves: words of one letter with numbers alone, G or N first, an axis among them.
+fn is_gcode(line: &str) -> bool {
+    let mut rest = line.trim_start_matches('/');
+    let mut letters = String::new();
+    while let Some(letter) = rest.chars().next() {
+        if matches!(letter, '(' | ';') {
+            break;
+        }
+        let number = rest[letter.len_utf8()..].trim_start();
+        let is_none = |c: char| !(c.is_ascii_digit() || matches!(c, '.' | '+' | '-'));
+        let end = number.find(is_none).unwrap_or(number.len());
+        if !letter.is_ascii_alphabetic() || number[..end].parse::<f64>().is_err() {
+            return false;
+        }
+        letters.push(letter.to_ascii_uppercase());
+        rest = number[end..].trim_start();
+    }
+    letters.starts_with(['G', 'N']) && letters.contains(['X', 'Y', 'Z'])
+}
