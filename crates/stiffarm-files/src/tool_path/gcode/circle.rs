@@ -1,6 +1,6 @@
 //! The arcs of G2 and G3.
 
-use super::table::Effect;
+use super::effect::Effect;
 use super::{Block, State};
 use crate::tool_path::arc::Circle;
 use nalgebra::{UnitVector3, Vector3};

@@ -1,6 +1,6 @@
 //! Drilling cycles, as LinuxCNC's interpreter drives them (G98 and G99, L, G91; ISO 6983-1 names them).
 
-use super::table::{Drill, Feeds, Out};
+use super::effect::{Drill, Feeds, Out};
 use super::words::Word;
 use super::{Block, State, known};
 use crate::tool_path::builder::Place;

@@ -7,6 +7,7 @@
 
 mod circle;
 mod cycle;
+mod effect;
 mod modes;
 mod pieces;
 mod rows;
@@ -18,11 +19,11 @@ use super::builder::{Builder, Feed, Place};
 use super::{FAR_AWAY, FARTHEST};
 use crate::program::{ProgramFile, lines};
 use cycle::Cycle;
+use effect::{Feeds, Mode};
 use nalgebra::{UnitVector3, Vector3};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 pub use table::page;
-use table::{Feeds, Mode};
 use words::{Beside, Word, axis_component, words_of};
 
 struct State<'b, 'c> {

@@ -1,6 +1,6 @@
 //! What the words of a block make of the modes, and which of them do not belong there.
 
-use super::table::{Effect, Mode};
+use super::effect::{Effect, Mode};
 use super::words::Word;
 use super::{Block, State};
 use crate::program::Number;
@@ -214,7 +214,7 @@ impl State<'_, '_> {
                 (b'X'..=b'Z' | b'A'..=b'C' | b'I'..=b'K', 1..) => {
                     "is a word of Siemens controls that is not read here."
                 }
-                (b'L', _) if !takes_numbers && !(is_drilling && goes) => {
+                (b'L', _) if !(takes_numbers || is_drilling && goes) => {
                     "calls a subprogram, and is not read here."
                 }
                 (b'I'..=b'K', _) if is_straight && !self.vectors && !is_loose => {

@@ -1,6 +1,6 @@
 //! How a block is written as several straight moves.
 
-use super::table::{Effect, Feeds, Mode};
+use super::effect::{Effect, Feeds, Mode};
 use super::words::Word;
 use super::{Block, State};
 use crate::tool_path::Divided;
@@ -48,7 +48,7 @@ impl State<'_, '_> {
         }
         self.builder.divided.push(Divided {
             points,
-            is_whole: is_whole,
+            is_whole,
             text: begins..ends,
             first: block
                 .word(b'N')

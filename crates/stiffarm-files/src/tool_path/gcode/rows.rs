@@ -4,8 +4,8 @@
 //! Siemens, *SINUMERIK 840D sl, Programming Guide*; Haas, *Mill Operator's Manual*. Where controls mean different things
 //! by one word, the row is the one that loses nothing.
 
-use super::table::Effect::{self, *};
-use super::table::{Drill, Feeds, Mode, Out, Row};
+use super::effect::Effect::{self, *};
+use super::effect::{Drill, Feeds, Mode, Out, Row};
 
 const fn row(words: &'static str, effect: Effect, does: &'static str) -> Row {
     Row {

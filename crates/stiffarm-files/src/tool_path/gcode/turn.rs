@@ -1,8 +1,8 @@
 //! The tool axis of a block, and the places of its numbers.
 
 use super::State;
+use super::effect::Mode;
 use super::modes::left_out;
-use super::table::Mode;
 use super::words::{Word, axis_component};
 use crate::tool_path::Orientation;
 use nalgebra::{UnitVector3, Vector3};

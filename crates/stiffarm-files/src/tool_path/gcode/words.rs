@@ -1,6 +1,7 @@
 //! The words of a block.
 
-use super::table::{self, Effect, Row};
+use super::effect::{Effect, Row};
+use super::table;
 use crate::program::{Cursor, Number};
 use crate::tool_path::builder::Builder;
 use stiffarm::error::Result;
