@@ -6,7 +6,7 @@ use super::values::Values;
 use std::collections::HashMap;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::measurement::{Displacement, MeasuredPosture, ReadingTarget};
+use stiffarm::model::measurement::{Displacement, MeasuredPosture, ReadingTarget, ReferencePart};
 use stiffarm::model::posture::Posture;
 use stiffarm::units::{rad_to_deg, rad_to_shortest_deg};
 
@@ -65,7 +65,7 @@ pub(super) fn displacements(
                 common_readings: [0.0; 2],
                 servo_deflection: None,
                 displacements: vec![Displacement {
-                    reference: first_reference,
+                    reference: vec![ReferencePart::reading(first_reference)],
                     ..displacement
                 }],
             });
@@ -81,7 +81,7 @@ pub(super) fn displacements(
         let before = group.displacements.iter().filter(|d| d.point == point);
         let reference = first_reference + before.count() as u32;
         group.displacements.push(Displacement {
-            reference,
+            reference: vec![ReferencePart::reading(reference)],
             ..displacement
         });
     }

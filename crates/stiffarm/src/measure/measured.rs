@@ -188,6 +188,7 @@ pub fn prepare(
     if let Some(error) = nothing_measured(&table) {
         return Err(error);
     }
+    let table = table.in_order_of_time();
     let series = PostureSeries::all(&table);
     let given = options.base_from_tracker.as_ref();
     let screening = screen_series(cell, &table, &series, given)?;

@@ -3,7 +3,9 @@
 //! posture, the drift between the states without load, and pairs of reference
 //! and load.
 
-use crate::model::measurement::{PostureReadings, Reading, ReadingTable, ReadingTarget, Role};
+use crate::model::measurement::{
+    PostureReadings, Reading, ReadingTable, ReadingTarget, ReferencePart, Role,
+};
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -127,16 +129,23 @@ impl Line {
 pub(super) struct Pair {
     pub reference: Vector3<f64>,
     pub loaded: Vector3<f64>,
-    /// Readings behind both; for a reference on a line, as many as would give a
-    /// mean of its variance.
-    pub readings: [u32; 2],
-    /// States behind the reference.
-    pub states: Vec<usize>,
-    /// What the position of each state counts in the reference at the clock of
-    /// the loaded readings; 1 together.
-    pub weights: Vec<(usize, f64)>,
+    /// Loaded readings.
+    pub readings: u32,
+    /// What the readings of each state count in the reference at the clock of
+    /// the loaded readings; weights are 1 together.
+    pub parts: Vec<ReferencePart>,
     /// Clock of the loaded readings.
     pub clock: f64,
+}
+
+impl Pair {
+    /// Variance of the reference, in variances of one reading.
+    pub(super) fn variance_of_reference(&self) -> f64 {
+        let of = |part: &ReferencePart| {
+            part.weight.powi(2) / f64::from(part.readings) + part.slope.powi(2)
+        };
+        self.parts.iter().map(of).sum()
+    }
 }
 
 /// One reflector in one posture.
@@ -214,9 +223,11 @@ impl<'a> Series<'a> {
             return Some(Pair {
                 reference: nearest.position,
                 loaded: loaded.position,
-                readings: [count(loaded.count()), count(nearest.count())],
-                states: vec![nearest.state],
-                weights: vec![(nearest.state, 1.0)],
+                readings: count(loaded.count()),
+                parts: vec![ReferencePart {
+                    readings: count(nearest.count()),
+                    ..ReferencePart::reading(count(nearest.state))
+                }],
                 clock: loaded.clock,
             });
         };
@@ -227,7 +238,6 @@ impl<'a> Series<'a> {
         let (clock, position) = mean(samples.clone());
         let away = loaded.clock - clock;
         let total = samples.count() as f64;
-        let variance = 1.0 / total + away * away / line.spread;
         // The mean of the references, and the line's slope from there.
         let part = |s: &StateSamples<'_>| {
             let of_mean = if s.role == reference && s.state != number {
@@ -235,27 +245,29 @@ impl<'a> Series<'a> {
             } else {
                 0.0
             };
-            let from_mean = s.samples.iter().map(|x| x.clock - line.clock);
-            let of_slope = if s.role == line.role {
-                away * from_mean.sum::<f64>() / line.spread
+            let per_clock = if s.role == line.role {
+                away / line.spread
             } else {
                 0.0
             };
-            (s.state, of_mean + of_slope)
+            let from_line = s.samples.iter().map(|x| x.clock - line.clock);
+            let within = s.samples.iter().map(|x| (x.clock - s.clock).powi(2));
+            ReferencePart {
+                state: count(s.state),
+                weight: of_mean + per_clock * from_line.sum::<f64>(),
+                slope: per_clock * within.sum::<f64>().sqrt(),
+                readings: count(s.count()),
+            }
         };
-        let weights = self.states.iter().map(part).filter(|(_, w)| *w != 0.0);
+        let parts = self.states.iter().map(part);
+        let parts = parts.filter(|part| part.weight != 0.0 || part.slope != 0.0);
         Some(Pair {
             // Both at clock zero, so that reflectors read at different times
             // keep their distances.
             reference: position - line.rate * clock,
             loaded: loaded.position - line.rate * loaded.clock,
-            // The tolerance keeps whole numbers whole.
-            readings: [
-                count(loaded.count()),
-                ((1.0 / variance + 1e-9) as u32).max(1),
-            ],
-            states: references.iter().map(|s| s.state).collect(),
-            weights: weights.collect(),
+            readings: count(loaded.count()),
+            parts: parts.collect(),
             clock: loaded.clock,
         })
     }

@@ -111,7 +111,7 @@ fn a_band_is_that_of_the_dense_formula() {
         half.state = "half".to_string();
         for d in &mut half.displacements {
             d.value *= 0.5;
-            d.readings = [4, 1];
+            d.readings = 4;
         }
     }
     measured.extend(half);

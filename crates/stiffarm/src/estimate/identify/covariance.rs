@@ -312,7 +312,7 @@ pub(super) fn covariance(
         .map(|l| reading(of(l)))
         .collect::<Result<_>>()?;
     // Displacements before each that can share anything with it.
-    let mut alike: BTreeMap<(usize, u32), Vec<usize>> = BTreeMap::new();
+    let mut alike: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let mut entries = Vec::new();
     let mut add = |i: usize, j: usize, block: &Matrix3<f64>| {
         for axis in 0..3 {
@@ -323,16 +323,20 @@ pub(super) fn covariance(
     };
     for i in 0..labels.len() {
         let a = of(&labels[i]);
-        let [n_loaded, n_reference] = a.readings.map(|n| f64::from(n.max(1)));
-        let group = alike.entry((a.point, a.reference)).or_default();
+        let group = alike.entry(a.point).or_default();
         if reference != 0.0 {
             for &j in group.iter() {
                 let mean = (readings[i] + readings[j]) * 0.5;
-                add(i, j, &(mean * (reference / n_reference)));
+                add(
+                    i,
+                    j,
+                    &(mean * (reference * a.shared_reference(of(&labels[j])))),
+                );
             }
         }
         group.push(i);
-        let own = readings[i] * (loaded / n_loaded + reference / n_reference);
+        let of_loaded = loaded / f64::from(a.readings.max(1));
+        let own = readings[i] * (of_loaded + reference * a.shared_reference(a));
         add(i, i, &own);
     }
     let parts = Covariance::from_entries(3 * labels.len(), &entries).parts;

@@ -19,7 +19,7 @@ use crate::findings::Finding;
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
-use crate::model::measurement::{Displacement, MeasuredPosture};
+use crate::model::measurement::{Displacement, MeasuredPosture, ReferencePart};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
 use crate::model::stiffness::{
@@ -409,7 +409,7 @@ pub fn simulate_measurements(
                     let noise = noise.fixed_rows::<3>(3 * (points * p + point));
                     Displacement {
                         // Each load has an unloaded reading of its own.
-                        reference: load as u32,
+                        reference: vec![ReferencePart::reading(load as u32)],
                         ..Displacement::new(point, value + noise)
                     }
                 })

@@ -13,7 +13,7 @@ use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity, list};
 use crate::measure::registration::rigid_transform;
 use crate::measure::series::{Pair, PostureSeries};
-use crate::model::measurement::Role;
+use crate::model::measurement::{ReferencePart, Role};
 use crate::numerics::information::{Svd, svd};
 use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -122,9 +122,8 @@ impl Motion {
             .map(|(reference, loaded)| Pair {
                 reference,
                 loaded,
-                readings: [1, 1],
-                states: Vec::new(),
-                weights: Vec::new(),
+                readings: 1,
+                parts: vec![ReferencePart::reading(0)],
                 clock: 0.0,
             })
             .collect();
@@ -139,11 +138,9 @@ impl Motion {
         let mean =
             |of: fn(&Pair) -> Vector3<f64>| pairs.iter().map(of).sum::<Vector3<f64>>() / count;
         let (from, to) = (mean(|p| p.reference), mean(|p| p.loaded));
-        let part = |state: usize| {
-            let of = pairs.iter().map(|p| 1.0 / f64::from(p.readings[state]));
-            of.sum::<f64>() / count
-        };
-        let parts = [part(0), part(1)];
+        let loaded = pairs.iter().map(|p| 1.0 / f64::from(p.readings));
+        let reference = pairs.iter().map(Pair::variance_of_reference);
+        let parts = [loaded.sum::<f64>() / count, reference.sum::<f64>() / count];
         let mut motion = Motion {
             back: Isometry3::translation(from.x - to.x, from.y - to.y, from.z - to.z),
             shift: to - from,

@@ -105,7 +105,8 @@ pub struct Reduction {
 /// is not finite; no displacement at all; no transform given and too few unloaded
 /// points for one; forces that are missing where others are given.
 pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Result<Reduction> {
-    reduce_series(cell, table, &PostureSeries::all(table), options)
+    let table = table.clone().in_order_of_time();
+    reduce_series(cell, &table, &PostureSeries::all(&table), options)
 }
 
 /// [`reduce`] of readings that are sorted already.
@@ -193,8 +194,6 @@ fn displacements(
 ) -> Result<Option<BaseMotion>> {
     let rotation = base_from_tracker.rotation;
     let usable = base_motion::usable(posture);
-    // Reference states behind each number.
-    let mut references: Vec<Vec<usize>> = Vec::new();
     let mut largest: Option<BaseMotion> = None;
     for number in posture.states(Role::Loaded) {
         let state = &posture.readings.states[number];
@@ -211,18 +210,13 @@ fn displacements(
                 Some(motion) => motion.removed(&pair.loaded),
                 None => pair.loaded,
             };
-            let reference = references.iter().position(|r| *r == pair.states);
-            let reference = reference.unwrap_or_else(|| {
-                references.push(pair.states.clone());
-                references.len() - 1
-            });
-            gives.push(servo::give(posture, number, &pair.weights));
+            gives.push(servo::give(posture, number, &pair.parts));
             displacements.push(Displacement {
                 point: *index,
                 value: rotation * (without_motion - pair.reference),
                 time: (posture.clock == Clock::Time).then_some(posture.start + pair.clock),
                 readings: pair.readings,
-                reference: reference as u32,
+                reference: pair.parts,
                 covariance: covariance(
                     cell,
                     base_from_tracker,

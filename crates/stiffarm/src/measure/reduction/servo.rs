@@ -6,23 +6,23 @@ use crate::findings::{Finding, Severity};
 use crate::measure::series::{PostureSeries, mean_angles};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
-use crate::model::measurement::{Displacement, MeasuredPosture};
+use crate::model::measurement::{Displacement, MeasuredPosture, ReferencePart};
 use nalgebra::DVector;
 
 /// Angles of the loaded state `number` minus those of its reference, where both
 /// are recorded. The reference is what the positions were taken against: the
-/// states of `weights`, each with its share, or, where one of them has no
+/// states of `parts`, each with its share, or, where one of them has no
 /// angles, the mean of those that have.
 pub(super) fn give(
     posture: &PostureSeries<'_>,
     number: usize,
-    weights: &[(usize, f64)],
+    parts: &[ReferencePart],
 ) -> Option<Vec<f64>> {
     let states = &posture.readings.states;
     let loaded = states[number].angles.as_ref()?;
-    let recorded: Option<Vec<(&Vec<f64>, f64)>> = weights
+    let recorded: Option<Vec<(&Vec<f64>, f64)>> = parts
         .iter()
-        .map(|(state, weight)| Some((states[*state].angles.as_ref()?, *weight)))
+        .map(|part| Some((states[part.state as usize].angles.as_ref()?, part.weight)))
         .collect();
     let reference = match recorded {
         // Equal angles stay what they are, to the bit.

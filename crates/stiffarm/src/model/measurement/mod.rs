@@ -25,11 +25,10 @@ pub struct Displacement {
     pub value: Vector3<f64>,
     /// Time of the loaded reading \[s\], where recorded.
     pub time: Option<f64>,
-    /// Readings that were averaged: loaded, reference.
-    pub readings: [u32; 2],
-    /// Number of the reference reading: displacements of one posture and point
-    /// with the same number share it, and with it their errors.
-    pub reference: u32,
+    /// Loaded readings that were averaged.
+    pub readings: u32,
+    /// What the reference was made of.
+    pub reference: Vec<ReferencePart>,
     /// Covariance of one reading of this point, base axes \[m²\], where a model
     /// of the tracker gives it.
     pub covariance: Option<Matrix3<f64>>,
@@ -42,9 +41,53 @@ impl Displacement {
             point,
             value,
             time: None,
-            readings: [1, 1],
-            reference: 0,
+            readings: 1,
+            reference: vec![ReferencePart::reading(0)],
             covariance: None,
+        }
+    }
+
+    /// Covariance of this reference and that of another displacement of the posture and point, in variances of one
+    /// reading: with w and s the weights of states, n their readings, Σ (w wʹ / n + s sʹ) over the states that both
+    /// have. For two references on one line through all readings it is 1/N + (t − t̄)(tʹ − t̄)/Σ(t − t̄)².
+    pub fn shared_reference(&self, other: &Displacement) -> f64 {
+        let mut shared = 0.0;
+        for own in &self.reference {
+            for part in other
+                .reference
+                .iter()
+                .filter(|part| part.state == own.state)
+            {
+                let readings = f64::from(own.readings.max(1));
+                shared += own.weight * part.weight / readings + own.slope * part.slope;
+            }
+        }
+        shared
+    }
+}
+
+/// What the readings of one state count in a reference.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReferencePart {
+    /// Number of the state: equal numbers of one posture and point are the same readings.
+    pub state: u32,
+    /// Of the mean of its readings.
+    pub weight: f64,
+    /// Of their slope over time: the sum of squares of what the weights of single readings differ from their mean is
+    /// its square.
+    pub slope: f64,
+    /// Readings of the state.
+    pub readings: u32,
+}
+
+impl ReferencePart {
+    /// One reading in a state.
+    pub fn reading(state: u32) -> Self {
+        ReferencePart {
+            state,
+            weight: 1.0,
+            slope: 0.0,
+            readings: 1,
         }
     }
 }

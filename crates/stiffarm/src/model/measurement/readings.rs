@@ -6,7 +6,7 @@ use crate::model::posture::Posture;
 use nalgebra::Vector3;
 
 /// What a reading was taken of.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ReadingTarget {
     /// A measuring point, by its index in the cell's tool.
     Point(usize),
@@ -138,6 +138,43 @@ pub struct PendingReading {
 }
 
 impl ReadingTable {
+    /// The table in the order of its times, where every reading has one: the rows may then stand in any order.
+    pub fn in_order_of_time(mut self) -> Self {
+        let mut states = self.postures.iter().flat_map(|posture| &posture.states);
+        let is_timed = states.all(|state| state.readings.iter().all(|one| one.time.is_some()));
+        if !is_timed {
+            return self;
+        }
+        let time = |reading: &Reading| reading.time.unwrap_or_default();
+        for posture in &mut self.postures {
+            for state in &mut posture.states {
+                state.readings.sort_by(|a, b| {
+                    let by = |i: usize| a.position[i].total_cmp(&b.position[i]);
+                    let order = time(a).total_cmp(&time(b)).then(a.target.cmp(&b.target));
+                    order.then(by(0)).then(by(1)).then(by(2))
+                });
+            }
+            let mean = |state: &StateReadings| {
+                let times = state.readings.iter().map(time);
+                times.sum::<f64>() / state.readings.len().max(1) as f64
+            };
+            posture.states.sort_by(|a, b| {
+                mean(a)
+                    .total_cmp(&mean(b))
+                    .then_with(|| a.state.cmp(&b.state))
+            });
+        }
+        let first = |posture: &PostureReadings| {
+            let readings = posture.states.iter().flat_map(|state| &state.readings);
+            readings.map(time).fold(f64::INFINITY, f64::min)
+        };
+        self.postures.sort_by(|a, b| {
+            let names = || a.posture.name.cmp(&b.posture.name);
+            first(a).total_cmp(&first(b)).then_with(names)
+        });
+        self
+    }
+
     /// Rows that are filled in.
     pub fn filled(&self) -> usize {
         self.states().map(|(_, state)| state.readings.len()).sum()

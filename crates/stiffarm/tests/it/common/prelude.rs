@@ -41,7 +41,7 @@ pub use stiffarm::model::inverse::InverseKinematics;
 pub use stiffarm::model::kinematics::Frames;
 pub use stiffarm::model::load::{Axes, Load, Wrench};
 pub use stiffarm::model::measurement::{
-    Candidate, Displacement, MeasuredPosture, ReadingTable, ReadingTarget,
+    Candidate, Displacement, MeasuredPosture, ReadingTable, ReadingTarget, ReferencePart,
 };
 pub use stiffarm::model::observation::{ExtraTerm, PostureTerms, Rows, observation_matrix};
 pub use stiffarm::model::path::LoadedPosture;

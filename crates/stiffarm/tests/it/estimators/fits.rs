@@ -58,7 +58,7 @@ fn displacements_against_one_reading_correlate_by_a_half() {
     // Each state against its own unloaded reading.
     for posture in measured.iter_mut().filter(|m| m.state == "load 1") {
         for displacement in &mut posture.displacements {
-            displacement.reference = 1;
+            displacement.reference = vec![ReferencePart::reading(1)];
         }
     }
     assert!(
@@ -68,7 +68,8 @@ fn displacements_against_one_reading_correlate_by_a_half() {
             .all(|b| b.covariance.is_identity())
     );
     // Four loaded readings against two unloaded ones.
-    measured[0].displacements[0].readings = [4, 2];
+    let few = &mut measured[0].displacements[0];
+    (few.readings, few.reference[0].readings) = (4, 2);
     let few = system(&measured, &cell);
     let covariance = few.blocks[0].covariance.to_matrix(24);
     assert_eq!(covariance[(0, 0)], 0.125 + 0.25);

@@ -1,6 +1,11 @@
 //! Drift between the readings, by time and by order.
 
 use super::*;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use stiffarm::Fit;
+use stiffarm::model::measurement::{PostureReadings, StateReadings};
 
 #[test]
 fn drift_is_removed_by_time_and_by_order() {
@@ -71,7 +76,7 @@ fn one_state_read_before_and_after_the_load_shows_drift_by_its_times() {
         result
             .measured
             .iter()
-            .all(|m| m.displacements[0].readings == [1, 2])
+            .all(|m| m.displacements[0].readings == 1 && variance(&m.displacements[0]) == 0.5)
     );
     // Two readings and a line leave no degree of freedom.
     assert!(result.repeatability.is_none());
@@ -148,9 +153,153 @@ fn a_load_after_the_last_unloaded_reading_takes_the_nearest() {
     let shift = |m: &MeasuredPosture| m.displacements[0].value.x - points[0].x;
     assert!((shift(first) + 5e-6).abs() < 1e-14, "{:e}", shift(first));
     assert!((shift(second) + 1e-5).abs() < 1e-14, "{:e}", shift(second));
-    let numbers = |m: &MeasuredPosture| (m.displacements[0].reference, m.displacements[0].readings);
-    // 1 + 3 readings on a line, taken in its middle, are worth 3 (1/4 + 1/4·1/3 = 1/3).
-    assert_eq!(numbers(first), (0, [1, 3]));
-    assert_eq!(numbers(second), (1, [1, 3]));
+    let [first, second] = [first, second].map(|m| &m.displacements[0]);
+    // 1 + 3 readings on a line, taken in its middle: 1/4 + 1/4·1/3 = 1/3. The second state has the 3 readings for
+    // itself, which count one half in the first.
+    assert!(
+        (variance(first) - 1.0 / 3.0).abs() < 1e-12 && (variance(second) - 1.0 / 3.0).abs() < 1e-12
+    );
+    assert!((first.shared_reference(second) - 0.5 / 3.0).abs() < 1e-12);
     assert_eq!(found(&result, "drift-unknown").len(), 1);
+}
+
+/// Variance of a reference in variances of one reading.
+fn variance(displacement: &Displacement) -> f64 {
+    displacement.shared_reference(displacement)
+}
+
+/// The table with its rows in another order: postures, states and readings as they come then.
+fn shuffled(table: &ReadingTable, seed: u64) -> ReadingTable {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut rows = Vec::new();
+    for posture in &table.postures {
+        for state in &posture.states {
+            for reading in &state.readings {
+                rows.push((posture, state, reading.clone()));
+            }
+        }
+    }
+    rows.shuffle(&mut rng);
+    let mut out = ReadingTable {
+        postures: Vec::new(),
+        ..table.clone()
+    };
+    for (posture, state, reading) in rows {
+        let known = out
+            .postures
+            .iter()
+            .position(|own| own.posture == posture.posture);
+        let at = known.unwrap_or_else(|| {
+            out.postures.push(PostureReadings {
+                states: Vec::new(),
+                ..posture.clone()
+            });
+            out.postures.len() - 1
+        });
+        let states = &mut out.postures[at].states;
+        let known = states.iter().position(|own| own.state == state.state);
+        let at = known.unwrap_or_else(|| {
+            states.push(StateReadings {
+                readings: Vec::new(),
+                ..state.clone()
+            });
+            states.len() - 1
+        });
+        states[at].readings.push(reading);
+    }
+    out
+}
+
+/// Unloaded, loads up and down, unloaded between and behind, noise, drift, uneven numbers of readings.
+fn a_day() -> (Cell, ReadingTable) {
+    let mut cell = reference_cell();
+    cell.noise.readings_per_displacement = 2;
+    cell.noise.reading_variance = 1e-10;
+    let options = Experiment {
+        base_from_tracker: tracker_pose(),
+        states: states(&[
+            ("unloaded", 0.0, 2),
+            ("up-250", 0.5, 1),
+            ("unloaded-2", 0.0, 3),
+            ("full", 1.0, 2),
+            ("unloaded-3", 0.0, 1),
+            ("down-250", 0.5, 1),
+        ]),
+        base_reflectors: base_reflectors(),
+        seconds_per_reading: 7.0,
+        drift: Vector3::new(2e-8, -1e-8, 3e-8),
+        tracker_noise: TrackerNoise::Isotropic,
+        ..Experiment::default()
+    };
+    let table = take(&cell, &options, 3);
+    (cell, table)
+}
+
+/// Where every reading has its time, the rows may stand in any order: the same stiffness to the last bit.
+#[test]
+fn the_order_of_rows_does_not_count_where_all_have_times() {
+    let (cell, table) = a_day();
+    let identified = |table: &ReadingTable| {
+        let measured = prepare(&cell, table.clone(), &given(tracker_pose())).unwrap();
+        let fit = Fit::new(&cell, &measured, &Default::default()).unwrap();
+        serde_json::to_string(&fit.identification().unwrap()).unwrap()
+    };
+    let first = identified(&table);
+    for seed in 0..8 {
+        assert_eq!(identified(&shuffled(&table, seed)), first, "seed {seed}");
+    }
+}
+
+/// The covariance of two references is that of the sums which they are: every reading moved by itself.
+#[test]
+fn references_covary_as_their_readings_do() {
+    let (cell, table) = a_day();
+    let of = |table: &ReadingTable| reduced_by(&cell, table, tracker_pose()).measured;
+    let exact = of(&table);
+    let state = |name: &str| {
+        exact
+            .iter()
+            .position(|m| m.posture == exact[0].posture && m.state == name)
+            .unwrap()
+    };
+    let states = ["up-250", "full", "down-250"].map(state);
+    let point = |m: &MeasuredPosture| {
+        m.displacements
+            .iter()
+            .find(|d| d.point == 1)
+            .unwrap()
+            .clone()
+    };
+    let rotation = tracker_pose().rotation;
+    // What one reading counts in each reference, along x of the tracker.
+    let mut counts: Vec<[f64; 3]> = Vec::new();
+    let posture = table
+        .postures
+        .iter()
+        .position(|p| p.posture.name == exact[0].posture.name)
+        .unwrap();
+    for (s, own) in table.postures[posture].states.iter().enumerate() {
+        for r in 0..own.readings.len() {
+            if own.readings[r].target != ReadingTarget::Point(1)
+                || !own.state.starts_with("unloaded")
+            {
+                continue;
+            }
+            let mut moved = table.clone();
+            moved.postures[posture].states[s].readings[r].position.x += 1e-3;
+            let moved = of(&moved);
+            counts.push(states.map(|m| {
+                let off = rotation.inverse() * (point(&moved[m]).value - point(&exact[m]).value);
+                -off.x / 1e-3
+            }));
+        }
+    }
+    assert_eq!(counts.len(), 6);
+    for i in 0..3 {
+        for j in 0..3 {
+            let wanted: f64 = counts.iter().map(|count| count[i] * count[j]).sum();
+            let found = point(&exact[states[i]]).shared_reference(&point(&exact[states[j]]));
+            assert!((found - wanted).abs() < 1e-6, "{i} {j}: {found} {wanted}");
+        }
+    }
 }

@@ -59,7 +59,9 @@ fn numbered(mut displacements: Vec<Displacement>) -> Vec<Displacement> {
     for i in 0..displacements.len() {
         let point = displacements[i].point;
         let before = displacements[..i].iter().filter(|d| d.point == point);
-        displacements[i].reference = before.count() as u32;
+        displacements[i].reference = vec![stiffarm::model::measurement::ReferencePart::reading(
+            before.count() as u32,
+        )];
     }
     displacements
 }
