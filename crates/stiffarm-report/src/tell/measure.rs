@@ -1,6 +1,9 @@
 //! What `measure` says: how far the day is, how well the joints are known by now, and which posture comes next.
 
-use crate::tell::{Block, DataTable, Form, Given, Outcome, Quantity, Section, Text, Told, counted};
+use super::identify::MORE_THAN_NOISE;
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Text, Told, counted,
+};
 use stiffarm::Result;
 use stiffarm::estimate::standing::Standing;
 use stiffarm::findings::{list, visible};
@@ -102,7 +105,28 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
     };
     text.then(goal(given, found, standing))
         .words(".")
+        .then(misfit(given, standing))
         .then(at_tasks(given, found))
+}
+
+/// What the fit leaves, beside the noise.
+fn misfit(given: &Given<'_>, standing: &Standing) -> Text {
+    let Some(left) = standing.residual_std_m else {
+        return Text::default();
+    };
+    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+    let text = Text::new(" What the fit leaves has a standard deviation of ")
+        .number(mm("/standing/residual_std_m"))
+        .words(" against ")
+        .number(mm("/standing/expected_std_m"))
+        .words(" expected");
+    let ratio = left / standing.expected_std_m;
+    if standing.expected_std_m > 0.0 && ratio > MORE_THAN_NOISE {
+        let ratio = Number::new("", Some(ratio)).significant(2);
+        text.words(", ").number(ratio).words(" times as much.")
+    } else {
+        text.words(".")
+    }
 }
 
 /// How far the goal is, where it is one of the stiffness.

@@ -2,11 +2,15 @@
 
 use crate::common::{exchange, group, saved, saved_with};
 use serde_json::json;
+use stiffarm::estimate::identified::Identified;
+use stiffarm::findings::{Finding, Severity};
+use stiffarm::measure::prepare;
 use stiffarm::measure::registration::{RegistrationRecord, register};
+use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::{Measurements, ReadingTable};
 use stiffarm::simulated_readings;
 use stiffarm::work::judged::{Options, judge};
-use stiffarm::{Code, Control, Error, Result};
+use stiffarm::{Code, Control, Error, Fit, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_pairs;
 use stiffarm_report::tell::{Block, Given, Outcome, Told, tell};
@@ -137,4 +141,76 @@ fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
         next.starts_with("Settle what is marked serious first"),
         "{next}"
     );
+}
+
+/// What `identify` says of the same readings is said here, too: a sign of the set-up, a load that was typed wrong.
+#[test]
+fn a_day_says_what_identify_says_of_the_readings() {
+    let cell = builtin::cell("comau").unwrap();
+    let plan = group(&cell);
+    let judged = |cell: &Cell, table: ReadingTable| {
+        let options = Options {
+            until_stiffness: None,
+            until_deflection_m: None,
+            search: false,
+        };
+        let control = Control::default();
+        judge(
+            (cell, &plan),
+            Ok(table.into()),
+            &Default::default(),
+            (&options, 1),
+            control,
+        )
+        .unwrap()
+    };
+    let identified = |cell: &Cell, table: &ReadingTable| {
+        let measured = prepare(cell, table.clone(), &Default::default()).unwrap();
+        let fit = Fit::new(cell, &measured, &Default::default()).unwrap();
+        Identified::new(&fit, &Default::default(), Control::default()).unwrap()
+    };
+    let table = simulated_readings(&cell, &plan, 1).unwrap();
+    let mut turned = cell.clone();
+    turned.setup.tool.loading_point.x *= -1.0;
+    let found = judged(&turned, table.clone());
+    assert!(found.is_serious(), "{:?}", found.readings);
+    let of_identify = identified(&turned, &table);
+    for finding in of_identify.identification.estimates.findings() {
+        assert!(found.readings.contains(&finding), "{finding:?}");
+    }
+    let standing = found.standing.as_ref().unwrap();
+    assert!(standing.residual_std_m.unwrap() > 1.5 * standing.expected_std_m);
+
+    let mut wrong = table.clone();
+    for state in &mut wrong.postures[5].states {
+        state.load = state.load.map(|load| 0.9 * load);
+    }
+    let found = judged(&cell, wrong.clone());
+    let diagnosis = identified(&cell, &wrong).diagnosis.unwrap();
+    let outlying: Vec<_> = diagnosis
+        .findings
+        .iter()
+        .filter(|f| f.code.starts_with("outlying"))
+        .collect();
+    assert!(!outlying.is_empty());
+    assert!(outlying.iter().all(|f| found.readings.contains(f)));
+
+    // Sound readings have no word against them, however many postures there are.
+    for seed in 1..5 {
+        let table = simulated_readings(&cell, &plan, seed).unwrap();
+        for count in 1..=5 {
+            let mut part = table.clone();
+            part.postures.truncate(count);
+            let found = judged(&cell, part);
+            let loud = found
+                .readings
+                .iter()
+                .filter(|f| f.severity > Severity::Note);
+            assert_eq!(
+                loud.collect::<Vec<_>>(),
+                Vec::<&Finding>::new(),
+                "seed {seed}, {count} postures"
+            );
+        }
+    }
 }

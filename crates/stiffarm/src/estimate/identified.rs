@@ -239,14 +239,8 @@ impl Identified {
                 unless_stopped("systematic_errors", &mut Vec::new(), systematic_errors(fit))?;
             of_axes.iter().for_each(|own| own.widen(&mut elastic.axes));
         }
-        out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnose(fit))?;
-        if let (Some(_), Some(diagnosis)) = (&mixed, &mut out.diagnosis) {
-            // What speaks against the axes alone has its answer in the model that predicts.
-            let of_axes = ["residuals-above-noise", "further-term"];
-            diagnosis
-                .findings
-                .retain(|finding| !of_axes.contains(&&*finding.code));
-        }
+        let diagnosis = diagnosed(fit, mixed.is_some());
+        out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnosis)?;
         out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
         let search = GlobalOptions {
@@ -296,22 +290,45 @@ impl Identified {
                 .push(Finding::caution(code, "stiffness", sentence));
         }
         let measured = fit.measured();
-        let mut scales = measured.screening.iter().flat_map(|s| s.scales());
-        // What a scale explains is no finding of its own.
-        let scaled = scales.any(|scale| scale.severity == Severity::Serious);
-        let implausible = implausible_scale(cell, &self.identification);
-        let diagnosed = self.diagnosis.iter().flat_map(|d| &d.findings);
-        let own = implausible.iter().chain(diagnosed).filter(|_| !scaled);
+        let own = doubts(fit, self.diagnosis.as_ref()).ok()?;
         let displacements = measured.postures.iter().flat_map(|m| &m.displacements);
         Some(Sealed {
             springs: cell.setup.robot.spring_names(),
             flange_m: Some(flange_of(cell).into()),
-            predictor: found.with_doubts(measured.findings().chain(own)),
+            predictor: found.with_doubts(measured.findings().chain(&own)),
             postures: once(self.identification.postures.iter().map(|p| &p.posture)),
             largest_displacement_m: displacements.map(|d| d.value.norm()).reduce(f64::max),
             largest_force_n: fit.experiment().largest_force(),
         })
     }
+}
+
+/// What the residuals say. What speaks against the axes alone has its answer in the mixed model, where it predicts.
+///
+/// # Errors
+/// As [`diagnose`].
+pub(crate) fn diagnosed(fit: &Fit, is_mixed: bool) -> Result<Diagnosis> {
+    let mut out = diagnose(fit)?;
+    let of_axes = ["residuals-above-noise", "further-term"];
+    out.findings
+        .retain(|finding| !(is_mixed && of_axes.contains(&&*finding.code)));
+    Ok(out)
+}
+
+/// What a fit says against its readings: stiffnesses of another scale, residuals. What a wrong scale of the table
+/// explains is no finding of its own.
+///
+/// # Errors
+/// As [`Fit::identification`].
+pub(crate) fn doubts(fit: &Fit, diagnosis: Option<&Diagnosis>) -> Result<Vec<Finding>> {
+    let screening = fit.measured().screening.iter();
+    let mut scales = screening.flat_map(|screening| screening.scales());
+    if scales.any(|scale| scale.severity == Severity::Serious) {
+        return Ok(Vec::new());
+    }
+    let implausible = implausible_scale(fit.cell(), fit.identification()?);
+    let diagnosed = diagnosis.iter().flat_map(|own| &own.findings).cloned();
+    Ok(implausible.into_iter().chain(diagnosed).collect())
 }
 
 /// Findings about a table of displacements, where there are any.

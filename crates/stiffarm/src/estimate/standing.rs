@@ -56,6 +56,10 @@ pub struct Standing {
     /// Planned postures after which the goal is expected to be reached; `None` without a goal,
     /// where it is reached, or where that is not expected with all of them.
     pub postures_to_goal: Option<usize>,
+    /// Standard deviation of what the fit leaves of a displacement component \[m\]; `null` without a degree of freedom.
+    pub residual_std_m: Option<f64>,
+    /// What the cell's noise gives \[m\].
+    pub expected_std_m: f64,
     /// What to know about the goal and of joints that no goal is asked of, in sentences.
     pub findings: Vec<Finding>,
 }
@@ -261,6 +265,11 @@ pub fn standing<Q: AsRef<[f64]>>(
         largest,
         reached,
         postures_to_goal,
+        residual_std_m: match &so_far.mixed {
+            Some((mixed, _)) => Some(mixed.result().total_std_m),
+            None => found.total_std_m,
+        },
+        expected_std_m: found.expected_std_m,
         findings,
     })
 }

@@ -1,6 +1,7 @@
 //! All that `measure` says: what the readings so far are worth, and what to measure next.
 
 use crate::error::{Code, Result};
+use crate::estimate::identified::{diagnosed, doubts};
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::standing::{SoFar, Standing, is_better, standing};
@@ -20,6 +21,14 @@ use std::collections::BTreeSet;
 
 /// Rounds of the search for a better posture.
 const ROUNDS: u64 = 1;
+/// Findings on what single joints carry and what residuals cannot tell yet: other postures may bring it.
+const MAY_COME: [&str; 5] = [
+    "weak-joint",
+    "unloaded-joint",
+    "correlated",
+    "posture-needed",
+    "residuals-untested",
+];
 /// Steps of the angles of a posture that is proposed \[deg\].
 const STEP_DEG: f64 = 0.01;
 
@@ -49,7 +58,7 @@ pub struct Judgement {
     pub left: Vec<String>,
     /// The first of those that are left; `null` where none is.
     pub next: Option<Planned>,
-    /// What is suspicious about the readings.
+    /// What is suspicious about the readings, by themselves and by what they give, as `identify` says it.
     pub readings: Vec<Finding>,
     /// What they give; `null` while that cannot be said.
     pub standing: Option<Standing>,
@@ -180,6 +189,7 @@ pub fn judge(
             return Ok(out);
         }
     };
+    out.readings.extend(of_fit(&fit, &so_far, left.len())?);
     if let Some(goal) = options.until_deflection_m {
         let mut found = deflection(&fit, &so_far, goal)?;
         found.reached &= so_far.missing_postures(left.len()) == 0;
@@ -195,6 +205,26 @@ pub fn judge(
         }
     }
     Ok(out)
+}
+
+/// What `identify` would say against the readings so far. What the postures that are `left` may still bring is no
+/// finding yet.
+fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
+    let mut estimates = fit.identification()?.estimates.clone();
+    estimates.joints = so_far.joints()?;
+    let joints = estimates.findings().into_iter();
+    let joints = joints.filter(|f| f.code == "negative-compliance");
+    let diagnosis = match diagnosed(fit, so_far.is_mixed()) {
+        Ok(diagnosis) => Some(diagnosis),
+        Err(error) if error.code() == Code::Interrupted => return Err(error),
+        // Too few readings to look at residuals.
+        Err(_) => None,
+    };
+    let is_due = |f: &Finding| {
+        f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()))
+    };
+    let of_fit = doubts(fit, diagnosis.as_ref())?;
+    Ok(joints.chain(of_fit.into_iter().filter(is_due)).collect())
 }
 
 /// How well the deflection at the cell's tasks is predicted with what is known so far.

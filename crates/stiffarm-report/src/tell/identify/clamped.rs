@@ -81,7 +81,7 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
         weights,
         Some(basis.in_summary()),
     ];
-    let mut all = findings::of_joints(own);
+    let mut all = own.findings();
     all.extend(more);
     findings::sort(&mut all);
     Ok(Told {

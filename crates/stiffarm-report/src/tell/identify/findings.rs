@@ -3,7 +3,7 @@
 use super::{counted, shown};
 use crate::tell::{Block, Given, Section, Text};
 use stiffarm::estimate::identified::Identified;
-use stiffarm::estimate::identify::{Estimates, Verdict, implausible_scale};
+use stiffarm::estimate::identify::{Estimates, implausible_scale};
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::is_of_table;
 
@@ -63,48 +63,6 @@ pub(super) fn is_noted(finding: &Finding) -> bool {
 /// The gravest first.
 pub(super) fn sort(findings: &mut [Finding]) {
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
-}
-
-/// Joints whose estimate is not simply a number.
-pub(super) fn of_joints(found: &Estimates) -> Vec<Finding> {
-    let mut out = Vec::new();
-    if !found.undetermined_joints.is_empty() {
-        let rest = if found.combinations.is_empty() {
-            ""
-        } else {
-            "What they determine together stands below the joints; "
-        };
-        let names = list(&shown(&found.undetermined_joints));
-        let sentence = format!(
-            "These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason."
-        );
-        out.push(Finding::serious("undetermined", names, sentence));
-    }
-    let of = |verdict: Verdict| {
-        let all = found.joints.iter().chain(&found.extra_springs);
-        let own = all.filter(|joint| joint.verdict == verdict);
-        shown(own.map(|joint| &joint.name))
-    };
-    let mut add = |code: &str, severity: Severity, names: Vec<String>, said: &str| {
-        if !names.is_empty() {
-            let sentence = format!("{}: {said}", list(&names));
-            out.push(Finding::new(code, severity, list(&names), sentence));
-        }
-    };
-    add(
-        "negative-compliance",
-        Severity::Serious,
-        of(Verdict::SignOrModelFault),
-        "the compliance comes out negative, beyond what noise explains, which is a sign or model fault. Check the sign of \
-         the force (on the robot), the frames and the model.",
-    );
-    add(
-        "no-interval",
-        Severity::Caution,
-        of(Verdict::NoInterval),
-        "no interval, because the data leave no degree of freedom to judge the noise, or show no deflection.",
-    );
-    out
 }
 
 /// Unknowns that the data tell apart only together.

@@ -10,6 +10,8 @@ pub(super) mod readings;
 mod stiffness;
 mod story;
 
+pub(super) use story::MORE_THAN_NOISE;
+
 use super::{Given, Outcome, Told, arrows, counted, level, shown};
 use joints::Joints;
 use stiffarm::Result;
@@ -82,7 +84,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         findings.held_back,
         Some(basis::section(given, &found)),
     ];
-    let mut all = findings::of_joints(joints.estimates);
+    let mut all = joints.estimates.findings();
     all.extend(findings.data);
     findings::sort(&mut all);
     Ok(Told {

@@ -16,7 +16,7 @@ use stiffarm::findings::{Finding, Severity, visible};
 /// Joints without a ± whose bounds are said, and not left to the table.
 const MOST_NAMED: usize = 2;
 /// Residuals this many times the expected noise hold more than noise, where no test says it.
-const MORE_THAN_NOISE: f64 = 1.5;
+pub(in crate::tell) const MORE_THAN_NOISE: f64 = 1.5;
 
 /// What was done.
 pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {

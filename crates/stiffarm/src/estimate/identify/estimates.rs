@@ -9,6 +9,7 @@ use super::{
     AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable,
 };
 use crate::error::Result;
+use crate::findings::{Finding, Severity, list, visible};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::information::Factor;
@@ -187,4 +188,53 @@ fn reference_sizes(cell: &Cell, system: &MeasuredSystem) -> Vec<f64> {
             }
         })
         .collect()
+}
+
+impl Estimates {
+    /// Joints whose estimate is not simply a number.
+    pub fn findings(&self) -> Vec<Finding> {
+        let mut out = Vec::new();
+        if !self.undetermined_joints.is_empty() {
+            let rest = if self.combinations.is_empty() {
+                ""
+            } else {
+                "What they determine together stands below the joints; "
+            };
+            let names = list(&shown(self.undetermined_joints.iter()));
+            let sentence = format!(
+                "These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason."
+            );
+            out.push(Finding::serious("undetermined", names, sentence));
+        }
+        let of = |verdict: Verdict| {
+            let all = self.joints.iter().chain(&self.extra_springs);
+            let own = all.filter(|joint| joint.verdict == verdict);
+            shown(own.map(|joint| &joint.name))
+        };
+        let mut add = |code: &str, severity: Severity, names: Vec<String>, said: &str| {
+            if !names.is_empty() {
+                let sentence = format!("{}: {said}", list(&names));
+                out.push(Finding::new(code, severity, list(&names), sentence));
+            }
+        };
+        add(
+            "negative-compliance",
+            Severity::Serious,
+            of(Verdict::SignOrModelFault),
+            "the compliance comes out negative, beyond what noise explains, which is a sign or model fault. Check the sign of \
+             the force (on the robot), the frames and the model.",
+        );
+        add(
+            "no-interval",
+            Severity::Caution,
+            of(Verdict::NoInterval),
+            "no interval, because the data leave no degree of freedom to judge the noise, or show no deflection.",
+        );
+        out
+    }
+}
+
+/// Names from files as they are shown.
+fn shown<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
+    names.map(|name| visible(name).into_owned()).collect()
 }
