@@ -441,8 +441,9 @@ pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) ->
         .into_iter()
         .map(|k| (strsim::damerau_levenshtein(&lower, &k.to_lowercase()), k))
         .filter(|(distance, k)| {
-            // A short name is not a slip of an equally short other one.
-            *distance <= 2.max(k.chars().count() / 3) && *distance < lower.chars().count()
+            // Half of the letters must be right, or it is no slip of this one.
+            let letters = lower.chars().count().max(k.chars().count());
+            *distance <= 2.max(k.chars().count() / 3) && 2 * *distance <= letters
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, k)| format!("did you mean \"{k}\"?"))

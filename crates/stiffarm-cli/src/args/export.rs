@@ -15,9 +15,9 @@ pub struct ExportArgs {
     /// The plan: postures in the order in which they are measured
     #[arg(value_hint = ValueHint::FilePath, value_name = "POSTURES.csv")]
     pub plan: String,
-    /// Language of the robot's controller
+    /// Language of the robot's controller [default: that of the cell's controller]
     #[arg(long, value_name = "LANGUAGE", value_parser = one_of(&Language::ALL, shown))]
-    pub language: Language,
+    pub language: Option<Language>,
     /// Folder for the program
     #[arg(
         long,

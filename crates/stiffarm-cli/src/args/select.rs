@@ -15,6 +15,9 @@ pub struct SelectArgs {
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
     /// Index to improve; `stiffarm evaluate` shows all of them
+    ///
+    /// expected-error, worst-joint, drop-one, d, task, prediction, scaled, scaled-condition; of the paper: novel, classical,
+    /// condition; of the literature: o1 to o5.
     #[arg(long, value_name = "NAME", default_value = "expected-error")]
     pub index: String,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]

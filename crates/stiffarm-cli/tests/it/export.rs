@@ -34,6 +34,22 @@ a,0,0,-90,0,0,0
 b,80,70,-90,0,45,0
 ";
 
+/// Without --language it is that of the controller that the cell, or --controller, names.
+#[test]
+fn the_controller_says_the_language() {
+    let folder = Folder::new();
+    folder.ok(&format!("{GROUP} --output-dir own"));
+    assert_eq!(folder.names_in("own"), ["measure_comau_group1.pdl"]);
+    folder.ok(&format!("{GROUP} --controller kuka --output-dir asked"));
+    let names = folder.names_in("asked");
+    assert_eq!(
+        names,
+        ["measure_comau_group1.dat", "measure_comau_group1.src"]
+    );
+    let refused = folder.refused(&format!("{GROUP} --controller staubli --output-dir none"));
+    assert!(refused.contains("--language csv"), "{refused}");
+}
+
 #[test]
 fn every_language_is_written_compared_and_not_overwritten() {
     let folder = Folder::new();

@@ -420,3 +420,16 @@ fn a_posture_that_is_planned_twice_is_said_so() {
         folder.json("select builtin:comau -n 7 --no-certificate --rounds 1 --index prediction");
     assert_eq!(spread["result"]["repeats"].as_array().unwrap().len(), 0);
 }
+
+/// The help names every index there is.
+#[test]
+fn help_names_every_index() {
+    let folder = Folder::new();
+    let help = folder.ok("select --help").replace('\n', " ");
+    for index in stiffarm::Index::ALL {
+        let name = index.as_str().replace('_', "-");
+        let is_numbered = name.len() == 2 && name.starts_with('o');
+        assert!(is_numbered || help.contains(&name), "{name}\n{help}");
+    }
+    assert!(help.contains("o1 to o5"));
+}

@@ -69,6 +69,12 @@ impl Language {
         syntax.map_or("\n", |syntax| syntax.line_end)
     }
 
+    /// That of a maker's controllers.
+    pub fn of(controller: Controller) -> Option<Language> {
+        let mut all = Language::ALL.into_iter();
+        all.find(|language| language.controller() == Some(controller))
+    }
+
     /// Its name on the command line.
     pub fn as_str(self) -> &'static str {
         self.dialect().name
@@ -129,10 +135,7 @@ impl Language {
         if known == wanted || asked.is_some() {
             return Ok(());
         }
-        let own = Language::ALL
-            .into_iter()
-            .find(|l| l.controller() == Some(known));
-        let own = own.unwrap_or(Language::Csv).as_str();
+        let own = Language::of(known).unwrap_or(Language::Csv).as_str();
         let message = format!(
             "{} is for controllers of {}; the angles of this cell are those of {}.",
             self.title(),

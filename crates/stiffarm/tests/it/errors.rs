@@ -1,6 +1,6 @@
 //! Errors, and the sentences that results are told in.
 
-use stiffarm::error::{Code, Error};
+use stiffarm::error::{Code, Error, did_you_mean};
 use stiffarm::findings::{list, visible};
 use stiffarm::model::robot::Robot;
 use stiffarm_files::check_name;
@@ -23,6 +23,8 @@ fn names_that_begin_with_what_was_typed_come_before_near_ones() {
         said("KUKA-KR210-R"),
         "did you mean \"kuka-kr210-r2700-2\" or \"kuka-kr210-r3100-2\"?"
     );
+    // Half of the letters are another name.
+    assert_eq!(did_you_mean("foo", ["o1", "novel"]), None);
     assert_eq!(said("kuka-kr24-2"), "did you mean \"kuka-kr240-2\"?");
     assert!(!said("x").contains("mean"));
 }

@@ -18,7 +18,7 @@ use std::path::Path;
 use stiffarm::findings::Finding;
 use stiffarm::model::cell::LimitKind;
 use stiffarm::model::posture::Posture;
-use stiffarm::model::robot::Controller;
+use stiffarm::model::robot::{Controller, Robot};
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::{Violation, on_limits, violations};
 use stiffarm::plan::select::limits_of;
@@ -130,7 +130,10 @@ impl Task {
     fn new(session: &Session, args: &ExportArgs) -> Result<Self> {
         let cell = session.read_cell(&args.cell)?;
         let robot = &cell.cell.setup.robot;
-        let (language, asked) = (args.language, args.controller.controller);
+        let asked = args.controller.controller;
+        let language = args
+            .language
+            .map_or_else(|| language_of(robot, asked), Ok)?;
         language.check_robot(robot, asked).map_err(as_option)?;
         let plan = session.read_postures("plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
@@ -412,4 +415,15 @@ fn rounding_deg(program: &Program, read: &Program) -> Result<f64> {
             "The written program is not read back as the plan.",
         ))
     }
+}
+
+/// The language of the controller that is asked for, or that shows the angles of the cell.
+fn language_of(robot: &Robot, asked: Option<Controller>) -> Result<Language> {
+    let controller = asked.map_or_else(|| robot.known_controller(), Ok)?;
+    Language::of(controller).ok_or_else(|| {
+        let message = format!("No language of {} is written here.", controller.title());
+        Error::new(Code::Usage, message)
+            .key("--language")
+            .hint("--language csv writes a table of the moves")
+    })
 }
