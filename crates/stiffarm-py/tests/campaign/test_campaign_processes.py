@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import importlib
 import json
 import signal
 import subprocess
@@ -31,6 +33,9 @@ from stiffarm import StiffarmError
 from stiffarm.campaign import Campaign, CampaignError, Progress
 from stiffarm.campaign.journal import Journal
 from stiffarm.campaign.table import write_results
+
+#: The module that the class of the same package hides.
+campaign_module = importlib.import_module("stiffarm.campaign.campaign")
 
 def test_the_table_has_axes_status_and_figures(grid: dict[str, Any], tmp_path: Path) -> None:
     campaign = Campaign.from_dict(grid)
@@ -297,3 +302,40 @@ def test_a_script_without_a_guard_is_told_so(grid: dict[str, Any], tmp_path: Pat
     assert done.returncode == 1
     assert "A worker process could not be started." in done.stderr
     assert 'if __name__ == "__main__":' in done.stderr.splitlines()[-1]
+
+
+def test_a_full_disk_is_a_sentence_and_the_run_goes_on_later(
+    grid: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, full = tmp_path / "whole", tmp_path / "full"
+    campaign = Campaign.from_dict(grid)
+    campaign.run(whole, progress=False)
+    append = Journal.append
+
+    def no_room(*_: Any) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    def until_full(self: Journal, record: dict[str, Any]) -> None:
+        if len(self) == 5:
+            no_room()
+        append(self, record)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Journal, "append", until_full)
+        # The tables of what is done find no room either.
+        patch.setattr(campaign_module.table, "write_results", no_room)
+        with pytest.raises(CampaignError, match="No space left on device") as error:
+            campaign.run(full, progress=False)
+    assert error.value.code == "file-write" and "run it again" in str(error.value)
+    assert campaign.run(full, progress=False).ran == len(campaign) - 5
+    assert sha(full) == sha(whole)
+
+
+def test_no_lock_stays_in_a_finished_folder(grid: dict[str, Any], tmp_path: Path) -> None:
+    campaign = Campaign.from_dict(grid)
+    folder = tmp_path / "a"
+    campaign.run(folder, progress=False)
+    assert not (folder / "lock").exists()
+    with campaign_module._locked(folder), pytest.raises(CampaignError) as error, campaign_module._locked(folder):
+        pass
+    assert error.value.code == "in-use"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import json
 import os
@@ -186,7 +187,7 @@ class Campaign:
         )
         target = Path(folder)
         target.mkdir(parents=True, exist_ok=True)
-        with _locked(target):
+        with _disk(target), _locked(target):
             self._claim(target, files)
             self._folder = target
             with Journal(target / JOURNAL, len(self)) as journal:
@@ -309,10 +310,32 @@ def _locked(folder: Path) -> Generator[None, None, None]:
     except ImportError:
         yield
         return
-    with open(folder / "lock", "ab") as file:
-        try:
-            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            place, hint = {"file": str(folder)}, "Wait for it, or take another folder."
-            raise CampaignError("Another run writes to this folder.", "in-use", place, hint) from error
+    path = folder / "lock"
+    while True:
+        with open(path, "ab") as file:
+            try:
+                fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                place, hint = {"file": str(folder)}, "Wait for it, or take another folder."
+                raise CampaignError("Another run writes to this folder.", "in-use", place, hint) from error
+            # A run that ended in between took its own file away, and this may be that one.
+            if not path.exists() or not os.path.samestat(os.fstat(file.fileno()), path.stat()):
+                continue
+            try:
+                yield
+            finally:
+                path.unlink(missing_ok=True)
+            return
+
+
+@contextmanager
+def _disk(folder: Path) -> Generator[None, None, None]:
+    """Says what the disk has against a run: what is done is kept."""
+    try:
         yield
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS):
+            raise
+        message = f"The folder cannot be written to: {error.strerror or error}."
+        hint = "What was done until then is kept: make room and run it again."
+        raise CampaignError(message, "file-write", {"file": str(folder)}, hint) from error
