@@ -76,7 +76,7 @@ fn stiffness(out: Text, most: &StiffnessChange) -> Text {
         format!("{} %", number.digits())
     };
     let (change, allowed) = (percent(most.change), percent(most.allowed));
-    let joint = &most.joint;
+    let joint = most.joint.replace(' ', "\u{a0}");
     let pair = {
         let [first, other] = &most.names;
         format!("{other} against {first}")
