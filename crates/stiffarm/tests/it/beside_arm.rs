@@ -183,7 +183,7 @@ fn sound_cells_are_not_doubted() {
         assert_eq!(doubted(&cell), [""; 0], "{name}");
     }
     for entry in catalogue() {
-        let text = template(&entry.key).unwrap();
+        let text = template(entry.key).unwrap();
         let cell = parse_cell(&text, "cell.toml").unwrap();
         assert_eq!(doubted(&cell), [""; 0], "{}", entry.key);
     }
