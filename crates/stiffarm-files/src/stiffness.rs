@@ -10,6 +10,7 @@ use serde_json::Value;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::estimate::saved::{Saved, Sealed};
 use stiffarm::model::cell::Cell;
+use stiffarm::units::deg_to_rad;
 
 /// A list of stiffness values and nothing else.
 const BARE: &str = "stiffness_nm_per_rad";
@@ -65,7 +66,20 @@ fn read(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<Saved> {
     };
     sealed.check(cell).map_err(within)?;
     let hash = saved.input("cell").map(String::from);
-    Ok(Saved::new(sealed, hash, file_name))
+    let mut out = Saved::new(sealed, hash, file_name);
+    out.angles = angles(&saved.json["result"]["postures"]);
+    Ok(out)
+}
+
+/// Controller angles of the postures of a result \[rad\]; none where one of them has none.
+fn angles(postures: &Value) -> Vec<Vec<f64>> {
+    let of = |posture: &Value| {
+        let list = posture["q_deg"].as_array()?.iter();
+        list.map(|q| q.as_f64().map(deg_to_rad))
+            .collect::<Option<Vec<f64>>>()
+    };
+    let all = postures.as_array().into_iter().flatten().map(of);
+    all.collect::<Option<_>>().unwrap_or_default()
 }
 
 /// What was sealed to be calculated with.

@@ -274,7 +274,7 @@ fn results_side_by_side_mark_what_differs() {
 }
 
 #[test]
-fn a_stiffness_beyond_its_total_error_is_named() {
+fn a_stiffness_beyond_the_errors_of_both_is_named() {
     let folder = measured();
     folder.write("one.json", folder.ok("identify builtin:comau r.csv --json"));
     // Without one posture the same within ±.
@@ -299,7 +299,7 @@ fn a_stiffness_beyond_its_total_error_is_named() {
     assert!(!near.contains("contradict") && !near.contains("beyond ±"));
     let verdict = far.split("id=\"verdict\"").nth(1).unwrap();
     let verdict = &verdict[..verdict.find("</section>").unwrap()];
-    let words = "The stiffness of joint\u{a0}3 differs by <strong>50\u{a0}%</strong>, beyond its";
+    let words = "The stiffness of joint\u{a0}3 differs by <strong>50\u{a0}%</strong>, beyond the";
     assert!(verdict.contains(words), "{verdict}");
     assert!(far.contains("they contradict each other"));
     assert_eq!(far.matches("beyond ±").count(), 1);

@@ -8,7 +8,8 @@ use std::fmt::Write;
 /// Columns: `panel` (from 1), `panel title`, `series`, `style`, the headings of
 /// the axes with their units (`x axis`, `y axis`, `value axis`) and the numbers
 /// `x`, `y`, `error` and `value`; on an axis with categories the name instead of
-/// the number. A cell without a value is empty. LF line ends. Text that a
+/// the number. A figure with error bars that reach farther to one side has two columns more, their ends `from`
+/// and `to`; `to` is empty where the bar is open above. A cell without a value is empty. LF line ends. Text that a
 /// spreadsheet program would take for a formula begins with an apostrophe.
 ///
 /// ```
@@ -32,7 +33,10 @@ use std::fmt::Write;
 /// ```
 pub fn figure_csv(figure: &Figure) -> String {
     let mut out =
-        String::from("panel,panel title,series,style,x axis,y axis,value axis,x,y,error,value\n");
+        String::from("panel,panel title,series,style,x axis,y axis,value axis,x,y,error,value");
+    let mut all = figure.panels.iter().flat_map(|panel| &panel.series);
+    let has_ends = all.any(|series| !series.interval.is_empty());
+    out += if has_ends { ",from,to\n" } else { "\n" };
     for (i, panel) in figure.panels.iter().enumerate() {
         for series in &panel.series {
             let colour = series.colour.as_ref();
@@ -47,7 +51,7 @@ pub fn figure_csv(figure: &Figure) -> String {
             .join(",");
             for point in 0..series.x.len().max(series.y.len()) {
                 let at = |values: &[f64]| values.get(point).copied();
-                let _ = writeln!(
+                let _ = write!(
                     out,
                     "{},{head},{},{},{},{}",
                     i + 1,
@@ -56,6 +60,11 @@ pub fn figure_csv(figure: &Figure) -> String {
                     number(at(&series.error)),
                     number(colour.and_then(|c| at(&c.values))),
                 );
+                if has_ends {
+                    let [from, to] = series.interval.get(point).copied().unwrap_or_default();
+                    let _ = write!(out, ",{},{}", number(from), number(to));
+                }
+                out.push('\n');
             }
         }
     }

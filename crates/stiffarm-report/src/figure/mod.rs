@@ -138,6 +138,10 @@ pub struct Series {
     /// none), or empty. Half widths of a [`Style::Band`].
     #[serde(default, deserialize_with = "null_as_nan")]
     pub error: Vec<f64>,
+    /// Ends of error bars that reach farther to one side, one pair per point, or empty; they count instead of
+    /// `error`. Without an upper end the bar is open and has an arrow; without a lower one there is none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interval: Vec<[Option<f64>; 2]>,
     /// Values of a [`Style::Map`], and the axis of its colour bar.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub colour: Option<Colour>,
@@ -256,6 +260,7 @@ impl Series {
             x,
             y,
             error: Vec::new(),
+            interval: Vec::new(),
             colour: None,
         }
     }
@@ -263,6 +268,12 @@ impl Series {
     /// The same series with symmetric error bars.
     pub fn with_error(mut self, error: Vec<f64>) -> Self {
         self.error = error;
+        self
+    }
+
+    /// The same series with error bars between these ends.
+    pub fn with_interval(mut self, interval: Vec<[Option<f64>; 2]>) -> Self {
+        self.interval = interval;
         self
     }
 

@@ -2,9 +2,7 @@
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::order::places;
-
-/// Half widths from this share of k on are no ±: 1/H is far from linear there.
-const NO_LONGER: f64 = 0.95;
+use stiffarm::estimate::identify::NO_LONGER;
 
 /// One joint of [`stiffness_figure`].
 #[derive(Debug, Clone, PartialEq)]
@@ -19,9 +17,12 @@ pub struct StiffnessRow {
     pub systematic: Option<f64>,
     /// Half width by both (fraction of k).
     pub total: Option<f64>,
+    /// Ends of the interval of k \[N·m/rad\], as the table of the joints has them; open above where only a lower
+    /// bound is known.
+    pub interval: [Option<f64>; 2],
 }
 
-/// Stiffness per joint with its total ±, beside prior \[N·m/rad\] and published values, and the parts of that ±.
+/// Stiffness per joint with its interval, beside prior \[N·m/rad\] and published values, and the parts of that ±.
 pub fn stiffness_figure(
     rows: &[StiffnessRow],
     prior: &[f64],
@@ -30,16 +31,28 @@ pub fn stiffness_figure(
 ) -> Figure {
     let joints: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
     let level = crate::tell::level(confidence);
-    let known = rows.iter().enumerate().filter_map(|(j, row)| {
-        let k = 1e-6 * row.stiffness.filter(|k| *k > 0.0)?;
-        let half = row.total.filter(|total| *total < NO_LONGER);
-        Some((j as f64, (k, half.map_or(0.0, |total| total * k))))
-    });
-    let (x, known): (Vec<f64>, Vec<(f64, f64)>) = known.unzip();
-    let (k, half): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
+    let drawn = |label: &str, style: Style, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
+        let known = rows.iter().enumerate().filter_map(|(j, row)| {
+            let ends = row.interval.map(|end| end.map(|k| 1e-6 * k));
+            Some((j as f64, (1e-6 * of(row)?, ends)))
+        });
+        let (x, known): (Vec<f64>, Vec<(f64, _)>) = known.unzip();
+        let (k, ends): (Vec<f64>, Vec<_>) = known.into_iter().unzip();
+        Series::new(label, style, x, k).with_interval(ends)
+    };
     let beside = |by: f64| places(rows.len()).iter().map(|x| x + by).collect();
-    let identified = Series::new("identified", Style::Points, x, k);
-    let mut series = vec![identified.with_error(half)];
+    let value = |row: &StiffnessRow| row.stiffness.filter(|k| *k > 0.0);
+    let mut series = vec![drawn("identified", Style::Points, &value)];
+    // A compliance at or below zero leaves the lower end alone.
+    let bound = drawn(
+        "lower bound alone",
+        Style::Hollow,
+        &|row| match value(row) {
+            Some(_) => None,
+            None => row.interval[0],
+        },
+    );
+    series.extend((!bound.y.is_empty()).then_some(bound));
     if prior.len() == rows.len() {
         let values = prior.iter().map(|k| 1e-6 * k).collect();
         series.push(Series::new("prior", Style::Hollow, beside(0.18), values));
@@ -49,8 +62,8 @@ pub fn stiffness_figure(
         let x = beside(-0.18 * (i + 1) as f64);
         series.push(Series::new(label.clone(), Style::Hollow, x, values));
     }
-    let part = |label: &str, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
-        let known = |row: &StiffnessRow| of(row).filter(|part| *part < 1.0);
+    let part = |label: &str, most: f64, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
+        let known = |row: &StiffnessRow| of(row).filter(|part| *part < most);
         let all = rows.iter().enumerate();
         let shown = all.filter_map(|(j, row)| Some((j as f64, 100.0 * known(row)?)));
         let (x, y) = shown.unzip();
@@ -58,9 +71,10 @@ pub fn stiffness_figure(
     };
     let has_both = rows.iter().any(|row| row.systematic.is_some());
     let parts = [
-        part("readings", &|row| row.statistical),
-        part("systematic", &|row| row.systematic),
-        part("total", &|row| row.total),
+        part("readings", 1.0, &|row| row.statistical),
+        part("systematic", 1.0, &|row| row.systematic),
+        // As in the table: farther ends are told by the interval.
+        part("total", NO_LONGER, &|row| row.total),
     ];
     let parts = parts
         .into_iter()
@@ -76,14 +90,13 @@ pub fn stiffness_figure(
         Axis::log("joint stiffness", "10⁶ N·m/rad"),
         series,
     )];
+    let no_longer = format!("{:.0} %", 100.0 * NO_LONGER);
     let widths = match (parts.is_empty(), has_both) {
-        (true, _) => "; no joint is known to better than its own size",
-        (false, true) => {
-            "; and that ± with its parts, where a joint without a bar of the total is known to no better than its own size"
-        }
-        (false, false) => {
-            "; and that ±, by the readings alone, where a joint without a bar is known to no better than its own size"
-        }
+        (true, _) => format!("; no joint is known to better than {no_longer}"),
+        (false, true) => format!(
+            "; and its ± with the parts, where a joint without a bar of the total is known to no better than {no_longer}"
+        ),
+        (false, false) => "; and its ± by the readings alone".to_string(),
     };
     if !parts.is_empty() {
         let title = if has_both {
@@ -98,7 +111,8 @@ pub fn stiffness_figure(
         id: "joint-stiffness".into(),
         title: "Joint stiffness and how well it is known".into(),
         caption: format!(
-            "Stiffness of each joint with its ± at {level} % (none where the interval is open){}{widths}.",
+            "Stiffness of each joint with its {level} % interval (an arrow where it is open above: only a lower bound is \
+             known){}{widths}.",
             match (prior.is_empty(), published.is_empty()) {
                 (true, true) => "",
                 (false, true) => ", beside the cell's prior",

@@ -34,7 +34,7 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
     Ok(Page {
         title,
         subtitle,
-        comparison: compare::compare(&parts),
+        comparison: compare::compare(given, &parts),
         parts,
     })
 }

@@ -1,5 +1,6 @@
 //! What `check` says: what to know about a cell before anybody measures in it.
 
+use super::described::beside_arm;
 use super::postures::coarse;
 use crate::cell::usual_posture;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
@@ -157,6 +158,7 @@ fn setup(cell: &Cell) -> DataTable {
     if !cell.setup.load.has_cases() {
         rows.push(("load", load(&cell.setup.load)));
     }
+    rows.extend(beside_arm(cell));
     rows.push(("limits", limits(cell)));
     rows.push(("noise", noise(&cell.noise)));
     let length = match cell.characteristic_length {

@@ -11,6 +11,7 @@ mod check;
 mod compensate;
 mod context;
 mod coverage;
+mod described;
 mod evaluate;
 mod identify;
 mod map;

@@ -170,8 +170,13 @@ fn a_clamped_arm_has_a_page_of_angles() {
 fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
     let result = good();
     let mut other = result.clone();
-    let stiffness = other["joints"][2]["stiffness"].as_f64().unwrap();
-    other["joints"][2]["stiffness"] = json!(1.5 * stiffness);
+    let joint = &mut other["joints"][2];
+    let value = |key: &Value| key.as_f64().unwrap();
+    joint["stiffness"] = json!(1.5 * value(&joint["stiffness"]));
+    joint["compliance"] = json!(value(&joint["compliance"]) / 1.5);
+    for i in 0..2 {
+        joint["interval"][i] = json!(1.5 * value(&joint["interval"][i]));
+    }
     let wrong = suspected(result.clone(), "load_units", "serious", "Kilograms.");
     let total = other["systematic_errors"]["uncertainty"][0]["total"]
         .as_f64()

@@ -1,5 +1,6 @@
 //! All tests of the crate in one binary; a file per subject.
 
+mod agreement;
 mod at_work;
 mod cells;
 mod common;

@@ -133,6 +133,8 @@ pub struct Saved {
     pub predictor: IdentifiedCompliance,
     /// Postures it was identified from.
     pub postures: Vec<String>,
+    /// Their controller angles \[rad\]; empty where they are not known.
+    pub angles: Vec<Vec<f64>>,
     /// SHA-256 of the cell it was identified in.
     pub cell: Option<String>,
     /// Size of the largest displacement of a point in the identification \[m\].
@@ -149,6 +151,7 @@ impl Saved {
         Saved {
             predictor: sealed.predictor,
             postures: sealed.postures,
+            angles: Vec::new(),
             cell,
             largest_displacement: sealed.largest_displacement_m,
             largest_force: sealed.largest_force_n,
@@ -167,6 +170,7 @@ impl Saved {
         Ok(Saved {
             predictor,
             postures: Vec::new(),
+            angles: Vec::new(),
             cell: None,
             largest_displacement: None,
             largest_force: None,

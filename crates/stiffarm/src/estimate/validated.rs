@@ -8,7 +8,7 @@ use crate::estimate::identify::{Estimator, Fit, NoiseSource};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::saved::Saved;
 use crate::estimate::validate::{
-    Model, Validation, cross_validate, cross_validate_mixed, validate_with,
+    Model, ValidatedPosture, Validation, cross_validate, cross_validate_mixed, validate_with,
 };
 use crate::findings::{Finding, list};
 use crate::measure::Measured;
@@ -16,6 +16,9 @@ use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use crate::units::mm_to_m;
 use serde::{Deserialize, Serialize};
+
+/// Angles nearer to each other are those of one posture \[rad\].
+const SAME: f64 = 1e-3;
 
 /// Options of the result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -235,12 +238,15 @@ fn crossed(
     })
 }
 
-/// That postures took part in the identification, where some did.
+/// That postures took part in the identification, where some did: by their angles, by their names where these are not
+/// known. Plans of two days both begin at posture 1.
 fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
-    let names = result.points.iter().map(|p| p.posture.as_str());
-    let mut seen: Vec<&str> = names
-        .filter(|name| saved.postures.iter().any(|own| own == name))
-        .collect();
+    let is_seen = |own: &ValidatedPosture| match saved.angles.is_empty() {
+        true => saved.postures.contains(&own.posture),
+        false => saved.angles.iter().any(|q| is_same(q, &own.angles)),
+    };
+    let seen = result.postures.iter().filter(|own| is_seen(own));
+    let mut seen: Vec<&str> = seen.map(|own| own.posture.as_str()).collect();
     seen.dedup();
     let (verb, them) = match seen.len() {
         0 => return None,
@@ -252,4 +258,9 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
         list(&seen)
     );
     Some(Finding::caution("seen-postures", "stiffness", sentence))
+}
+
+/// Whether the same posture was driven to, as far as a controller repeats it.
+fn is_same(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME)
 }

@@ -1,6 +1,7 @@
 //! The tests of the library but for those of `../formulas.rs`; a file per subject.
 
 mod accept;
+mod beside_arm;
 mod cell_file;
 mod check;
 mod clamped;

@@ -406,6 +406,17 @@ fn says_which_model_and_whether_the_linear_one_would_do() {
     assert!(!heavy.linear_suffices);
     let codes: Vec<&str> = heavy.findings.iter().map(|f| f.code.as_str()).collect();
     assert_eq!(codes, ["model", "no-band", "tip-assumed"]);
+    // A ± of many times the deflection makes a tenth of the deflection no small difference.
+    let mut unsure = identified(&cell, &group(&cell), Estimator::TwoVariance, 1);
+    unsure.spread.as_mut().unwrap().covariance *= 1e10;
+    let load = Wrench::force(Vector3::new(0.0, 0.0, -1e5));
+    let work = [at(&cell.tasks[1].q, load)];
+    let options = PredictOptions::default();
+    let heavy = predict(&cell, &unsure, &work, &options, Control::default()).unwrap();
+    let point = &heavy.points[0];
+    assert!(point.linear_difference_m > 0.1 * point.deflection_m);
+    assert!(point.linear_difference_m < 0.1 * point.band.unwrap().size_m[3]);
+    assert!(!heavy.linear_suffices);
     let none = run(0.0, Model::Equilibrium);
     assert!(none.findings.iter().any(|f| f.code == "no-load"));
     assert_eq!(none.deflection_max_m, 0.0);

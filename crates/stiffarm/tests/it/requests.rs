@@ -54,6 +54,24 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
         "{codes:?}"
     );
 
+    // Angles tell, where they are known: another day has postures of the same names.
+    for (angles, name, is_seen) in [
+        (vec![0.1; 6], name.clone(), false),
+        (
+            measured.postures[1].posture.q.clone(),
+            "7".to_string(),
+            true,
+        ),
+    ] {
+        (saved.angles, saved.postures) = (vec![angles], vec![name]);
+        let found = request.held_out(&cell, Some("this"), &saved, measured.clone());
+        let codes = found.unwrap().remarks.into_iter().map(|f| f.code);
+        assert_eq!(
+            codes.into_iter().any(|code| code == "seen-postures"),
+            is_seen
+        );
+    }
+
     let negative = validated::Request {
         tolerance_mm: Some(-1.0),
         ..request.clone()

@@ -8,8 +8,26 @@ use crate::figure::{Panel, Series, Style};
 pub(super) struct Datum {
     pub x: f64,
     pub y: f64,
-    /// Half length of the error bar; 0 for none.
-    pub error: f64,
+    /// Ends of the error bar; both `y` for none, infinite above for an open one.
+    pub ends: [f64; 2],
+}
+
+/// The ends of an error bar, `None` where they are no numbers.
+fn ends_of(series: &Series, i: usize, y: f64) -> Option<[f64; 2]> {
+    let is_number = |value: &f64| Kind::Linear.accepts(*value);
+    match series.interval.get(i) {
+        Some([None, _]) => Some([y; 2]),
+        Some([Some(low), None]) => is_number(low).then_some([*low, f64::INFINITY]),
+        Some([Some(low), Some(high)]) => {
+            let both = is_number(low) && is_number(high) && low <= high;
+            both.then_some([*low, *high])
+        }
+        None => {
+            let error = series.error.get(i).copied().unwrap_or(0.0);
+            let usable = is_number(&error) && error >= 0.0;
+            usable.then_some([y - error, y + error])
+        }
+    }
 }
 
 /// The points of a series in order, `None` where one cannot be drawn (so that
@@ -28,15 +46,12 @@ pub(super) fn points(series: &Series, x: Kind, y: Kind) -> (Vec<Option<Datum>>, 
                 lost += 1;
                 return None;
             }
-            let mut error = series.error.get(i).copied().unwrap_or(0.0);
-            if !(Kind::Linear.accepts(error) && error >= 0.0) {
-                lost += 1;
-                error = 0.0;
-            }
+            let ends = ends_of(series, i, py);
+            lost += usize::from(ends.is_none());
             Some(Datum {
                 x: px,
                 y: py,
-                error,
+                ends: ends.unwrap_or([py; 2]),
             })
         })
         .collect();
@@ -93,11 +108,12 @@ impl Coverage {
             for d in points.into_iter().flatten() {
                 out.x.push(d.x);
                 out.y.push(d.y);
-                let (low, high) = (d.y - d.error, d.y + d.error);
+                let [low, high] = d.ends;
                 // On a logarithmic axis a bar that reaches towards zero would
                 // take up the whole panel; it is cut at the frame instead.
                 let far = ky == Kind::Log && low < 0.2 * d.y;
-                for (end, wanted) in [(low, !far), (high, true)] {
+                let too_far = ky == Kind::Log && high > 20.0 * d.y;
+                for (end, wanted) in [(low, !far), (high, !too_far)] {
                     if wanted && ky.accepts(end) {
                         out.y.push(end);
                     }

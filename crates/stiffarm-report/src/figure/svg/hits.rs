@@ -64,10 +64,13 @@ fn bars(canvas: &mut Canvas, frame: &Frame, panel: &Panel, series: &Series) {
 
 /// `Group 1 · joint 2: 22.1 % ± 0.3`
 fn words(panel: &Panel, series: &Series, d: &data::Datum) -> String {
-    let error = if d.error > 0.0 {
-        format!(" ± {}", short(d.error))
-    } else {
-        String::new()
+    let error = match d.ends {
+        [low, high] if low >= high => String::new(),
+        [low, high] if high.is_infinite() => format!(" (above {})", short(low)),
+        [low, high] if !series.interval.is_empty() => {
+            format!(" ({} to {})", short(low), short(high))
+        }
+        [_, high] => format!(" ± {}", short(high - d.y)),
     };
     let unit = if panel.y.unit.is_empty() {
         String::new()

@@ -157,8 +157,8 @@ fn band(
             frame.area.clamp(place)
         };
         let run = || run.iter().flatten();
-        let upper = run().map(|d| end(d, d.y + d.error));
-        let lower = run().rev().map(|d| end(d, d.y - d.error));
+        let upper = run().map(|d| end(d, d.ends[1]));
+        let lower = run().rev().map(|d| end(d, d.ends[0]));
         let corners: Vec<Point> = upper.chain(lower).collect();
         if corners.len() > 2 {
             canvas.area(&corners, look.colour, FAINT);
@@ -191,17 +191,30 @@ fn strokes(
 }
 
 /// An error bar at a horizontal place. An end beyond the frame has no cap, so
-/// that a cut bar does not look like a shorter one.
+/// that a cut bar does not look like a shorter one; an open one has an arrow.
 pub(super) fn error_bar(canvas: &mut Canvas, frame: &Frame, d: &Datum, at: f64, stroke: Stroke) {
-    if d.error <= 0.0 {
+    let [low, high] = d.ends;
+    if low >= high {
         return;
     }
-    let (low, high) = (frame.py(d.y - d.error), frame.py(d.y + d.error));
+    let is_open = high.is_infinite();
+    let top = frame.area.y;
+    let (low, high) = (frame.py(low), if is_open { top } else { frame.py(high) });
     let Some((a, b)) = frame.area.clip((at, low), (at, high)) else {
         return;
     };
     let mut runs = vec![vec![a, b]];
-    for end in [low, high] {
+    if is_open {
+        runs.push(vec![
+            (at - CAP, top + 2.0 * CAP),
+            (at, top),
+            (at + CAP, top + 2.0 * CAP),
+        ]);
+    }
+    for end in [Some(low), (!is_open).then_some(high)]
+        .into_iter()
+        .flatten()
+    {
         if frame.area.contains((at, end)) {
             runs.push(vec![(at - CAP, end), (at + CAP, end)]);
         }

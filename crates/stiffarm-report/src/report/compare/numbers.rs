@@ -1,10 +1,9 @@
 //! Key tables of results, number by number.
 
+use super::agreement::{StiffnessChange, changes};
 use crate::order::in_order;
 use crate::page::{DataTable, Number, Part, Piece, Text};
-
-/// Heading of the total ± of a stiffness.
-const TOTAL: &str = "± total [%]";
+use crate::report::Given;
 
 /// The numbers of the key tables beside each other.
 pub(super) struct Numbers {
@@ -16,31 +15,14 @@ pub(super) struct Numbers {
     pub stiffness: Option<StiffnessChange>,
 }
 
-/// By how much a joint stiffness differs between results.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct StiffnessChange {
-    /// Name of the joint.
-    pub joint: String,
-    /// Name of the result that differs.
-    pub result: String,
-    /// Name of the first result.
-    pub first: String,
-    /// Difference from the first result \[%\], without its sign.
-    pub change: f64,
-    /// The larger total ± of the two \[%\].
-    pub total: f64,
-}
-
-impl StiffnessChange {
-    /// Whether it is more than either result says of itself.
-    pub(super) fn is_beyond(&self) -> bool {
-        self.change > self.total
-    }
-}
-
 impl Numbers {
     /// Every number of the key tables; nothing where a result has no such table.
-    pub(super) fn of(parts: &[(usize, &Part)]) -> Option<Self> {
+    pub(super) fn of(given: &[Given<'_>], parts: &[(usize, &Part)]) -> Option<Self> {
+        let results: Vec<&Given<'_>> = parts
+            .iter()
+            .filter_map(|(number, _)| given.get(*number))
+            .collect();
+        let mut all_changes = changes(&results);
         let tables: Vec<(usize, &DataTable)> = parts
             .iter()
             .map(|(number, part)| Some((*number, part.key.as_ref()?)))
@@ -87,13 +69,14 @@ impl Numbers {
                 let differs = |text: &Text| matches!(text.0[0], Piece::Different(_));
                 differ += usize::from(differences.iter().any(differs));
                 if column.starts_with("k [") {
-                    let totals = tables.iter().map(|(_, table)| cell(table, row, TOTAL));
-                    let totals: Vec<Option<f64>> = totals.map(|cell| value(cell?)).collect();
-                    let changes = changes(row, &names, &shown, &totals);
-                    for (text, change) in differences.iter_mut().zip(changes) {
-                        let Some(change) = change else {
+                    for (i, text) in differences.iter_mut().enumerate() {
+                        let own = |change: &StiffnessChange| {
+                            change.result == i + 1 && change.joint == row.replace('\u{a0}', " ")
+                        };
+                        let Some(found) = all_changes.iter().position(own) else {
                             continue;
                         };
+                        let change = all_changes.swap_remove(found);
                         if change.is_beyond() {
                             text.0.push(Piece::Words(" beyond ±".to_string()));
                         }
@@ -129,27 +112,6 @@ impl Numbers {
             ),
         }
     }
-}
-
-/// The stiffness of a joint in each further result against the first, where both say their total ±.
-fn changes(
-    joint: &str,
-    names: &[&String],
-    shown: &[Text],
-    totals: &[Option<f64>],
-) -> Vec<Option<StiffnessChange>> {
-    let others = names.iter().zip(shown).zip(totals).skip(1);
-    let others = others.map(|((name, text), total)| {
-        let (first, own) = value(&shown[0]).zip(totals[0])?;
-        Some(StiffnessChange {
-            joint: joint.to_string(),
-            result: name.to_string(),
-            first: names[0].clone(),
-            change: 100.0 * (value(text)? - first).abs() / first.abs(),
-            total: total.as_ref()?.max(own),
-        })
-    });
-    others.collect()
 }
 
 /// The first number of a cell, as it is shown.

@@ -1,7 +1,7 @@
 //! What a comparison says in three sentences.
 
 use super::Kind;
-use super::numbers::StiffnessChange;
+use super::agreement::StiffnessChange;
 use crate::page::{Number, Outcome, Part, Text};
 use stiffarm::findings::list;
 
@@ -72,25 +72,28 @@ fn came(kinds: &[Kind<'_>]) -> Text {
 
 fn stiffness(out: Text, most: &StiffnessChange) -> Text {
     let percent = |value: f64| {
-        let number = Number::new("", Some(value)).significant(2);
+        let number = Number::computed(100.0 * value).significant(2);
         format!("{} %", number.digits())
     };
-    let (change, total) = (percent(most.change), percent(most.total));
-    let joint = &most.joint;
-    let pair = format!("{} against {}", most.result, most.first);
+    let (change, allowed) = (percent(most.change), percent(most.allowed));
+    let joint = most.joint.replace(' ', "\u{a0}");
+    let pair = {
+        let [first, other] = &most.names;
+        format!("{other} against {first}")
+    };
     match (most.change == 0.0, most.is_beyond()) {
         (true, _) => out.words("The joint stiffness is the same. "),
         (false, true) => out
             .words(format!("The stiffness of {joint} differs by "))
             .strong(change)
             .words(format!(
-                ", beyond its total ± of {total} ({pair}): they contradict each other. "
+                ", beyond the {allowed} that the errors of both explain ({pair}): they contradict each other. "
             )),
         (false, false) => out
             .words("The joint stiffness differs by at most ")
             .strong(change)
             .words(format!(
-                " ({joint}, {pair}), within its total ± of {total}. "
+                " ({joint}, {pair}), within the {allowed} that the errors of both explain. "
             )),
     }
 }

@@ -69,6 +69,14 @@ impl<'a> Joints<'a> {
             .number(&format!("/systematic_errors/uncertainty/{j}/{key}"))
     }
 
+    /// The interval that the table and the figure show \[N·m/rad\].
+    fn interval(&self, j: usize) -> [Option<f64>; 2] {
+        match self.errors(j) {
+            Some(own) => own.interval_nm_per_rad,
+            None => self.all()[j].interval,
+        }
+    }
+
     /// An end of the interval.
     pub fn end(&self, j: usize, i: usize) -> Number {
         let below = match self.errors(j) {
@@ -184,6 +192,7 @@ impl<'a> Joints<'a> {
                 },
                 systematic: own.and_then(|own| own.systematic),
                 total: joint.half_width,
+                interval: self.interval(j),
             }
         });
         rows.collect()

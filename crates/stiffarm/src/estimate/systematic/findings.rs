@@ -238,5 +238,6 @@ fn dominating(systematic: &SystematicErrors, base: BaseSeen) -> Option<Finding> 
         first.remedy(base)
     );
     let code = "common-error-dominates";
-    Some(Finding::caution(code, "uncertainty", message))
+    // It stands on most sound experiments, and the table of the joints has it: what to do first is another's word.
+    Some(Finding::note(code, "uncertainty", message))
 }

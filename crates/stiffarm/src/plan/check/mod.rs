@@ -5,14 +5,17 @@
 //! The checks look at postures spread evenly over the bounds, so they speak of
 //! the whole cell and not of one plan.
 
+mod beside_arm;
 mod excitation;
 mod prepared;
 mod reason;
 mod slips;
+mod start;
 mod work;
 
 pub use excitation::JointExcitation;
 pub use prepared::{LEFT_OUT, determinable, prepared, springs_left_out};
+pub use start::{START_TOUCHES, start_touches};
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, list};
@@ -90,6 +93,8 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     machine_limits(cell, &mut findings);
     findings.extend(robot_doubts(&cell.setup.robot));
     slips::check(cell, &mut findings);
+    beside_arm::check(cell, &mut findings);
+    findings.extend(start_touches(cell));
     work::check(cell, &mut findings);
     setup(cell, &mut findings);
     shapes(cell, &mut findings);

@@ -1,5 +1,6 @@
 //! Numbers that are allowed but look like a slip of the unit.
 
+use super::beside_arm::longest_tool;
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
 use crate::model::elastic::{ElasticClass, ElasticSizes};
@@ -145,6 +146,7 @@ fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
 
 fn tool(cell: &Cell, slips: &mut Slips<'_>) {
     let tool = &cell.setup.tool;
+    let longest = longest_tool(&cell.setup.robot);
     let mut point = |key: &str, what: &str, position: &Vector3<f64>| {
         let distance = position.norm();
         if distance > FAR_TOOL {
@@ -153,6 +155,14 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
                 key,
                 format!("{what} lies {distance:.0} m from the flange: is it in mm?"),
             );
+        } else if distance > longest {
+            let sentence = format!(
+                "{what} lies {:.0} mm from the flange, and the longest link of the arm is {:.0} mm: is it in base axes? \
+                 Points of the tool are in flange axes.",
+                m_to_mm(distance),
+                m_to_mm(longest)
+            );
+            slips.add(key, sentence);
         } else if let Some(said) = tool_in_metres(position) {
             slips.add(key, format!("{what} {said}"));
         }
@@ -166,6 +176,17 @@ fn tool(cell: &Cell, slips: &mut Slips<'_>) {
         let key = format!("tool.measuring_point[{}].position_mm", a + 1);
         let what = format!("Measuring point \"{}\"", measuring.name);
         point(&key, &what, &measuring.position);
+    }
+    if let Some(tip) = &cell.work.tip
+        && tip.translation.vector.norm() > 0.0
+    {
+        point("work.tip_mm", "The tip", &tip.translation.vector);
+    }
+    for (t, task) in cell.tasks.iter().enumerate() {
+        if task.tip != tool.tcp() && task.tip.norm() > 0.0 {
+            let what = format!("The tip of task \"{}\"", task.name);
+            point(&format!("task[{}].tip_mm", t + 1), &what, &task.tip);
+        }
     }
     for (b, second) in tool.measuring_points.iter().enumerate() {
         for first in &tool.measuring_points[..b] {

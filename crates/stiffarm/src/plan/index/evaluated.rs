@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::model::posture::{Posture, PostureGroup};
-use crate::plan::check::determinable;
+use crate::plan::check::{determinable, start_touches};
 use crate::plan::feasibility::on_machine_limits;
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +91,7 @@ impl Evaluated {
             .iter()
             .map(|g| EvaluatedGroup::new(&cell, &g.name, &g.postures))
             .collect::<Result<Vec<_>>>()?;
+        left_out.extend(start_touches(&cell));
         left_out.extend(findings(&cell, groups, &evaluated));
         Ok(Evaluated {
             joints: cell.setup.robot.spring_names(),

@@ -7,6 +7,7 @@ use crate::findings::{Finding, list};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::load::Load;
 use crate::model::posture::Posture;
+use crate::plan::check::start_touches;
 
 /// Code of the finding about a move without a free way.
 pub const MOVE_BLOCKED: &str = "move-blocked";
@@ -44,8 +45,15 @@ impl RouteMove {
 /// # Errors
 /// A rope without a direction.
 pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>> {
-    let blocked = route.moves.iter().filter(|each| !each.free);
-    let mut findings: Vec<Finding> = blocked.map(|each| blocked_move(stops, each)).collect();
+    // Where the start itself touches something, one sentence says it for all moves from and to it.
+    let start = start_touches(cell);
+    let is_told = |each: &RouteMove| start.is_some() && (each.from.is_none() || each.to.is_none());
+    let blocked = route
+        .moves
+        .iter()
+        .filter(|each| !each.free && !is_told(each));
+    let blocked: Vec<Finding> = blocked.map(|each| blocked_move(stops, each)).collect();
+    let mut findings: Vec<Finding> = start.into_iter().chain(blocked).collect();
     findings.extend(not_approached(cell, stops, route)?);
     Ok(findings)
 }

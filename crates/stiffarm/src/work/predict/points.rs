@@ -101,8 +101,8 @@ pub struct Prediction {
     pub deflection_max_point: String,
     /// Largest difference between equilibrium and linear model \[m\].
     pub linear_difference_max_m: f64,
-    /// True where the linear model would have done, within a tenth of the bands
-    /// or a hundredth of the deflections.
+    /// True where the linear model would have done: within a tenth of the bands and of the
+    /// deflections, without bands within a hundredth of the deflections.
     pub linear_suffices: bool,
     /// RMS of the error that the bands stand for, all axes together \[m\].
     pub error_rms_m: Option<f64>,
@@ -252,7 +252,7 @@ fn summarise(
     let differences = points.iter().map(|p| p.linear_difference_m);
     let suffices = |p: &PointPrediction| {
         let allowed = match &p.band {
-            Some(band) => SUFFICES * band.size_m[3],
+            Some(band) => SUFFICES * band.size_m[3].min(p.deflection_m),
             None => SUFFICES_ALONE * p.deflection_m,
         };
         p.linear_difference_m <= allowed
@@ -280,15 +280,23 @@ fn summarise(
 fn findings(result: &Prediction) -> Vec<Finding> {
     let mut out = Vec::new();
     let gap = length(result.linear_difference_max_m);
+    let has_bands = result.points.iter().any(|p| p.band.is_some());
+    let small = if has_bands {
+        "less than a tenth of the ± and of the deflection everywhere"
+    } else {
+        "less than a hundredth of the deflection everywhere"
+    };
     let sentence = match (result.model, result.linear_suffices) {
         (Model::Equilibrium, true) => format!(
-            "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by at most {gap} and would do."
+            "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by at most {gap}, {small}, and \
+             would do."
         ),
         (Model::Equilibrium, false) => format!(
             "Deflections are those of the exact equilibrium; the linear model, Eq. (7), differs by up to {gap}."
         ),
         (Model::Linear, true) => format!(
-            "Deflections are those of the linear model, Eq. (7), which suffices: the exact equilibrium differs by at most {gap}."
+            "Deflections are those of the linear model, Eq. (7), which suffices: the exact equilibrium differs by at most \
+             {gap}, {small}."
         ),
         (Model::Linear, false) => format!(
             "Deflections are those of the linear model, Eq. (7), which leaves out up to {gap}: use the equilibrium."
