@@ -5,7 +5,7 @@
 //! reading where the positions differ by more than a step, and counts like noise of the tracker.
 
 use crate::findings::{Finding, length};
-use crate::measure::READING_RESOLUTION;
+use crate::measure::pending::READING_RESOLUTION;
 use crate::model::cell::Cell;
 use crate::model::measurement::{Reading, ReadingTable};
 use crate::units::{in_to_m, mm_to_m};

@@ -1,15 +1,12 @@
 //! Readings without names beside the sheet that says in which order they were taken.
 
-use super::order;
+use super::order::{self, POSITION};
 use crate::table::grid::{Field, Heading, Row, Rows, Table};
 use crate::table::heading::stem;
 use crate::table::naming::NAME;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::findings::Finding;
 use stiffarm::measure::NAMES_BY_SHEET;
-
-/// The columns that a sheet leaves to the readings.
-pub(super) const POSITION: [&str; 3] = ["x", "y", "z"];
 
 /// Takes a sheet out of several tables: one with names and no position in any row, where no other table has names.
 pub(in crate::table) fn take<'a>(tables: &mut Vec<Table<'a>>) -> Option<Table<'a>> {

@@ -1,7 +1,6 @@
 //! Whether readings without names stand in the order of their sheet: one that was taken twice or
 //! left out moves all that follow.
 
-use super::by_sheet::POSITION;
 use crate::table::grid::{Column, Row, Table};
 use crate::table::heading::{Known, stem};
 use crate::table::quantity::Quantity;
@@ -9,6 +8,9 @@ use crate::table::rows::in_words;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Error, Result};
+
+/// The columns that a sheet leaves to the readings.
+pub(super) const POSITION: [&str; 3] = ["x", "y", "z"];
 
 /// Readings of one point in one posture lie this near to each other \[m\].
 const NEAR: f64 = 0.02;
