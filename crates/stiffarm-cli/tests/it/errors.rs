@@ -46,7 +46,7 @@ fn folder() -> Folder {
     folder.write("heading.csv", HEADING);
     folder.write(
         "decimal-comma.csv",
-        format!("{HEADING}1,-35,-10,-95,\"10,5\",15,-20\n"),
+        format!("{HEADING}1,-35,-10,-95,\"10,5\",15.5,-20\n"),
     );
     folder.write(
         "beyond.csv",

@@ -103,7 +103,11 @@ impl Reader<'_> {
     fn ignore(&mut self, list: &[Text], key: &str) -> Result<()> {
         for (i, theirs) in list.iter().enumerate() {
             let key = format!("{key}[{}]", i + 1);
-            let heading = self.source.name(theirs)?;
+            // Nothing stands for columns without a heading.
+            let heading = match theirs.get().as_str() {
+                "" => String::new(),
+                _ => self.source.name(theirs)?,
+            };
             self.take(&heading, &key).map_err(|message| {
                 self.source
                     .error_at(Code::Duplicate, &key, theirs.span(), &message)

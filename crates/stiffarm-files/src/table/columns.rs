@@ -129,6 +129,11 @@ impl MeasurementColumns {
         vector(table, row, &self.vector)
     }
 
+    /// The column of a component of the position or displacement.
+    pub(super) fn component(&self, number: usize) -> Column {
+        self.vector[number]
+    }
+
     /// True where all three lengths are empty.
     pub(super) fn has_no_position(&self, table: &Table<'_>, row: &Row) -> bool {
         self.vector.iter().all(|c| table.is_blank(row, *c))

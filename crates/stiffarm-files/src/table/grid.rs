@@ -10,14 +10,12 @@ use std::collections::hash_map::Entry;
 use std::fmt::Display;
 use std::hash::Hash;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::{Finding, list};
-use stiffarm::measure::MERGED_CELLS;
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Columns;
-use stiffarm::units::{LARGEST_NUMBER, Sense};
+use stiffarm::units::Sense;
 
-/// Lengths of a table in another unit have an error of their own: so many times the
-/// limit of others is left to it.
-const LENGTHS: f64 = 10.0;
+/// How a field begins whose formula has no value: the program that wrote it does not calculate.
+pub(super) const OPEN_FORMULA: &str = "a formula that nobody has calculated";
 
 /// A heading.
 #[derive(Debug, Clone)]
@@ -57,12 +55,12 @@ pub(super) struct Table<'a> {
     pub(super) aside: Option<String>,
     /// What separates the columns of a text.
     pub(super) delimiter: char,
+    /// Commas separate the columns, and numbers in quotation marks have another for the point.
+    pub(super) has_quoted_decimals: bool,
     /// The columns are those of `order` in `[columns]`: the file has no heading.
     pub(super) by_order: bool,
-    /// Columns with merged cells, each row of which has the value of the first.
-    pub(super) merged: Vec<String>,
-    /// Says that a sheet names the rows.
-    pub(super) named_by: Option<Finding>,
+    /// What was taken for granted when it was read.
+    pub(super) remarks: Vec<Finding>,
 }
 
 /// Where a column stands, and its unit if it has one.
@@ -77,9 +75,25 @@ impl<'a> Table<'a> {
     pub(super) fn new(file: &'a str, style: Style, mut rows: Rows, foreign: &Columns) -> Self {
         let heading = rows.at(0);
         let named = heading.fields.iter().rposition(|f| !f.text.is_empty());
-        let headings: Vec<Heading> = heading.fields[..named.map_or(0, |last| last + 1)]
-            .iter()
-            .map(|field| {
+        let named = named.map_or(0, |last| last + 1);
+        // Columns without a heading do not matter where the cell file says so, or nothing stands in them.
+        let nameless = foreign.ignore.iter().any(String::is_empty);
+        let widest = rows.below().map(|row| row.fields.len()).max();
+        let width = if nameless {
+            named.max(widest.unwrap_or(0))
+        } else {
+            named
+        };
+        let filled: Vec<bool> = (0..width)
+            .map(|at| {
+                let mut fields = rows.below().filter_map(|row| row.fields.get(at));
+                fields.any(|field| !field.text.is_empty())
+            })
+            .collect();
+        let none = Field::empty();
+        let headings: Vec<Heading> = (0..width)
+            .map(|at| {
+                let field = heading.fields.get(at).unwrap_or(&none);
                 let given = normal(&field.text);
                 let same = |other: &String| normal(other) == given;
                 let ours = foreign.names.iter().find(|(_, theirs)| same(theirs));
@@ -99,7 +113,7 @@ impl<'a> Table<'a> {
                         .map(|_| DATE.into())
                 };
                 Heading {
-                    ignored: foreign.ignore.iter().any(same),
+                    ignored: foreign.ignore.iter().any(same) || (given.is_empty() && !filled[at]),
                     name: ours
                         .or_else(name)
                         .or_else(date)
@@ -110,6 +124,9 @@ impl<'a> Table<'a> {
                 }
             })
             .collect();
+        if nameless {
+            rows.fill_up(width);
+        }
         rows.drop_empty_ends(headings.len());
         Table {
             files: vec![file],
@@ -124,20 +141,10 @@ impl<'a> Table<'a> {
                 .collect(),
             aside: None,
             delimiter: ',',
+            has_quoted_decimals: false,
             by_order: false,
-            merged: Vec::new(),
-            named_by: None,
+            remarks: Vec::new(),
         }
-    }
-
-    /// Says which columns have merged cells, where some have.
-    pub(super) fn merged_cells(&self) -> Option<Finding> {
-        let sentence = format!(
-            "Cells are merged in {}: each of their rows has the value of the first.",
-            list(&self.merged)
-        );
-        let remark = Finding::note(MERGED_CELLS, "readings", sentence);
-        (!self.merged.is_empty()).then_some(remark)
     }
 
     /// Says that the columns are those of `order`: each `-` among them does not matter.
@@ -321,83 +328,24 @@ impl<'a> Table<'a> {
         column.filter(|column| !self.is_blank(row, *column))
     }
 
-    /// A finite number in SI units.
-    pub(super) fn number(&self, row: &Row, column: Column) -> Result<f64> {
-        let at = column.at;
-        let text = row.fields[at].text.as_str();
-        if text.is_empty() {
-            let message = "The field is empty; it must be a number.";
-            return Err(self
-                .error(row, at, Code::TableRow, message)
-                .hint("fill it in, or remove the row if it was not measured"));
-        }
-        self.refuse_other(row, column, "a number", "format the column as a number")?;
-        let value = match self.style {
-            Style::Others if !text.contains('.') => text.replacen(',', ".", 1).parse::<f64>(),
-            _ => text.parse::<f64>(),
-        };
-        let Ok(value) = value else {
-            return Err(self.not_a_number(row, at, text));
-        };
-        if !value.is_finite() {
-            let message = format!("\"{text}\" is not a finite number.");
-            return Err(self.error(row, at, Code::NotFinite, message));
-        }
-        if let Some(message) = self.beyond_sense(at, value) {
-            let error = self.error(row, at, Code::TableRow, message);
-            let other = column
-                .unit
-                .and_then(|unit| unit.of_others(&self.headings[at].name));
-            return Err(error.hint_if(other));
-        }
-        Ok(column.unit.map_or(value, |unit| (unit.to_si)(value)))
-    }
-
-    /// Says that the number in column `at` cannot be meant, where that is so.
-    fn beyond_sense(&self, at: usize, value: f64) -> Option<String> {
-        let name = &self.headings[at].name;
-        let Some(sense) = Sense::of(name) else {
-            return (value.abs() > LARGEST_NUMBER).then(|| format!("{value:e} is too large."));
-        };
-        let units = ["mm", "m", "um", "in"];
-        let is_length = units.iter().any(|unit| name.ends_with(&format!("_{unit}")));
-        if is_length && value.abs() < LENGTHS * sense.limit {
-            return None;
-        }
-        sense.refuse(value)
-    }
-
-    fn refuse_other(&self, row: &Row, column: Column, wanted: &str, hint: &str) -> Result<()> {
+    pub(super) fn refuse_other(
+        &self,
+        row: &Row,
+        column: Column,
+        wanted: &str,
+        hint: &str,
+    ) -> Result<()> {
         let field = &row.fields[column.at];
         if !field.other {
             return Ok(());
         }
         let message = format!("The cell holds {}; it must be {wanted}.", field.text);
-        Err(self
-            .error(row, column.at, Code::TableRow, message)
-            .hint(format!("{hint}, and enter the value again")))
-    }
-
-    fn not_a_number(&self, row: &Row, column: usize, text: &str) -> Error {
-        let with_point = text.replacen(',', ".", 1).parse::<f64>().is_ok();
-        if with_point && self.style == Style::Commas {
-            let message = format!("{text} has a decimal comma, but commas separate the columns.");
-            return self
-                .error(row, column, Code::DecimalComma, message)
-                .hint("write a decimal point, or separate the columns with semicolons");
-        }
-        let message = format!("\"{text}\" is not a number.");
-        let error = self.error(row, column, Code::TableRow, message);
-        let number_part = text.trim_end_matches(|c: char| !c.is_ascii_digit());
-        if with_point {
-            error.hint("the cell holds text: format the column as a number, and enter it again")
-        } else if text.contains(',') && text.contains('.') {
-            error.hint("leave out separators between thousands")
-        } else if number_part.replacen(',', ".", 1).parse::<f64>().is_ok() {
-            error.hint("write the number alone; the unit stands in the heading")
+        let error = self.error(row, column.at, Code::TableRow, message);
+        Err(if field.text.starts_with(OPEN_FORMULA) {
+            error.hint("open the workbook in a spreadsheet program and save it, or write the value instead of the formula")
         } else {
-            error
-        }
+            error.hint(format!("{hint}, and enter the value again"))
+        })
     }
 
     /// First field that with the next one looks like the two halves of a decimal.

@@ -55,7 +55,7 @@ impl Known {
     }
 
     /// The column that a heading of this name is, at `at`.
-    fn column(&self, heading: &str, at: usize) -> Option<Column> {
+    pub(super) fn column(&self, heading: &str, at: usize) -> Option<Column> {
         let rest = heading.strip_prefix(self.stem.as_str())?;
         if self.quantity.units().is_empty() {
             return rest.is_empty().then_some(Column { at, unit: None });
@@ -112,6 +112,8 @@ impl<'a> Table<'a> {
             if heading.name.is_empty() {
                 let message = "A column has no name.";
                 let error = self.heading_error(Some(at), Code::TableHeading, message);
+                let hint = "give it a heading; where columns without one do not matter, write ignore = [\"\"] into [columns] of the cell file";
+                let error = error.hint_if(is_foreign(known).then(|| hint.to_string()));
                 return Err(self.two_rows(known).unwrap_or(error));
             }
             let found = known

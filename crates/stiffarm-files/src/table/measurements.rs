@@ -1,6 +1,7 @@
 //! Displacements or raw readings, as the heading says.
 
 use super::displacements::displacements;
+use super::foreign::Names;
 use super::grid::Table;
 use super::readings::readings;
 use super::values::Values;
@@ -60,7 +61,7 @@ fn read_of(
     postures: Option<&[Posture]>,
     growing: bool,
 ) -> Result<Measurements> {
-    let table = Table::read_all(files, &cell.columns)?;
+    let table = Table::read_all(files, &cell.columns, &names(cell, postures))?;
     let read = || match Values::of(&table, cell.setup.robot.joint_count())? {
         Values::Positions => readings(&table, cell, postures, growing).map(Measurements::Readings),
         Values::Displacements => {
@@ -70,11 +71,26 @@ fn read_of(
     read().map_err(|error| table.with_aside(error))
 }
 
+/// The names that cell and plan know.
+fn names<'n>(cell: &'n Cell, postures: Option<&'n [Posture]>) -> Names<'n> {
+    let points = cell.setup.tool.measuring_points.iter();
+    let cases = cell.setup.load.cases().iter();
+    Names {
+        postures: postures
+            .into_iter()
+            .flatten()
+            .map(|p| p.name.as_str())
+            .collect(),
+        points: points.map(|point| point.name.as_str()).collect(),
+        cases: cases.map(|case| case.name.as_str()).collect(),
+    }
+}
+
 /// True where the heading is that of measurements: of displacements or of positions.
 ///
 /// # Errors
 /// Not a table.
 pub fn holds_measurements(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<bool> {
-    let table = Table::read(bytes, file_name, &cell.columns)?;
+    let table = Table::read_all(&[(bytes, file_name)], &cell.columns, &names(cell, None))?;
     Ok(Values::of(&table, cell.setup.robot.joint_count()).is_ok())
 }

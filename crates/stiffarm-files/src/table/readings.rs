@@ -3,6 +3,7 @@
 use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
 use super::loads;
+use super::unread;
 use super::values::Values;
 use std::collections::{BTreeMap, HashMap};
 use stiffarm::error::{Code, Error, Result, did_you_mean};
@@ -79,17 +80,13 @@ pub(super) fn readings(
         }
         reader.add(&mut groups[number], row)?;
     }
+    unread::check(table, &reader.columns, &rows)?;
     let mut out = ReadingTable {
         postures: Vec::new(),
         wrench_columns: reader.columns.wrench_columns(),
         pending: Vec::new(),
         incomplete: Vec::new(),
-        remarks: Vec::from_iter(
-            table
-                .merged_cells()
-                .into_iter()
-                .chain(table.named_by.clone()),
-        ),
+        remarks: table.remarks.clone(),
     };
     let mut named: BTreeMap<String, f64> = BTreeMap::new();
     let at_work = if growing { at_work(&groups) } else { None };

@@ -2,6 +2,10 @@
 
 use smol_str::SmolStr;
 use std::ops::Range;
+use stiffarm::findings::list;
+
+/// Runs of lines that a sentence names.
+const MOST_NAMED: usize = 12;
 
 /// A field and where it begins, counted from 1: a character column of a text,
 /// a column of a spreadsheet.
@@ -96,6 +100,23 @@ impl Rows {
         &mut self.fields[self.spans[row].fields.clone()]
     }
 
+    /// Gives each row empty fields up to `width`.
+    pub(super) fn fill_up(&mut self, width: usize) {
+        let mut out = Rows::default();
+        for row in self.spans.iter().map(|span| self.row(span)) {
+            let more = width.saturating_sub(row.fields.len());
+            let empty = std::iter::repeat_with(Field::empty).take(more);
+            out.push_as(&row, row.source, row.fields.iter().cloned().chain(empty));
+        }
+        *self = out;
+    }
+
+    /// Leaves out the rows for whose number, 0 for the heading, `keep` does not hold.
+    pub(super) fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        let mut number = 0..;
+        self.spans.retain(|_| number.next().is_some_and(&keep));
+    }
+
     /// How many rows there are, the heading among them.
     pub(super) fn len(&self) -> usize {
         self.spans.len()
@@ -134,4 +155,27 @@ impl Rows {
             }
         }
     }
+}
+
+/// Lines in words, which are in order: `5, 7 and 9 to 14`.
+pub(super) fn in_words(lines: &[usize]) -> String {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for line in lines {
+        match runs.last_mut() {
+            Some((_, last)) if *last + 1 == *line => *last = *line,
+            _ => runs.push((*line, *line)),
+        }
+    }
+    let more = runs.len().saturating_sub(MOST_NAMED);
+    let shown = runs
+        .iter()
+        .take(MOST_NAMED)
+        .map(|(first, last)| match last - first {
+            0 => first.to_string(),
+            1 => format!("{first}, {last}"),
+            _ => format!("{first} to {last}"),
+        });
+    let mut shown: Vec<String> = shown.collect();
+    shown.extend((more > 0).then(|| format!("{more} more")));
+    list(&shown)
 }

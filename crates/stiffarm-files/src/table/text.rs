@@ -1,7 +1,9 @@
 //! Tables in CSV text, and the choice between text and workbook.
 
-use super::foreign;
+use super::foreign::{self, Names};
 use super::grid::{Field, Rows, Style, Table};
+use super::number::has_quoted_decimals;
+use super::tidy;
 use super::workbook;
 use crate::text::decode;
 use std::borrow::Cow;
@@ -12,13 +14,23 @@ impl<'a> Table<'a> {
     /// Reads a workbook or a text, by their content; `foreign` names the
     /// columns that another software calls otherwise.
     pub(super) fn read(bytes: &[u8], file: &'a str, foreign: &Columns) -> Result<Self> {
-        Table::read_all(&[(bytes, file)], foreign)
+        let mut table = Table::read_one(bytes, file, foreign)?;
+        foreign::finish(&mut table, foreign, &Names::default())?;
+        Ok(table)
     }
 
-    /// Reads several files with the same columns as one table.
-    pub(super) fn read_all(files: &[(&[u8], &'a str)], columns: &Columns) -> Result<Self> {
+    /// Reads several files of measurements with the same columns as one table.
+    pub(super) fn read_all(
+        files: &[(&[u8], &'a str)],
+        columns: &Columns,
+        names: &Names<'_>,
+    ) -> Result<Self> {
         let tables = files.iter();
-        let tables = tables.map(|(bytes, file)| Table::read_one(bytes, file, columns));
+        let tables = tables.map(|(bytes, file)| {
+            let mut table = Table::read_one(bytes, file, columns)?;
+            tidy::leave_out(&mut table, columns);
+            Ok(table)
+        });
         let mut tables: Vec<Table<'a>> = tables.collect::<Result<_>>()?;
         let sheet = foreign::take(&mut tables);
         let mut tables = tables.into_iter();
@@ -32,7 +44,8 @@ impl<'a> Table<'a> {
         if let Some(sheet) = sheet {
             foreign::put(&mut table, &sheet)?;
         }
-        foreign::finish(&mut table, columns)?;
+        foreign::finish(&mut table, columns, names)?;
+        tidy::carry_down(&mut table);
         Ok(table)
     }
 
@@ -70,6 +83,12 @@ impl<'a> Table<'a> {
         let announced = announcement.and_then(|(_, line)| line.chars().nth(4));
         let announced = announced.filter(|delimiter| [',', ';', '\t'].contains(delimiter));
         lines.drain(..usize::from(announcement.is_some()));
+        let by_itself = |line: &str| {
+            let fields = fields(line, announced.unwrap_or_else(|| by_heading(line)));
+            fields.into_iter().map(|(text, _)| text)
+        };
+        let own = foreign::of_own_sheet(lines.iter().map(|(_, line)| by_itself(line)), columns);
+        let columns = own.as_ref().unwrap_or(columns);
         let given = columns.separator.map(Separator::character).or(announced);
         let titles = foreign::find(
             lines.iter().map(|(_, line)| {
@@ -108,6 +127,7 @@ impl<'a> Table<'a> {
         }
         let mut table = Table::new(file, style, rows, columns);
         table.delimiter = delimiter;
+        table.has_quoted_decimals = delimiter == ',' && has_quoted_decimals(&table.rows);
         table.set_by_order(by_order);
         Ok(table)
     }

@@ -3,7 +3,8 @@
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::measure::pending::{not_measured_yet, nothing_measured};
-use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
+use crate::measure::reduction::{IDENTICAL_READINGS, ReduceOptions, Reduction, reduce_series};
+use crate::measure::resolution::Resolution;
 use crate::measure::screening::{
     Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
 };
@@ -29,6 +30,9 @@ pub struct Measured {
     pub readings_per_displacement: Option<u32>,
     /// Scatter of repeated readings, where some were repeated.
     pub scatter: Option<ReadingScatter>,
+    /// Variance of each coordinate of a reading by the step to which the readings were rounded
+    /// \[m²\]; zero where none matters.
+    pub resolution_variance: f64,
     /// How raw readings became displacements.
     pub reduction: Option<Reduction>,
     /// What is suspicious about raw readings themselves, or about the scales of displacements.
@@ -36,11 +40,13 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// The noise of `cell` with as many readings per displacement as were taken.
+    /// The noise of `cell` with as many readings per displacement as were taken, and that of
+    /// the step in which they were written down.
     pub fn noise(&self, cell: &Cell) -> Noise {
         let own = cell.noise.readings_per_displacement;
         Noise {
             readings_per_displacement: self.readings_per_displacement.unwrap_or(own),
+            reading_variance: cell.noise.reading_variance + self.resolution_variance,
             ..cell.noise
         }
     }
@@ -189,6 +195,8 @@ pub fn prepare(
         return Err(error);
     }
     let table = table.in_order_of_time();
+    let resolution = Resolution::of(cell, &table);
+    let cell = resolution.as_ref().map_or(cell, |rounded| &rounded.cell);
     let series = PostureSeries::all(&table);
     let given = options.base_from_tracker.as_ref();
     let screening = screen_series(cell, &table, &series, given)?;
@@ -199,14 +207,20 @@ pub fn prepare(
             None => error,
         }
     })?;
+    // Rounded coarsely, readings repeat each other without being copied.
+    let is_coarse = resolution.as_ref().is_some_and(|rounded| rounded.is_coarse);
+    let follows_rounding = |finding: &Finding| is_coarse && finding.code == IDENTICAL_READINGS;
     reduction
         .findings
-        .retain(|finding| !follows(&screening, finding));
+        .retain(|finding| !follows(&screening, finding) && !follows_rounding(finding));
     reduction.findings.extend(not_measured_yet(&table));
+    let rounded = resolution.as_ref().map(|rounded| rounded.finding.clone());
+    reduction.findings.extend(rounded);
     reduction.findings.extend(table.remarks);
     Ok(Measured {
         postures: std::mem::take(&mut reduction.measured),
         readings_per_displacement: Some(READINGS),
+        resolution_variance: resolution.as_ref().map_or(0.0, |rounded| rounded.variance),
         scatter: reduction
             .repeatability
             .as_ref()

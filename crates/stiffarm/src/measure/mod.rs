@@ -7,11 +7,13 @@ mod pending;
 pub mod reduction;
 pub mod registered;
 pub mod registration;
+mod resolution;
 pub mod screening;
 mod series;
 
 pub use measured::{Measured, prepare};
 pub(crate) use measured::{all_excluded, check_names};
 pub use pending::{
-    LOADS_FROM_NAMES, MERGED_CELLS, NAMES_BY_SHEET, NOT_MEASURED_YET, is_of_table, not_measured_yet,
+    CARRIED_DOWN, HIDDEN_CELLS, LOADS_FROM_NAMES, MERGED_CELLS, NAMES_BY_SHEET, NOT_MEASURED_YET,
+    READING_RESOLUTION, ROWS_LEFT_OUT, is_of_table, not_measured_yet,
 };

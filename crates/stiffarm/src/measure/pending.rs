@@ -16,6 +16,15 @@ pub const NAMES_BY_SHEET: &str = "names-by-sheet";
 /// The code of the finding about forces that stand in the names of states alone.
 pub const LOADS_FROM_NAMES: &str = "loads-from-names";
 
+/// The code of the finding about rows and columns of a worksheet that are hidden and count.
+pub const HIDDEN_CELLS: &str = "hidden-cells";
+/// The code of the finding about names and values that stand in the first row of a group alone.
+pub const CARRIED_DOWN: &str = "carried-down";
+/// The code of the finding about rows below the readings that are none: remarks, means.
+pub const ROWS_LEFT_OUT: &str = "rows-left-out";
+/// The code of the finding about the step in which readings were written down.
+pub const READING_RESOLUTION: &str = "reading-resolution";
+
 /// True for what is said of the table itself and not of its numbers.
 pub fn is_of_table(finding: &Finding) -> bool {
     [
@@ -23,6 +32,10 @@ pub fn is_of_table(finding: &Finding) -> bool {
         MERGED_CELLS,
         NAMES_BY_SHEET,
         LOADS_FROM_NAMES,
+        HIDDEN_CELLS,
+        CARRIED_DOWN,
+        ROWS_LEFT_OUT,
+        READING_RESOLUTION,
     ]
     .contains(&finding.code.as_str())
 }

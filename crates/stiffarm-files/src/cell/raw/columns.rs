@@ -66,7 +66,7 @@ impl JsonSchema for RawColumns {
                 "ignore": {
                     "type": "array",
                     "items": { "type": "string" },
-                    "description": "Headings of columns that do not matter.",
+                    "description": "Headings of columns that do not matter; \"\" stands for columns without one.",
                 },
                 "order": {
                     "type": "array",

@@ -1,14 +1,12 @@
 //! Readings without names beside the sheet that says in which order they were taken.
 
+use super::order::{self, POSITION};
 use crate::table::grid::{Field, Heading, Row, Rows, Table};
 use crate::table::heading::stem;
 use crate::table::naming::NAME;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::findings::Finding;
 use stiffarm::measure::NAMES_BY_SHEET;
-
-/// The columns that a sheet leaves to the readings.
-const POSITION: [&str; 3] = ["x", "y", "z"];
 
 /// Takes a sheet out of several tables: one with names and no position in any row, where no other table has names.
 pub(in crate::table) fn take<'a>(tables: &mut Vec<Table<'a>>) -> Option<Table<'a>> {
@@ -44,6 +42,7 @@ fn columns_where(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec
 /// Another number of rows; a row that does not fit the heading.
 pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Result<()> {
     let (readings, rows) = (table.rows()?, sheet.rows()?);
+    order::check(table, sheet, &readings, &rows)?;
     let (files, name) = (table.files.join(", "), sheet.files[0]);
     if readings.len() != rows.len() {
         let message = format!(
@@ -86,7 +85,9 @@ pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Res
         "{files} has no names: {name} says row by row what its {} readings are of.",
         readings.len()
     );
-    table.named_by = Some(Finding::note(NAMES_BY_SHEET, "readings", sentence));
+    table.remarks.extend(sheet.remarks.iter().cloned());
+    let remark = Finding::note(NAMES_BY_SHEET, "readings", sentence);
+    table.remarks.push(remark);
     table.rows = out;
     let headings = added.iter().map(|at| sheet.headings[*at].clone());
     table.headings.extend(headings.collect::<Vec<_>>());

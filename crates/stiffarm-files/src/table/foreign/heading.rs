@@ -74,21 +74,65 @@ fn quantity(base: &str) -> Option<Quantity> {
     }
 }
 
-/// Our heading for one whose unit stands in brackets: `X [mm]`, `x (m)`, `Fx [N]`.
+/// Signs between a name and its unit, and around it.
+const AROUND_UNIT: [char; 14] = [
+    ' ', '_', '/', '[', ']', '(', ')', '{', '}', '<', '>', ',', ':', '.',
+];
+
+/// Our heading for one whose unit stands in brackets or behind a sign: `X [mm]`, `x (m)`, `Fx / N`,
+/// `x_(mm)`, `y in mm`, and `x..mm.` as R makes of brackets.
 pub(in crate::table) fn own_unit(name: &str) -> Option<String> {
-    let inside = name
-        .strip_suffix(']')
-        .and_then(|name| name.split_once('['))
-        .or_else(|| name.strip_suffix(')').and_then(|name| name.split_once('(')));
-    let (base, unit) = inside?;
-    let unit = match unit.trim() {
+    let end = name.find(|c: char| !c.is_ascii_alphanumeric())?;
+    let (base, unit) = name.split_at(end);
+    let unit = unit.trim_matches(AROUND_UNIT);
+    let unit = match unit
+        .strip_prefix("in ")
+        .unwrap_or(unit)
+        .trim_matches(AROUND_UNIT)
+    {
         "°" => "deg".to_string(),
         unit => unit
             .replace(['·', '*', ' ', '°'], "")
             .replace('/', "_per_")
             .to_lowercase(),
     };
-    let base = base.trim();
     let known = quantity(base)?.units().iter().any(|own| own.suffix == unit);
     known.then(|| format!("{base}_{unit}"))
+}
+
+/// The columns with which a sheet of our own begins; the last three have a unit.
+const OWN_SHEET: [&str; 6] = ["posture", "state", "point", "x", "y", "z"];
+
+/// What counts for a file whose heading is that of a sheet of our own, beside which another
+/// software's export may be read: its names are ours, whatever `[columns]` calls so there.
+pub(in crate::table) fn of_own_sheet<R, F>(
+    rows: impl IntoIterator<Item = R>,
+    foreign: &Columns,
+) -> Option<Columns>
+where
+    R: IntoIterator<Item = F>,
+    F: AsRef<str>,
+{
+    let rows = rows.into_iter().take(MOST_ABOVE);
+    let names = |row: R| -> Vec<String> {
+        let fields = row.into_iter().take(OWN_SHEET.len());
+        fields.map(|field| normal(field.as_ref())).collect()
+    };
+    let is_sheet = |row: &Vec<String>| {
+        let mut pairs = row.iter().zip(OWN_SHEET);
+        row.len() == OWN_SHEET.len()
+            && pairs.all(|(name, own)| {
+                is_own(name)
+                    && (name == own || name.strip_prefix(own).is_some_and(|u| u.starts_with('_')))
+            })
+    };
+    let heading = rows.map(names).find(is_sheet)?;
+    let is_ours = |theirs: &String| heading.contains(&normal(theirs));
+    let mut own = foreign.clone();
+    own.ignore.retain(|theirs| !is_ours(theirs));
+    own.names.retain(|_, theirs| !is_ours(theirs));
+    own.name.take_if(|theirs| is_ours(theirs));
+    own.date.take_if(|theirs| is_ours(theirs));
+    own.separator = None;
+    Some(own)
 }

@@ -42,6 +42,7 @@ pub(in crate::table) fn join<'a>(table: &mut Table<'a>, other: Table<'a>) -> Res
     }
     let source = table.files.len();
     table.files.push(other.files[0]);
+    table.remarks.extend(other.remarks.iter().cloned());
     for row in other.rows.below() {
         if row.is_empty() {
             continue;

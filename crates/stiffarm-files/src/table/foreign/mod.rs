@@ -8,12 +8,14 @@ mod by_sheet;
 mod heading;
 mod join;
 mod names;
+mod order;
 mod suggest;
 mod times;
 
 pub(super) use by_sheet::{put, take};
-pub(super) use heading::{find, own_unit};
+pub(super) use heading::{find, of_own_sheet, own_unit};
 pub(super) use join::join;
+pub(super) use names::Names;
 pub(super) use suggest::suggestion;
 pub(super) use times::DATED;
 
@@ -26,9 +28,9 @@ use stiffarm::model::cell::Columns;
 /// # Errors
 /// A name that does not fit the pattern, a time that cannot be read, dates whose order of day
 /// and month nothing tells.
-pub(super) fn finish(table: &mut Table<'_>, foreign: &Columns) -> Result<()> {
+pub(super) fn finish(table: &mut Table<'_>, foreign: &Columns, names: &Names<'_>) -> Result<()> {
     if let Some(pattern) = &foreign.name_pattern {
-        names::split(table, pattern)?;
+        names::split(table, pattern, names)?;
     }
     times::to_seconds(table, foreign.dates)
 }

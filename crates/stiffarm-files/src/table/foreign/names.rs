@@ -4,9 +4,47 @@ use crate::table::grid::{Column, Field, Heading, Rows, Table};
 use crate::table::naming::NAME;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::NamePattern;
+use stiffarm::model::measurement::{ReadingTarget, Role};
+
+/// Names that are known beforehand; empty lists say nothing.
+#[derive(Debug, Default)]
+pub(in crate::table) struct Names<'n> {
+    pub(in crate::table) postures: Vec<&'n str>,
+    pub(in crate::table) points: Vec<&'n str>,
+    pub(in crate::table) cases: Vec<&'n str>,
+}
+
+impl Names<'_> {
+    /// How many parts of a name are known ones.
+    fn known(&self, columns: &[&str], parts: &[&str]) -> usize {
+        let is_known = |(column, part): (&&str, &&str)| match *column {
+            "posture" => self.postures.contains(part),
+            "point" => self.points.contains(part) || ReadingTarget::is_base_name(part),
+            _ => is_state(part) || self.cases.iter().any(|case| part.starts_with(case)),
+        };
+        let pairs = columns.iter().zip(parts);
+        pairs.filter(|pair| is_known(*pair)).count()
+    }
+
+    /// The way to split `name` in which most parts are known; the first of those.
+    fn split<'t>(&self, pattern: &NamePattern, name: &'t str) -> Option<Vec<&'t str>> {
+        let columns: Vec<&str> = pattern.columns().collect();
+        let ways = pattern.splits(name).into_iter().rev();
+        ways.max_by_key(|parts| self.known(&columns, parts))
+    }
+}
+
+/// True for the names of states that sheets have: `unloaded-2`, `preload`, `loaded`, `up-250`.
+fn is_state(name: &str) -> bool {
+    let end = name
+        .find(|c: char| !c.is_alphabetic())
+        .unwrap_or(name.len());
+    let word = name[..end].to_lowercase();
+    Role::of(name) != Role::Loaded || ["loaded", "up", "down"].contains(&word.as_str())
+}
 
 /// Replaces the column `name` by the columns of the pattern.
-pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern) -> Result<()> {
+pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern, names: &Names<'_>) -> Result<()> {
     let is_name = |heading: &Heading| !heading.ignored && heading.name == NAME;
     let Some(at) = table.headings.iter().position(is_name) else {
         return Ok(());
@@ -26,7 +64,7 @@ pub(super) fn split(table: &mut Table<'_>, pattern: &NamePattern) -> Result<()> 
             vec![""; pattern.columns().count()]
         } else {
             table.name(&row, Column { at, unit: None })?;
-            pattern.split(&whole.text).ok_or_else(|| {
+            names.split(pattern, &whole.text).ok_or_else(|| {
                     let message = format!(
                         "\"{}\" does not fit the pattern {}.",
                         whole.text,

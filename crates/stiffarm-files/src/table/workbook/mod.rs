@@ -11,6 +11,7 @@
 //! unpacks to is counted before it is read (`unpacked`), and what it holds while
 //! it is read (`sheet`).
 
+mod parts;
 mod sheet;
 mod unpacked;
 

@@ -1,15 +1,19 @@
 //! The first sheet of a workbook, cell by cell.
 
 use super::HINT;
+use super::parts::{self, Hidden};
 use super::unpacked;
-use crate::table::foreign::{DATED, find};
-use crate::table::grid::{Field, Rows, Style, Table};
+use crate::table::foreign::{DATED, find, of_own_sheet};
+use crate::table::grid::{Field, OPEN_FORMULA, Rows, Style, Table};
+use crate::table::rows::in_words;
 use crate::table::text::named;
 use calamine::{DataRef, Dimensions, ExcelDateTime, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use stiffarm::error::{Code, Error, Result};
+use stiffarm::findings::{Finding, list};
+use stiffarm::measure::{HIDDEN_CELLS, MERGED_CELLS};
 use stiffarm::model::cell::Columns;
 
 /// Rows and columns of a sheet, by the format.
@@ -54,6 +58,8 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
         aside,
         by_order,
         merged,
+        hidden,
+        columns,
     } = read.map_err(|e| match e.hint_text() {
         Some(_) => e.file(file),
         None => e.file(file).hint(HINT),
@@ -65,13 +71,65 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
             error.hint(aside.unwrap_or_else(|| "the first row names the columns".to_string()))
         );
     }
+    let foreign = columns.as_ref().unwrap_or(foreign);
     let mut table = Table::new(file, Style::Sheet, rows, foreign);
     table.aside = aside;
     table.set_by_order(by_order);
-    let headings = table.headings.iter();
-    let filled = headings.filter(|heading| merged.contains(&(heading.column as u32 - 1)));
-    table.merged = filled.map(|heading| heading.shown.clone()).collect();
+    let filled = shown(&table, |column| merged.contains(&column));
+    let sentence = format!(
+        "Cells are merged in {}: each of their rows has the value of the first.",
+        list(&filled)
+    );
+    let remark = Finding::note(MERGED_CELLS, "readings", sentence);
+    table.remarks.extend((!filled.is_empty()).then_some(remark));
+    table.remarks.extend(not_seen(&table, &name, &hidden));
     Ok(table)
+}
+
+/// The headings that count, of the columns for whose number, from 0, `wanted` holds.
+fn shown(table: &Table<'_>, wanted: impl Fn(u32) -> bool) -> Vec<String> {
+    let headings = table.headings.iter().filter(|heading| !heading.ignored);
+    let wanted = headings.filter(|heading| wanted(heading.column as u32 - 1));
+    wanted.map(|heading| heading.shown.clone()).collect()
+}
+
+/// Says which rows and columns count though nobody sees them. Columns are mostly hidden for want
+/// of room; a row that a filter hides is mostly meant to be left out.
+fn not_seen(table: &Table<'_>, sheet: &str, hidden: &Hidden) -> Option<Finding> {
+    let rows = table.rows.below().filter(|row| !row.is_empty());
+    let lines = rows.map(|row| row.line);
+    let lines: Vec<usize> = lines
+        .filter(|line| hidden.rows.contains(&(*line as u32 - 1)))
+        .collect();
+    let columns = shown(table, |column| hidden.has_column(column));
+    let mut parts = Vec::new();
+    if !lines.is_empty() {
+        let noun = if lines.len() == 1 { "row" } else { "rows" };
+        parts.push(format!(
+            "{} hidden {noun} ({})",
+            lines.len(),
+            in_words(&lines)
+        ));
+    }
+    if !columns.is_empty() {
+        let noun = if columns.len() == 1 {
+            "column"
+        } else {
+            "columns"
+        };
+        let names = list(&columns);
+        parts.push(format!("{} hidden {noun} ({names})", columns.len()));
+    }
+    let sentence = format!(
+        "The sheet \"{sheet}\" of {} has {}, which count like all others. Take the filter off and delete what is not to count.",
+        table.files[0],
+        parts.join(" and ")
+    );
+    match (lines.is_empty(), columns.is_empty()) {
+        (true, true) => None,
+        (true, false) => Some(Finding::note(HIDDEN_CELLS, "readings", sentence)),
+        (false, _) => Some(Finding::caution(HIDDEN_CELLS, "readings", sentence)),
+    }
 }
 
 /// The first sheet, and what a reader should know of the others.
@@ -82,6 +140,9 @@ struct Sheet {
     by_order: bool,
     /// Columns, from 0, in which merged cells were filled.
     merged: Vec<u32>,
+    hidden: Hidden,
+    /// What counts of `[columns]` where the sheet is one of our own.
+    columns: Option<Columns>,
 }
 
 fn broken(error: XlsxError) -> Error {
@@ -104,15 +165,20 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
     };
     if let Some(wanted) = &foreign.sheet {
         let Some(name) = names.iter().find(|name| *name == wanted) else {
+            // The sheet of an export is none of our own workbook.
+            let own = sheet(&mut workbook, bytes, first, foreign);
+            if let Some(own) = own.ok().filter(|own| own.columns.is_some()) {
+                return Ok(own);
+            }
             let message = format!("The workbook has no sheet \"{wanted}\".");
             return Err(Error::new(Code::UnknownName, message).hint(format!(
                 "sheet in [columns] of the cell file names one of: {}",
                 names.join(", ")
             )));
         };
-        return sheet(&mut workbook, name, foreign);
+        return sheet(&mut workbook, bytes, name, foreign);
     }
-    let own = sheet(&mut workbook, first, foreign)?;
+    let own = sheet(&mut workbook, bytes, first, foreign)?;
     // Other sheets matter only to those who miss something in the first.
     let mut others = others.iter().take(OTHERS);
     let with_data = others.find(|name| holds_something(&mut workbook, name));
@@ -123,8 +189,16 @@ fn read(bytes: &[u8], foreign: &Columns) -> Result<Sheet> {
 }
 
 /// The sheet of this name.
-fn sheet(workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str, foreign: &Columns) -> Result<Sheet> {
-    let mut cells = cells(workbook, name)?;
+fn sheet(
+    workbook: &mut Xlsx<Cursor<&[u8]>>,
+    bytes: &[u8],
+    name: &str,
+    foreign: &Columns,
+) -> Result<Sheet> {
+    let waits = parts::waits_to_be_calculated(bytes);
+    let mut cells = cells(workbook, name, waits)?;
+    let columns = of_own_sheet(cells.values().map(texts), foreign);
+    let foreign = columns.as_ref().unwrap_or(foreign);
     let has_heading = titles(&mut cells, foreign);
     // Where nothing is left out nothing is merged, and the sheet need not be read again.
     let width = cells.values().next().map_or(0, BTreeMap::len);
@@ -141,6 +215,8 @@ fn sheet(workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str, foreign: &Columns) -> R
         aside: None,
         by_order,
         merged,
+        hidden: parts::hidden(bytes, name),
+        columns,
     })
 }
 
@@ -214,18 +290,19 @@ fn holds_something(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> bool {
     false
 }
 
-fn cells(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Cells> {
+/// The cells of a sheet; in a workbook that `waits` to be calculated, a formula's 0 is no value.
+fn cells(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str, waits: bool) -> Result<Cells> {
     let mut reader = workbook.worksheet_cells_reader(sheet).map_err(broken)?;
     let mut cells = Cells::new();
     let (mut count, mut text) = (0, 0);
-    while let Some(cell) = reader.next_cell().map_err(broken)? {
+    while let Some(cell) = reader.next_cell_with_formula_metadata().map_err(broken)? {
         // Looked at before it is copied.
-        let length = match cell.get_value() {
+        let length = match &cell.value {
             DataRef::String(text) => text.len(),
             DataRef::SharedString(text) => text.len(),
             _ => 0,
         };
-        let (row, column) = cell.get_position();
+        let (row, column) = cell.pos;
         let at = |message: String| {
             let place = (row as usize + 1, Some(column as usize + 1));
             Error::new(Code::TableRow, message).line(place.0, place.1)
@@ -234,7 +311,19 @@ fn cells(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Cells> {
             let message = format!("A cell holds {length} bytes; no sheet has cells that long.");
             return Err(at(message).hint("empty the cell"));
         }
-        let Some(held) = held(cell.get_value()) else {
+        let open = match &cell.value {
+            DataRef::Empty => true,
+            DataRef::Int(0) => waits,
+            DataRef::Float(value) => waits && *value == 0.0,
+            _ => false,
+        };
+        let held = if open && cell.formula.is_some() {
+            let place = format!("{}{} of sheet \"{sheet}\"", letters(column), row + 1);
+            Some(Err(format!("{OPEN_FORMULA} ({place})")))
+        } else {
+            held(&cell.value)
+        };
+        let Some(held) = held else {
             continue;
         };
         if row > LAST.0 || column > LAST.1 {
@@ -249,6 +338,15 @@ fn cells(workbook: &mut Xlsx<Cursor<&[u8]>>, sheet: &str) -> Result<Cells> {
         cells.entry(row).or_default().insert(column, held);
     }
     Ok(cells)
+}
+
+/// The letters of a column from 0, as spreadsheets name it.
+fn letters(column: u32) -> String {
+    let (before, last) = (column / 26, char::from(b'A' + (column % 26) as u8));
+    match before {
+        0 => last.to_string(),
+        before => letters(before - 1) + &last.to_string(),
+    }
 }
 
 fn too_large() -> Error {
@@ -269,15 +367,17 @@ fn titles(cells: &mut Cells, foreign: &Columns) -> bool {
         };
         !first.is_some_and(|held| held.as_ref().is_ok_and(remark))
     });
-    let texts = |row: &BTreeMap<u32, Held>| -> Vec<String> {
-        let texts = row.values().filter_map(|held| held.as_ref().ok());
-        texts.cloned().collect()
-    };
     let heading = find(cells.values().map(texts), foreign);
     for _ in 0..heading.unwrap_or(0) {
         cells.pop_first();
     }
     heading.is_some()
+}
+
+/// The texts of a row.
+fn texts(row: &BTreeMap<u32, Held>) -> Vec<String> {
+    let texts = row.values().filter_map(|held| held.as_ref().ok());
+    texts.cloned().collect()
 }
 
 /// The rows as of a text: gaps filled with empty fields.

@@ -77,6 +77,9 @@ pub(super) fn chi_squared_tails(value: f64, degrees_of_freedom: usize) -> Result
     Ok([distribution.cdf(value), distribution.sf(value)])
 }
 
+/// The code of the finding about readings that repeat another to the last digit.
+pub(in crate::measure) const IDENTICAL_READINGS: &str = "identical-readings";
+
 /// What the repeats say about the cell's noise.
 pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Finding>> {
     let mut out = Vec::new();
@@ -86,7 +89,7 @@ pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Findin
             n => (format!("{n} readings"), "repeat"),
         };
         out.push(Finding::caution(
-            "identical-readings",
+            IDENTICAL_READINGS,
             "repeatability",
             format!(
                 "{readings} {repeat} another of the same state to the last digit. Copied rows? They make the \

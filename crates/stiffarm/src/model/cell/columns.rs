@@ -154,24 +154,59 @@ impl NamePattern {
     /// The texts of [`columns`](Self::columns) in `name`; `None` where the name is another.
     /// Each part ends where the text behind it first appears; the last takes the rest.
     pub fn split<'n>(&self, name: &'n str) -> Option<Vec<&'n str>> {
-        let mut rest = name.strip_prefix(self.before.as_str())?;
-        let mut out = Vec::new();
-        for (i, (part, behind)) in self.parts.iter().enumerate() {
-            let own = if i + 1 == self.parts.len() {
-                rest.strip_suffix(behind.as_str())?
-            } else {
-                let (own, after) = rest.split_once(behind.as_str())?;
-                rest = after;
-                own
-            };
-            let own = own.trim();
-            if part.column().is_some() {
-                if own.is_empty() {
-                    return None;
-                }
-                out.push(own);
-            }
+        self.splits(name).into_iter().next()
+    }
+
+    /// Every way to [`split`](Self::split) `name`, that one first: there are several where what
+    /// stands between the parts is in them, too (`P1-up-250-left`).
+    pub fn splits<'n>(&self, name: &'n str) -> Vec<Vec<&'n str>> {
+        let mut ways = Ways {
+            left: MOST_STEPS,
+            found: Vec::new(),
+        };
+        if let Some(rest) = name.strip_prefix(self.before.as_str()) {
+            ways.follow(rest, &self.parts, &mut Vec::new());
         }
-        Some(out)
+        ways.found
+    }
+}
+
+/// Places that are tried in one name: what stands between its parts is mostly there once.
+const MOST_STEPS: usize = 2000;
+
+/// The ways to split a name.
+struct Ways<'n> {
+    /// Places that may still be tried.
+    left: usize,
+    found: Vec<Vec<&'n str>>,
+}
+
+impl<'n> Ways<'n> {
+    /// Finds those in which `rest` is the text of `parts`, behind the texts `before`.
+    fn follow(&mut self, rest: &'n str, parts: &[(NamePart, String)], before: &mut Vec<&'n str>) {
+        let Some(((part, behind), later)) = parts.split_first() else {
+            return self.found.push(before.clone());
+        };
+        let places: Vec<usize> = if later.is_empty() {
+            rest.strip_suffix(behind.as_str())
+                .map(str::len)
+                .into_iter()
+                .collect()
+        } else {
+            rest.match_indices(behind.as_str())
+                .map(|(at, _)| at)
+                .collect()
+        };
+        for at in places {
+            let own = rest[..at].trim();
+            let counts = part.column().is_some();
+            if self.left == 0 || (counts && own.is_empty()) {
+                continue;
+            }
+            self.left -= 1;
+            before.extend(counts.then_some(own));
+            self.follow(&rest[at + behind.len()..], later, before);
+            before.truncate(before.len() - usize::from(counts));
+        }
     }
 }

@@ -11,6 +11,8 @@ pub enum Cell<'a> {
     Duration,
     True,
     Fault,
+    /// A formula with the value that the program left for it.
+    Formula(&'a str),
 }
 
 /// A table of comma-separated text as cells; what reads as a number is one.
@@ -117,6 +119,7 @@ fn xml(place: &str, cell: Cell<'_>) -> String {
         Cell::Date => format!("<c r=\"{place}\" s=\"1\"><v>46000</v></c>"),
         Cell::Duration => format!("<c r=\"{place}\" s=\"2\"><v>0.25</v></c>"),
         Cell::True => format!("<c r=\"{place}\" t=\"b\"><v>1</v></c>"),
+        Cell::Formula(value) => format!("<c r=\"{place}\"><f>2*125</f><v>{value}</v></c>"),
         Cell::Fault => format!("<c r=\"{place}\" t=\"e\"><v>#DIV/0!</v></c>"),
     }
 }

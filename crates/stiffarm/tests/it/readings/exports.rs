@@ -4,7 +4,7 @@ use super::*;
 use stiffarm_files::table::read_measurements_of;
 
 /// The readings of all exports, as a table of our own.
-const PLAIN: &str = "\
+pub(super) const PLAIN: &str = "\
 posture,state,point,x_mm,y_mm,z_mm,time_s
 P1,unloaded,left,1500.125,-200.5,900.25,0
 P1,unloaded,right,1350.0625,-50.25,900.5,12.5
@@ -22,7 +22,7 @@ macro_rules! export {
     };
 }
 
-fn read(files: &[(&str, &[u8])], columns: &str) -> stiffarm::Result<ReadingTable> {
+pub(super) fn read(files: &[(&str, &[u8])], columns: &str) -> stiffarm::Result<ReadingTable> {
     let cell = cell_with(ROPE, &format!("[columns]\n{columns}"));
     let files: Vec<(&[u8], &str)> = files.iter().map(|(name, bytes)| (*bytes, *name)).collect();
     match read_measurements_of(&files, &cell, Some(&postures()))? {
@@ -32,7 +32,7 @@ fn read(files: &[(&str, &[u8])], columns: &str) -> stiffarm::Result<ReadingTable
 }
 
 /// Positions to a nanometre and times to ten microseconds, which days in a double know; the same names.
-fn assert_same(table: &ReadingTable, wanted: &ReadingTable, times: bool, what: &str) {
+pub(super) fn assert_same(table: &ReadingTable, wanted: &ReadingTable, times: bool, what: &str) {
     let flat = |table: &ReadingTable| -> Vec<(String, String, Reading)> {
         let postures = table.postures.iter();
         let states = postures.flat_map(|p| p.states.iter().map(|s| (p.posture.name.clone(), s)));

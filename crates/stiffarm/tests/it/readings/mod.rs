@@ -1,9 +1,12 @@
 //! Tables of raw readings: what is read, what is written, and how each slip is
 //! reported.
 
+mod beside;
 mod exports;
 mod filling;
 mod headings;
+mod layouts;
+mod resolution;
 mod round_trip;
 mod sheets;
 mod slips;

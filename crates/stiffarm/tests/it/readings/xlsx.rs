@@ -218,8 +218,111 @@ fn merged_cells_hold_for_each_of_their_rows() -> Check {
         said.sentence
     );
     assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
-    // Cells that are not merged are empty, and say so.
-    let error = read(&workbook(&[("Sheet1", cells(merged))]), &cell).unwrap_err();
+    // Where they are not merged, what stands in the first rows alone is carried down; one that was
+    // forgotten is not.
+    let mut table = read(&workbook(&[("Sheet1", cells(merged))]), &cell)?;
+    let said = table.remarks.remove(0);
+    assert_eq!(said.code, stiffarm::measure::CARRIED_DOWN);
+    assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
+    let forgotten = merged.replace(",,right,1350.0625", ",unloaded,right,1350.0625");
+    let error = read(&workbook(&[("Sheet1", cells(&forgotten))]), &cell).unwrap_err();
     assert!(error.message().contains("empty"), "{error}");
+    Ok(())
+}
+
+#[test]
+fn a_formula_that_nobody_calculated_has_no_value() -> Check {
+    let cell = rope_cell();
+    let filled = "posture,state,point,x_mm,y_mm,z_mm,load_n,q1_deg,q2_deg\n\
+        1,unloaded,left,1500.125,-200.5,900.25,0,12.5,-30\n1,up-500,left,1500.25,-200.75,899.5,250,12.5,-30\n";
+    // Programs that do not calculate ask for it when the workbook is opened.
+    let asks = "<calcPr calcId=\"124519\" fullCalcOnLoad=\"1\"/>";
+    let with = |properties: &str, (row, column): (usize, usize), value: &'static str| {
+        let mut sheet = cells(filled);
+        sheet[row][column] = Held::Formula(value);
+        read(&workbook_of(properties, &[("Monday", sheet)], ""), &cell)
+    };
+    let mut report = String::new();
+    for (properties, place, value) in [
+        // openpyxl, pandas: no value. The load of the state's name is not meant.
+        (asks, (2, 6), ""),
+        ("", (2, 6), ""),
+        // XlsxWriter, libxlsxwriter: 0.
+        (asks, (2, 6), "0"),
+        (asks, (2, 4), "0"),
+        ("", (2, 0), ""),
+    ] {
+        let error = with(properties, place, value).unwrap_err();
+        report += &format!("[{}] {error}\n", error.code().as_str());
+    }
+    insta::assert_snapshot!("formulas_without_values", report);
+    // What was calculated counts, a zero, too.
+    let table = with(asks, (2, 6), "250")?;
+    assert_eq!(table.postures[0].states[1].load, Some(250.0));
+    let table = with("<calcPr calcId=\"191029\"/>", (1, 6), "0")?;
+    assert_eq!(table.postures[0].states[0].load, Some(0.0));
+    Ok(())
+}
+
+#[test]
+fn hidden_rows_and_columns_are_said() -> Check {
+    let cell = rope_cell();
+    let mut sheet = cells(AS_TEXT);
+    let rows = sheet.split_off(1);
+    let row = |number: usize, hidden: &str| {
+        let fields = rows[number].iter().enumerate().map(|(column, held)| {
+            let place = super::workbook::place(number + 1, column);
+            match held {
+                Held::Text(text) => {
+                    format!("<c r=\"{place}\" t=\"inlineStr\"><is><t>{text}</t></is></c>")
+                }
+                Held::Number(value) => format!("<c r=\"{place}\"><v>{value}</v></c>"),
+                _ => String::new(),
+            }
+        });
+        let fields: String = fields.collect();
+        format!("<row r=\"{}\"{hidden}>{fields}</row>", number + 2)
+    };
+    let said = |hidden: &[usize], columns: &str| -> stiffarm::Result<Vec<(String, String)>> {
+        let rows = (0..7).map(|number| {
+            row(
+                number,
+                if hidden.contains(&number) {
+                    " ht=\"15\" hidden=\"1\""
+                } else {
+                    ""
+                },
+            )
+        });
+        let more: String = rows.collect();
+        let more = more + "</sheetData>" + columns + "<sheetData>";
+        let table = read(&workbook_with(&[("Monday", sheet.clone())], &more), &cell)?;
+        let remarks = table.remarks.iter();
+        Ok(remarks
+            .map(|r| (format!("{:?}", r.severity), r.sentence.clone()))
+            .collect())
+    };
+    assert_eq!(said(&[], "")?, []);
+    let [(severity, sentence)] = &said(&[2, 3, 5], "")?[..] else {
+        panic!("one remark");
+    };
+    assert_eq!(severity, "Caution");
+    assert_eq!(
+        sentence,
+        "The sheet \"Monday\" of readings.xlsx has 3 hidden rows (4, 5 and 7), which count like all others. \
+         Take the filter off and delete what is not to count."
+    );
+    // Columns are mostly hidden for want of room.
+    let [(severity, sentence)] = &said(
+        &[],
+        "<cols><col min=\"8\" max=\"12\" hidden=\"true\"/></cols>",
+    )?[..] else {
+        panic!("one remark");
+    };
+    assert_eq!(severity, "Note");
+    assert!(
+        sentence.contains("2 hidden columns (q1_deg and q2_deg)"),
+        "{sentence}"
+    );
     Ok(())
 }

@@ -1,0 +1,181 @@
+//! Exports beside a sheet of our own, and what `[columns]` says of them.
+
+use super::exports::{PLAIN, assert_same, read};
+use super::*;
+use stiffarm_files::table::read_measurements_of;
+
+/// Readings without names of four postures with two points, unloaded and loaded, each with its sheet row.
+fn in_order() -> (Vec<String>, Vec<String>) {
+    let (mut sheet, mut readings) = (Vec::new(), Vec::new());
+    for posture in 1..=4 {
+        for (state, z) in [("unloaded", 900.0), ("loaded", 899.25)] {
+            for (point, x) in [("left", 1500.0), ("right", 1350.0)] {
+                sheet.push(format!("P{posture},{state},{point},,,\n"));
+                readings.push(format!(
+                    "{},{},{z}\n",
+                    x + 10.5 * f64::from(posture),
+                    100 * posture
+                ));
+            }
+        }
+    }
+    (sheet, readings)
+}
+
+#[test]
+fn a_reading_taken_twice_or_left_out_is_named_by_its_line() -> Check {
+    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
+    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
+    let (sheet, readings) = in_order();
+    let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
+    let read = |readings: &[String]| {
+        let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
+        let files = [
+            (sheet.as_bytes(), "sheet.csv"),
+            (export.as_bytes(), "export.csv"),
+        ];
+        read_measurements_of(&files, &rope_cell(), Some(&plan)).map(|_| ())
+    };
+    read(&readings)?;
+    let mut report = String::new();
+    let mut note = |what: &str, twice: Option<usize>, missing: Option<usize>| {
+        let mut own = readings.clone();
+        // The later one first, so that numbers are those of the whole.
+        let again = |own: &mut Vec<String>| twice.map(|at| own.insert(at + 1, own[at].clone()));
+        let left_out = |own: &mut Vec<String>| missing.map(|at| own.remove(at));
+        if twice > missing {
+            again(&mut own);
+            left_out(&mut own);
+        } else {
+            left_out(&mut own);
+            again(&mut own);
+        }
+        report += &format!("» {what}\n{}\n", read(&own).unwrap_err());
+    };
+    note("late", Some(2), Some(12));
+    note("early", Some(13), Some(3));
+    note("once more", Some(6), None);
+    note("one less", None, Some(9));
+    insta::assert_snapshot!("order_of_readings", report);
+    // One that stands elsewhere is for the screening to say.
+    let mut far = readings.clone();
+    far[5] = "100,200,300\n".to_string();
+    read(&far)?;
+    Ok(())
+}
+
+#[test]
+fn what_columns_say_of_an_export_is_not_said_of_our_own_sheet() -> Check {
+    let sheet = "posture,state,point,x_mm,y_mm,z_mm\nP1,unloaded,left,,,\nP1,loaded,left,,,\n";
+    let wanted = "posture,state,point,x_mm,y_mm,z_mm\nP1,unloaded,left,1500.125,-200.5,900.25\n\
+        P1,loaded,left,1500.25,-200.75,899.5\n";
+    let wanted = planned(wanted, &rope_cell())?;
+    let points = "Point,X [mm],Y [mm],Z [mm]\n1,1500.125,-200.5,900.25\n2,1500.25,-200.75,899.5\n";
+    let spaces = "1500.125 -200.5 900.25\n1500.25 -200.75 899.5\n";
+    for (columns, export) in [
+        ("ignore = ['Point']", points),
+        ("ignore = ['Point']\nseparator = 'comma'", points),
+        ("ignore = ['POINT', 'State']\nx_mm = 'X [mm]'", points),
+        (
+            "separator = 'space'\norder = ['x_mm', 'y_mm', 'z_mm']",
+            spaces,
+        ),
+    ] {
+        let table = read(
+            &[
+                ("sheet.csv", sheet.as_bytes()),
+                ("export.csv", export.as_bytes()),
+            ],
+            columns,
+        );
+        assert_same(
+            &table.map_err(|e| format!("{columns}: {e}"))?,
+            &wanted,
+            false,
+            columns,
+        );
+    }
+    // Workbooks: the sheet of the export is none of ours.
+    let own = workbook::workbook(&[("Readings", workbook::cells(sheet))]);
+    let export = workbook::workbook(&[("Cover", vec![]), ("Points", workbook::cells(points))]);
+    let files = [("sheet.xlsx", &own[..]), ("export.xlsx", &export[..])];
+    let columns = "ignore = ['Point']\nsheet = 'Points'";
+    assert_same(&read(&files, columns)?, &wanted, false, columns);
+    let error = read(&files, "ignore = ['Point']\nsheet = 'Point'").unwrap_err();
+    assert!(error.message().contains("no sheet \"Point\""), "{error}");
+    Ok(())
+}
+
+#[test]
+fn columns_without_a_heading_can_be_left_out() -> Check {
+    let wanted = planned(PLAIN, &rope_cell())?;
+    // Nothing stands in them: they need no word.
+    let empty = PLAIN
+        .replace("x_mm", ",x_mm")
+        .replace(",left,", ",left,,")
+        .replace(",right,", ",right,,");
+    assert_same(
+        &read(&[("r.csv", empty.as_bytes())], "")?,
+        &wanted,
+        true,
+        "empty",
+    );
+    let filled = empty.replace(",,", ",ok,").replace(",ok,x_mm", ",,x_mm");
+    let error = read(&[("r.csv", filled.as_bytes())], "").unwrap_err();
+    assert!(
+        error
+            .hint_text()
+            .unwrap_or_default()
+            .contains("ignore = [\"\"]"),
+        "{error}"
+    );
+    assert_same(
+        &read(&[("r.csv", filled.as_bytes())], "ignore = ['']")?,
+        &wanted,
+        true,
+        "filled",
+    );
+    // Behind the last heading, in some rows.
+    let behind = PLAIN.replacen("12.5\n", "12.5,door open,again\n", 1);
+    assert!(read(&[("r.csv", behind.as_bytes())], "").is_err());
+    assert_same(
+        &read(&[("r.csv", behind.as_bytes())], "ignore = ['']")?,
+        &wanted,
+        true,
+        "behind",
+    );
+    Ok(())
+}
+
+#[test]
+fn names_of_states_may_hold_what_separates_names() -> Check {
+    let export = |rows: [&str; 3]| {
+        let rows = rows.iter().zip(["900.25", "899.5", "898.75"]);
+        let rows: String = rows
+            .map(|(name, z)| format!("{name},1500.5,-200.5,{z}\n"))
+            .collect();
+        format!("Name,X [mm],Y [mm],Z [mm]\n{rows}")
+    };
+    let names = |text: &str, columns: &str| -> stiffarm::Result<Vec<String>> {
+        let table = read(&[("export.csv", text.as_bytes())], columns)?;
+        let states = table.postures.iter().flat_map(|p| {
+            p.states
+                .iter()
+                .map(|s| format!("{} {}", p.posture.name, s.state))
+        });
+        Ok(states.collect())
+    };
+    let pattern = "name = 'Name'\nname_pattern = '{posture}-{state}-{point}'";
+    let text = export(["P1-unloaded-left", "P1-up-250-left", "P1-up-500-left"]);
+    assert_eq!(
+        names(&text, pattern)?,
+        ["P1 unloaded", "P1 up-250", "P1 up-500"]
+    );
+    let turned = "name = 'Name'\nname_pattern = '{point}_{state}_{posture}'";
+    let text = export(["left_unloaded_2_P1", "left_up_250_P1", "left_up_500_P1"]);
+    assert_eq!(
+        names(&text, turned)?,
+        ["P1 unloaded_2", "P1 up_250", "P1 up_500"]
+    );
+    Ok(())
+}
