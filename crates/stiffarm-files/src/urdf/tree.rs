@@ -2,6 +2,7 @@
 
 use super::robot::{Joint, JointKind, Robot};
 use super::source::Source;
+use super::tips::{has_gripper, listed};
 use std::collections::{BTreeMap, BTreeSet};
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 
@@ -164,25 +165,26 @@ impl<'a> Tree<'a> {
     }
 
     /// The tip: the link of that name, else the only end of the tree below `base` that a
-    /// joint moves, else `tool0` or `flange`.
+    /// joint moves and that is no gripper's, else `tool0` or `flange`.
     ///
     /// # Errors
     /// No such link, or several ends.
-    pub(super) fn tip(&self, name: Option<&str>, base: &str) -> Result<&'a str> {
+    pub(super) fn tip(&self, name: Option<&str>, base: &'a str) -> Result<&'a str> {
         if let Some(name) = name {
             return self.named(name, "tip");
         }
-        let below = self.links().find(|link| *link == base);
-        let below = below.map(|base| self.all_below(base)).unwrap_or_default();
-        let moved = below.into_iter().filter(|(_, moved)| *moved);
+        let moved = self.all_below(base).into_iter();
+        let moved = moved.filter(|(_, moved)| *moved);
         let moved: BTreeSet<&str> = moved.map(|(link, _)| link).collect();
         let is_end = |link: &&str| moved.contains(link) && self.joints_below(link).is_empty();
         let ends: Vec<&str> = self.links().filter(is_end).collect();
-        if let [end] = ends.as_slice() {
-            return Ok(end);
-        }
-        let custom = TIPS.iter().find_map(|tip| moved.get(tip));
-        if let Some(tip) = custom {
+        let only = match ends.as_slice() {
+            [end] => Some(*end),
+            _ => None,
+        };
+        let arm = only.filter(|end| !has_gripper(self, base, end));
+        let custom = TIPS.iter().find_map(|tip| moved.get(tip).copied());
+        if let Some(tip) = arm.or(custom).or(only) {
             return Ok(tip);
         }
         let file = self.source.file();
@@ -195,7 +197,7 @@ impl<'a> Tree<'a> {
             ends.len()
         );
         let error = Error::new(Code::Urdf, message).file(file);
-        Err(error.hint(format!("--tip one of {}", some_of(ends.into_iter()))))
+        Err(error.hint(format!("--tip one of {}", listed(self, base, &ends))))
     }
 
     /// The joints from `base` down to `tip`; none where `tip` is not below `base`.
@@ -237,7 +239,7 @@ impl<'a> Tree<'a> {
 }
 
 /// Names in a row, the first of many.
-fn some_of<'n>(names: impl Iterator<Item = &'n str>) -> String {
+pub(super) fn some_of<'n>(names: impl Iterator<Item = &'n str>) -> String {
     let names: Vec<&str> = names.collect();
     let more = names.len().saturating_sub(LISTED);
     let shown = names[..names.len() - more].join(", ");
