@@ -343,6 +343,8 @@ fn a_gripper_behind_the_arm_is_said_in_the_cell() {
             .read("cell/cell.toml")
             .contains("CHECK FIRST, jointGripper")
     );
+    let said = folder.ok("check cell/cell.toml");
+    assert!(said.contains("caution: By its name jointGripper"), "{said}");
     // Without a tip, tool0 is taken.
     let said = folder.ok("init --urdf drive.urdf --no-shapes --output-dir other");
     assert!(!said.contains("gripper") && !folder.read("other/cell.toml").contains("CHECK FIRST"));

@@ -1,5 +1,6 @@
 //! Limits of the controller's joints.
 
+use super::angles::in_degrees;
 use super::robot::{Joint, JointKind};
 use super::source::Source;
 use std::f64::consts::TAU;
@@ -85,14 +86,9 @@ pub(super) fn endless(joint: &Joint) -> Option<Finding> {
     })
 }
 
-/// Farthest limit of a joint that turns \[rad\]: wrists turn once and a quarter to each side, and what turns
-/// on and on is of the type continuous. In degrees even 15° is beyond it.
-pub(super) const FARTHEST: f64 = 2.0 * TAU;
-
 /// Refuses limits that were written in degrees, which a URDF does not have.
 fn degrees(source: &Source<'_>, joint: &Joint, limits: [f64; 2]) -> Result<()> {
-    let is_far = |limit: &&f64| limit.is_finite() && limit.abs() > FARTHEST;
-    let Some(far) = limits.iter().find(is_far) else {
+    let Some((far, hint)) = in_degrees(&limits) else {
         return Ok(());
     };
     let message = format!(
@@ -101,10 +97,8 @@ fn degrees(source: &Source<'_>, joint: &Joint, limits: [f64; 2]) -> Result<()> {
         far.abs() / TAU
     );
     let error = source.error_at("joint", &joint.name, Code::InvalidValue, message);
-    Err(error.key("limit").hint(format!(
-        "a URDF has radians: {far}° is {:.4}; for a joint without end write type=\"continuous\"",
-        deg_to_rad(*far)
-    )))
+    let hint = hint + "; for a joint without end write type=\"continuous\"";
+    Err(error.key("limit").hint(hint))
 }
 
 /// Doubts limits that are possible in radians, and as whole numbers more probable in degrees.

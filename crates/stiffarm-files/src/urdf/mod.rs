@@ -27,6 +27,7 @@
 //! # Ok::<(), stiffarm::Error>(())
 //! ```
 
+mod angles;
 mod capsules;
 mod chain;
 mod limits;
@@ -41,6 +42,7 @@ mod xml;
 pub use mesh::MeshFolders;
 pub use robot::CollisionGeometry;
 pub use shapes::CollisionShape;
+pub use tips::doubted_axes;
 
 use super::check_name;
 use robot::Robot;
@@ -93,7 +95,7 @@ pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<U
     let robot = Robot::new(&source)?;
     let tree = Tree::new(&source, &robot)?;
     let base = tree.base(options.base.as_deref())?;
-    let tip = tree.tip(options.tip.as_deref(), base)?;
+    let tip = tips::tip(&tree, options.tip.as_deref(), base)?;
     let path = tree.chain(base, tip)?;
     let mut chain = chain::chain(&tree, base, &path).map_err(|error| {
         let hint = tips::before_gripper(&tree, &path).filter(|_| error.code() == Code::Unsupported);

@@ -2,11 +2,10 @@
 //!
 //! What says nothing of either, such as `visual`, `inertial` or `transmission`, is not looked at; its faults are none here.
 
-use super::limits::FARTHEST;
+use super::angles::in_degrees;
 use super::source::{Element, Source};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use stiffarm::error::{Code, Result, did_you_mean};
-use stiffarm::units::deg_to_rad;
 
 /// A robot of a URDF.
 pub(super) struct Robot {
@@ -215,13 +214,10 @@ fn origin(source: &Source<'_>, element: Element<'_>) -> Result<Isometry3<f64>> {
     }
     let [x, y, z] = source.numbers(origin, "xyz", "m")?.unwrap_or_default();
     let rpy: [f64; 3] = source.numbers(origin, "rpy", "rad")?.unwrap_or_default();
-    if let Some(far) = rpy.iter().find(|angle| angle.abs() > FARTHEST) {
+    if let Some((far, hint)) = in_degrees(&rpy) {
         let message = format!("An origin is turned by {far} rad: are these degrees?");
         let error = source.error(origin, Code::InvalidValue, message);
-        return Err(error.key("origin rpy").hint(format!(
-            "a URDF has radians: {far}° is {:.4}",
-            deg_to_rad(*far)
-        )));
+        return Err(error.key("origin rpy").hint(hint));
     }
     let [roll, pitch, yaw] = rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);

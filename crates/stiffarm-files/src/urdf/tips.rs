@@ -3,10 +3,13 @@
 use super::robot::{Joint, JointKind};
 use super::tree::{Tree, some_of};
 use std::cmp::Reverse;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
+use stiffarm::error::{Code, Error, Result};
 use stiffarm::findings::Finding;
 
+/// Links that by custom are the flange, the first one first: taken where there are several ends.
+const TIPS: [&str; 2] = ["tool0", "flange"];
 /// Ends of the names of links that by custom are the flange, the first one first.
 const FLANGES: [&str; 4] = ["tool0", "flange", "ee_link", "link_ee"];
 /// Words in the names of a gripper's joints, and of the links that they move.
@@ -53,22 +56,42 @@ fn gripper<'a>(tree: &Tree<'a>, path: &[&'a Joint]) -> Option<Gripper<'a>> {
     })
 }
 
+fn has(name: &str, words: &[&str]) -> bool {
+    let name = name.to_ascii_lowercase();
+    words.iter().any(|word| name.contains(word))
+}
+
 /// What the names say.
 fn named(tree: &Tree<'_>, joint: &Joint) -> Option<&'static str> {
-    let has = |name: &str, words: &[&str]| {
-        let name = name.to_ascii_lowercase();
-        words.iter().any(|word| name.contains(word))
-    };
     let is_named = |joint: &Joint| {
-        let is_wrist = has(&joint.name, &WRISTS);
-        let is_finger = [&joint.name, &joint.child].iter().any(|n| has(n, &FINGERS));
-        !is_wrist && (is_finger || has(&joint.name, &GRIPPERS))
+        let is_finger = has(&joint.child, &FINGERS) && !has(&joint.name, &WRISTS);
+        is_finger || is_grippers(&joint.name)
     };
     if is_named(joint) {
         return Some("by its name");
     }
     let follower = followers(tree, joint).any(is_named);
     follower.then_some("as fingers follow it")
+}
+
+/// Whether a joint has a name as those of grippers have.
+fn is_grippers(joint: &str) -> bool {
+    (has(joint, &FINGERS) || has(joint, &GRIPPERS)) && !has(joint, &WRISTS)
+}
+
+/// Doubts axes of an arm that have the name of a gripper's joint, where all that is left are the names.
+pub fn doubted_axes(joints: &[&str]) -> Vec<Finding> {
+    let is_arm = joints.first().is_some_and(|first| !is_grippers(first));
+    let found = joints.iter().filter(|name| is_arm && is_grippers(name));
+    let sentence = |name: &str| {
+        format!(
+            "By its name {name} is a joint of a gripper, and no axis of the arm: write the cell again, up to the flange \
+             (`stiffarm init --urdf … --tip LINK`), or take the joint out of [robot]."
+        )
+    };
+    found
+        .map(|name| Finding::caution("urdf-gripper", *name, sentence(name)))
+        .collect()
 }
 
 /// Joints that follow a joint.
@@ -133,14 +156,47 @@ fn flange<'a>(tree: &Tree<'a>, link: &'a str) -> &'a str {
     let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).len();
     let is_next =
         |name: &&&str| stem(name) < name.len() && name[..stem(name)] == link[..stem(link)];
-    let numbered = || rigid.iter().filter(is_next).next_back();
+    let numbered = || rigid.iter().rfind(is_next);
     custom.or_else(numbered).copied().unwrap_or(link)
 }
 
-/// Whether a chain goes on into a gripper.
-pub(super) fn has_gripper<'a>(tree: &Tree<'a>, base: &'a str, tip: &'a str) -> bool {
-    let path = tree.path(base, tip).unwrap_or_default();
-    gripper(tree, &path).is_some()
+/// The tip: the link of that name, else the only end of the tree below `base` that a
+/// joint moves and that is no gripper's, else `tool0` or `flange`.
+///
+/// # Errors
+/// No such link, or several ends.
+pub(super) fn tip<'a>(tree: &Tree<'a>, name: Option<&str>, base: &'a str) -> Result<&'a str> {
+    if let Some(name) = name {
+        return tree.named(name, "tip");
+    }
+    let moved = tree.all_below(base).into_iter();
+    let moved = moved.filter(|(_, moved)| *moved);
+    let moved: BTreeSet<&str> = moved.map(|(link, _)| link).collect();
+    let is_end = |link: &&str| moved.contains(link) && tree.joints_below(link).is_empty();
+    let ends: Vec<&str> = tree.links().filter(is_end).collect();
+    let only = match ends.as_slice() {
+        [end] => Some(*end),
+        _ => None,
+    };
+    let is_arm = |end: &&'a str| {
+        let path = tree.path(base, end).unwrap_or_default();
+        gripper(tree, &path).is_none()
+    };
+    let custom = TIPS.iter().find_map(|tip| moved.get(tip).copied());
+    if let Some(tip) = only.filter(is_arm).or(custom).or(only) {
+        return Ok(tip);
+    }
+    let file = tree.source.file();
+    if ends.is_empty() {
+        let message = format!("No joint moves a link below \"{base}\".");
+        return Err(Error::new(Code::Urdf, message).file(file));
+    }
+    let message = format!(
+        "Below \"{base}\" the robot ends in {} links; one of them must be the tip.",
+        ends.len()
+    );
+    let error = Error::new(Code::Urdf, message).file(file);
+    Err(error.hint(format!("--tip one of {}", listed(tree, base, &ends))))
 }
 
 /// Doubts a chain that goes on into a gripper.
@@ -211,7 +267,7 @@ fn turns(joint: &Joint) -> bool {
 
 /// The tips that the ends of a tree leave, the likeliest first, each with the joints of its chain: where an arm
 /// ends, and what is behind it.
-pub(super) fn listed<'a>(tree: &Tree<'a>, base: &'a str, ends: &[&'a str]) -> String {
+fn listed<'a>(tree: &Tree<'a>, base: &'a str, ends: &[&'a str]) -> String {
     let mut tips = BTreeMap::new();
     for end in ends {
         let path = tree.path(base, end).unwrap_or_default();

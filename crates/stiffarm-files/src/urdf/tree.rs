@@ -2,12 +2,9 @@
 
 use super::robot::{Joint, JointKind, Robot};
 use super::source::Source;
-use super::tips::{has_gripper, listed};
 use std::collections::{BTreeMap, BTreeSet};
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 
-/// Links that by custom are the flange, the first one first.
-const TIPS: [&str; 2] = ["tool0", "flange"];
 /// Names that a message lists.
 const LISTED: usize = 12;
 
@@ -96,7 +93,7 @@ impl<'a> Tree<'a> {
     }
 
     /// A link and those below it, and whether a joint between moves them.
-    fn all_below(&self, top: &'a str) -> Vec<(&'a str, bool)> {
+    pub(super) fn all_below(&self, top: &'a str) -> Vec<(&'a str, bool)> {
         let mut found = vec![(top, false)];
         let mut at = 0;
         while let Some((link, moved)) = found.get(at).copied() {
@@ -126,12 +123,12 @@ impl<'a> Tree<'a> {
         std::iter::successors(self.joint_above(link), above)
     }
 
-    fn links(&self) -> impl Iterator<Item = &'a str> {
+    pub(super) fn links(&self) -> impl Iterator<Item = &'a str> {
         self.robot.links.iter().map(|link| link.name.as_str())
     }
 
     /// A link by its name, as an option gave it.
-    fn named(&self, name: &str, role: &str) -> Result<&'a str> {
+    pub(super) fn named(&self, name: &str, role: &str) -> Result<&'a str> {
         self.links().find(|link| *link == name).ok_or_else(|| {
             let message = format!("The URDF has no link \"{name}\" for the {role}.");
             let near = did_you_mean(name, self.links());
@@ -162,42 +159,6 @@ impl<'a> Tree<'a> {
                 Err(error.hint(format!("--base one of {}", some_of(roots.into_iter()))))
             }
         }
-    }
-
-    /// The tip: the link of that name, else the only end of the tree below `base` that a
-    /// joint moves and that is no gripper's, else `tool0` or `flange`.
-    ///
-    /// # Errors
-    /// No such link, or several ends.
-    pub(super) fn tip(&self, name: Option<&str>, base: &'a str) -> Result<&'a str> {
-        if let Some(name) = name {
-            return self.named(name, "tip");
-        }
-        let moved = self.all_below(base).into_iter();
-        let moved = moved.filter(|(_, moved)| *moved);
-        let moved: BTreeSet<&str> = moved.map(|(link, _)| link).collect();
-        let is_end = |link: &&str| moved.contains(link) && self.joints_below(link).is_empty();
-        let ends: Vec<&str> = self.links().filter(is_end).collect();
-        let only = match ends.as_slice() {
-            [end] => Some(*end),
-            _ => None,
-        };
-        let arm = only.filter(|end| !has_gripper(self, base, end));
-        let custom = TIPS.iter().find_map(|tip| moved.get(tip).copied());
-        if let Some(tip) = arm.or(custom).or(only) {
-            return Ok(tip);
-        }
-        let file = self.source.file();
-        if ends.is_empty() {
-            let message = format!("No joint moves a link below \"{base}\".");
-            return Err(Error::new(Code::Urdf, message).file(file));
-        }
-        let message = format!(
-            "Below \"{base}\" the robot ends in {} links; one of them must be the tip.",
-            ends.len()
-        );
-        let error = Error::new(Code::Urdf, message).file(file);
-        Err(error.hint(format!("--tip one of {}", listed(self, base, &ends))))
     }
 
     /// The joints from `base` down to `tip`; none where `tip` is not below `base`.
