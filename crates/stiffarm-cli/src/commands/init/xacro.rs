@@ -4,6 +4,7 @@ use crate::files::ends_in;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::urdf::MeshFolders;
 
@@ -49,15 +50,22 @@ pub fn expanded(path: &str, name: &str, packages: &[PathBuf]) -> Result<String> 
     })
 }
 
+/// Number of the next folder with a look-up.
+static NEXT: AtomicUsize = AtomicUsize::new(0);
+
 /// A folder with a look-up of packages of our own, which goes with this value.
 struct OwnLookUp(PathBuf);
 
 impl OwnLookUp {
     fn new(folders: &MeshFolders) -> std::io::Result<Self> {
-        let own =
-            OwnLookUp(std::env::temp_dir().join(format!("stiffarm-xacro-{}", std::process::id())));
+        // Runs in one process have folders of their own.
+        let number = NEXT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("stiffarm-xacro-{}-{number}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir(&folder)?;
+        let own = OwnLookUp(folder);
         let module = own.0.join(LOOK_UP);
-        std::fs::create_dir_all(&module)?;
+        std::fs::create_dir(&module)?;
         // An object of JSON with strings is one of Python.
         let known = serde_json::to_string(&folders.known())?;
         let text = format!(
