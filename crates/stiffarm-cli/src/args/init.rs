@@ -21,10 +21,12 @@ pub struct InitArgs {
     /// Link whose frame is the base frame [default: the root of the tree]
     #[arg(long, value_name = "LINK", requires = "urdf")]
     pub base: Option<String>,
-    /// Link whose frame is the flange [default: the only end of the tree, else tool0 or flange]
+    /// Link whose frame is the flange [default: the only end of the tree that is no gripper, else tool0
+    /// or flange]
     #[arg(long, value_name = "LINK", requires = "urdf")]
     pub tip: Option<String>,
-    /// Package of meshes, or a folder that holds it; may be given several times
+    /// Package of meshes or of xacro files, or a folder that holds it; may be given several times. Relative paths of
+    /// meshes that are not beside the URDF begin here, too
     #[arg(long, value_name = "DIR", requires = "urdf")]
     pub package_dir: Vec<PathBuf>,
     /// Leave the collision geometry of the URDF, and look for no meshes

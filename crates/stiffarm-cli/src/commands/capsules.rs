@@ -3,15 +3,16 @@
 use crate::args::{CapsulesArgs, MeshUnit};
 use crate::numbers::{NONE, significant};
 use crate::output::Exit;
+use crate::progress::Progress;
 use crate::screen::{columns, wrapped};
 use crate::session::Session;
 use crate::table::Table;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
-use stiffarm::Result;
 use stiffarm::model::shape::{Capsule, capsules_of_mesh, hull_volume};
 use stiffarm::units::m_to_mm;
+use stiffarm::{Code, Error, Result};
 use stiffarm_files::mesh::parse_mesh;
 use stiffarm_files::source::Source;
 
@@ -64,10 +65,21 @@ struct InMillimetres {
 
 /// Fits capsules around meshes.
 pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Exit> {
+    let progress = Progress::new(session, "meshes into capsules");
     let meshes = args.meshes.iter().enumerate();
     let meshes: Vec<Mesh> = meshes
-        .map(|(i, from)| fitted(session, &format!("mesh_{}", i + 1), from, args))
+        .map(|(i, from)| {
+            progress.report("meshes into capsules", i, args.meshes.len());
+            if session.stopped() {
+                return Err(Error::new(
+                    Code::Interrupted,
+                    "Interrupted: there is no result.",
+                ));
+            }
+            fitted(session, &format!("mesh_{}", i + 1), from, args)
+        })
         .collect::<Result<_>>()?;
+    drop(progress);
     let text = match (args.link, args.tool) {
         (None, false) => table(&meshes),
         (link, _) => tables(&meshes, link),

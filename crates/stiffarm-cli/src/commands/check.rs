@@ -12,6 +12,7 @@ use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::check;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::Source;
+use stiffarm_files::urdf::doubted_axes;
 use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 
 /// Value of `--posture` that draws none in full.
@@ -31,7 +32,10 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
         Some(_) => pictured(session, args, &named.cell)?,
         None => (Vec::new(), Full::None),
     };
-    let result = check(&named.cell)?;
+    let mut result = check(&named.cell)?;
+    let joints = named.cell.setup.robot.joints().iter();
+    let names: Vec<&str> = joints.map(|joint| joint.name.as_str()).collect();
+    result.findings.extend(doubted_axes(&names));
     let exit = Exit::of_findings(&result.findings);
     let on_stdout = target.as_ref().is_some_and(|target| target.is_stdout());
     let mut notes = String::new();

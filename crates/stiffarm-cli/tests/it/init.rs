@@ -3,6 +3,9 @@
 use crate::support;
 
 use insta::assert_snapshot;
+use std::ffi::OsString;
+use stiffarm::Watch;
+use stiffarm_cli::{Host, run_captured};
 use support::{Folder, block, command};
 
 /// An arm whose elbow joint follows the shoulder, on a base of its own, with nearly
@@ -315,6 +318,132 @@ fn wrong_descriptions_are_answered_with_place_and_hint() {
     assert_snapshot!(report.replace('\\', "/"));
 }
 
+/// The gripper's drive is no axis: said, and written where the cell is read.
+#[test]
+fn a_gripper_behind_the_arm_is_said_in_the_cell() {
+    let folder = folder();
+    let drive = ARM.replace(
+        "\"grip\" type=\"prismatic\"",
+        "\"jointGripper\" type=\"revolute\"",
+    );
+    folder.write("drive.urdf", drive);
+    let said = folder.ok("init --urdf drive.urdf --no-shapes --tip finger --output-dir cell");
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("chain: 5 joints, J1 to jointGripper,"),
+        "{said}"
+    );
+    assert!(
+        said.contains("caution: jointGripper: The joint looks like one of a gripper"),
+        "{said}"
+    );
+    assert!(said.contains("--tip tool0"), "{said}");
+    assert!(
+        folder
+            .read("cell/cell.toml")
+            .contains("CHECK FIRST, jointGripper")
+    );
+    let said = folder.ok("check cell/cell.toml");
+    assert!(said.contains("caution: By its name jointGripper"), "{said}");
+    // Without a tip, tool0 is taken.
+    let said = folder.ok("init --urdf drive.urdf --no-shapes --output-dir other");
+    assert!(!said.contains("gripper") && !folder.read("other/cell.toml").contains("CHECK FIRST"));
+}
+
+/// Whoever watches is told how far the meshes are, and may stop; a pipe is told nothing.
+#[test]
+fn meshes_show_how_far_they_are_and_stop() {
+    use std::sync::{Arc, Mutex};
+    let folder = folder();
+    let meshes: String = (0..4)
+        .map(|i| {
+            format!("<collision><geometry><mesh filename=\"m{i}.stl\"/></geometry></collision>")
+        })
+        .collect();
+    folder.write(
+        "many.urdf",
+        ARM.replace(
+            "<link name=\"column\"/>",
+            &format!("<link name=\"column\">{meshes}</link>"),
+        ),
+    );
+    std::fs::create_dir_all(folder.path("pkg/own_arm/meshes")).unwrap();
+    folder.write("pkg/own_arm/meshes/base.stl", block([0.6, 0.5, 0.5]));
+    for i in 0..4 {
+        folder.write(&format!("pkg/m{i}.stl"), block([0.6, 0.5, 0.5]));
+    }
+    let line = "init --urdf many.urdf --tip tool0 --package-dir pkg --output-dir";
+    let ran = folder.run(&format!("{line} cell"));
+    assert_eq!((ran.code, ran.err.as_str()), (Some(0), ""));
+    let at = |name: &str| folder.path(name).display().to_string();
+    let words = [
+        "stiffarm",
+        "init",
+        "--urdf",
+        &at("many.urdf"),
+        "--tip",
+        "tool0",
+        "--package-dir",
+        &at("pkg"),
+        "--output-dir",
+        &at("told"),
+    ];
+    let words: Vec<OsString> = words.iter().map(OsString::from).collect();
+    let told = Arc::<Mutex<Vec<(String, usize, usize)>>>::default();
+    for most in [usize::MAX, 2] {
+        told.lock().unwrap().clear();
+        let (asked, all) = (Arc::clone(&told), Arc::clone(&told));
+        let watch = Watch::new(
+            move || asked.lock().unwrap().len() > most,
+            move |what, done, of| all.lock().unwrap().push((what.to_string(), done, of)),
+        );
+        let host = Host {
+            watch: Some(watch),
+            ..Host::default()
+        };
+        let ran = run_captured(&words, host);
+        let told = told.lock().unwrap();
+        let counted: Vec<usize> = told.iter().map(|(_, done, _)| *done).collect();
+        if most == 2 {
+            assert_eq!(ran.code, 130, "{}", ran.err);
+            assert_eq!(counted, [0, 1, 2]);
+            continue;
+        }
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        assert_eq!(counted, [0, 1, 2, 3, 4]);
+        assert!(
+            told.iter()
+                .all(|(what, _, of)| what == "meshes into capsules" && *of == 5)
+        );
+        std::fs::remove_dir_all(folder.path("told")).unwrap();
+    }
+    assert!(!folder.path("told").exists());
+    // `capsules`, too.
+    told.lock().unwrap().clear();
+    let all = Arc::clone(&told);
+    let watch = Watch::new(
+        || false,
+        move |what, done, of| all.lock().unwrap().push((what.to_string(), done, of)),
+    );
+    let words: Vec<OsString> = ["stiffarm", "capsules", &at("pkg/m0.stl"), &at("pkg/m1.stl")]
+        .iter()
+        .map(OsString::from)
+        .collect();
+    let ran = run_captured(
+        &words,
+        Host {
+            watch: Some(watch),
+            ..Host::default()
+        },
+    );
+    assert_eq!(
+        (ran.code, told.lock().unwrap().len()),
+        (0, 2),
+        "{}",
+        ran.err
+    );
+}
+
 /// The command where only the programs of `bin` are found.
 fn with_programs(folder: &Folder, line: &str) -> (Option<i32>, String) {
     let mut run = command(&folder.path("."));
@@ -359,4 +488,30 @@ fn xacro_is_run_where_it_is_found_and_its_errors_are_passed_on() {
     let (code, said) = with_programs(&folder, &line.replace("cell", "other"));
     assert_eq!(code, Some(2), "{said}");
     assert!(said.contains("materials.xacro"), "{said}");
+    assert!(!said.contains("--package-dir"), "{said}");
+    // $(find NAME) needs ROS, or to be told where the package is.
+    program(
+        "case \"$PYTHONPATH\" in\n*stiffarm*) read -r known < \"${PYTHONPATH%%:*}/ament_index_python/packages.py\"\n\
+         case \"$known\" in *'\"own_arm\":\"'*'/packages/arm-main\"'*)\n\
+         while read -r line; do echo \"$line\"; done < \"$1\"; exit 0;; esac\n\
+         echo \"LookupError: no package in $known\" >&2; exit 2;; esac\n\
+         echo \"substitution args not supported:  No module named 'ament_index_python'\" >&2; exit 2",
+    );
+    let line = line.replace("cell", "found");
+    let (code, said) = with_programs(&folder, &line);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(
+        said.contains("without ROS say where it is with --package-dir"),
+        "{said}"
+    );
+    std::fs::create_dir_all(folder.path("packages/arm-main")).unwrap();
+    let (code, said) = with_programs(&folder, &format!("{line} --package-dir packages"));
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("in no --package-dir"), "{said}");
+    folder.write(
+        "packages/arm-main/package.xml",
+        "<package><name>own_arm</name></package>",
+    );
+    let (code, said) = with_programs(&folder, &format!("{line} --package-dir packages"));
+    assert_eq!(code, Some(0), "{said}");
 }

@@ -1,6 +1,7 @@
 //! Meshes: STL, OBJ and COLLADA.
 
 mod collada;
+mod stl;
 
 use nalgebra::Vector3;
 use std::collections::HashMap;
@@ -40,16 +41,23 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
             return Err(Error::new(Code::Unsupported, message).hint(KINDS));
         }
     };
+    kind.check_content(bytes)?;
     let mut merged = Merged::default();
     match kind {
+        Kind::Stl => {
+            let triangles = stl::triangles(bytes).map_err(|why| kind.broken(&why))?;
+            for corners in triangles {
+                merged.add(corners.map(|p| Vector3::from(p) * scale));
+            }
+        }
         Kind::Collada => {
             let triangles = collada::triangles(bytes).map_err(|why| kind.broken(&why))?;
             for corners in triangles {
                 merged.add(corners.map(|p| p * scale));
             }
         }
-        Kind::Stl | Kind::Obj => {
-            for corners in loaded(kind, bytes)? {
+        Kind::Obj => {
+            for corners in loaded(bytes)? {
                 merged.add(corners.map(|p| Vector3::from(p.map(f64::from)) * scale));
             }
         }
@@ -70,22 +78,15 @@ fn parse(bytes: &[u8], name: &str, scale: f64) -> Result<TriangleMesh> {
     Ok(mesh)
 }
 
-/// Corners of the triangles of an STL or OBJ file, in its unit.
-fn loaded(kind: Kind, bytes: &[u8]) -> Result<Vec<[[f32; 3]; 3]>> {
-    let is_stl = kind == Kind::Stl;
-    if is_stl {
-        check_stl(bytes)?;
-    }
-    // The reader of the formats may stop the program where it meets what it did not foresee.
+/// Corners of the triangles of an OBJ file, in its unit.
+fn loaded(bytes: &[u8]) -> Result<Vec<[[f32; 3]; 3]>> {
+    let kind = Kind::Obj;
+    // The reader of the format may stop the program where it meets what it did not foresee.
     let scene = catch_unwind(AssertUnwindSafe(|| {
-        if is_stl {
-            mesh_loader::stl::from_slice(bytes)
-        } else {
-            mesh_loader::obj::from_slice(bytes, None, |_| {
-                // Colours are in other files, and nobody needs them.
-                Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
-            })
-        }
+        mesh_loader::obj::from_slice(bytes, None, |_| {
+            // Colours are in other files, and nobody needs them.
+            Err::<Vec<u8>, _>(std::io::ErrorKind::NotFound.into())
+        })
     }));
     let scene = scene
         .map_err(|_| kind.broken("it makes no sense"))?
@@ -111,12 +112,54 @@ enum Kind {
 }
 
 impl Kind {
-    fn broken(self, why: &str) -> Error {
-        let kind = match self {
+    fn name(self) -> &'static str {
+        match self {
             Kind::Stl => "STL",
             Kind::Obj => "OBJ",
             Kind::Collada => "COLLADA",
-        };
+        }
+    }
+
+    fn ending(self) -> &'static str {
+        match self {
+            Kind::Stl => ".stl",
+            Kind::Obj => ".obj",
+            Kind::Collada => ".dae",
+        }
+    }
+
+    /// The kind that the bytes themselves tell.
+    fn seen(bytes: &[u8]) -> Option<Self> {
+        let start = &bytes[..bytes.len().min(1000)];
+        let has = |word: &[u8]| start.windows(word.len()).any(|w| w == word);
+        let starts = |word: &[u8]| start.starts_with(word) || has(&[b"\n", word].concat());
+        if stl::is_one(bytes) {
+            Some(Kind::Stl)
+        } else if has(b"<COLLADA") {
+            Some(Kind::Collada)
+        } else {
+            (starts(b"v ") && !start.contains(&0)).then_some(Kind::Obj)
+        }
+    }
+
+    /// A file of another kind than its name says is not guessed at: only COLLADA says its unit.
+    fn check_content(self, bytes: &[u8]) -> Result<()> {
+        match Kind::seen(bytes) {
+            Some(seen) if seen != self => {
+                let message = format!(
+                    "The name ends in {}, and the file is a mesh in {}.",
+                    self.ending(),
+                    seen.name()
+                );
+                let error = Error::new(Code::FileRead, message);
+                Err(error.hint(format!("name it …{}, here and there", seen.ending())))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn broken(self, why: &str) -> Error {
+        let kind = self.name();
         let why = why.trim_end_matches('.');
         Error::new(
             Code::FileRead,
@@ -146,37 +189,6 @@ impl Merged {
         });
         self.triangles.push(triangle);
     }
-}
-
-/// A binary file holds as many triangles as it says; one that is cut off would lose a part of what
-/// it shows.
-fn check_stl(bytes: &[u8]) -> Result<()> {
-    let start = bytes.trim_ascii_start();
-    let is_text = start.starts_with(b"solid");
-    let counted = bytes.get(80..84).and_then(|c| c.try_into().ok());
-    let Some(count) = counted.map(|c: [u8; 4]| u64::from(u32::from_le_bytes(c))) else {
-        return Err(Kind::Stl.broken("it is too short"));
-    };
-    let own = bytes.len() as u64 - 84;
-    // Some programs end the file with a line end.
-    if (50 * count..=50 * count + 2).contains(&own) {
-        return Ok(());
-    }
-    if !is_text {
-        return Err(Kind::Stl.broken(&format!(
-            "it says {count} triangles and has bytes for {}",
-            own / 50
-        )));
-    }
-    if has_word(bytes, b"endsolid") {
-        Ok(())
-    } else {
-        Err(Kind::Stl.broken("its end is missing (no endsolid)"))
-    }
-}
-
-fn has_word(bytes: &[u8], word: &[u8]) -> bool {
-    bytes.windows(word.len()).any(|w| w == word)
 }
 
 /// A number without decimals, its thousands apart: `2,345`.

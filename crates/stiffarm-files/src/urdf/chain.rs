@@ -12,7 +12,7 @@
 //!
 //! Else the chain has more axes than the controller has joints, and is refused.
 
-use super::limits::{endless, limits, narrowed};
+use super::limits::{doubted, endless, limits, narrowed};
 use super::robot::{Joint, JointKind};
 use super::source::Source;
 use super::tree::Tree;
@@ -120,7 +120,9 @@ pub(super) fn chain<'a>(tree: &Tree<'a>, base: &'a str, path: &[&'a Joint]) -> R
         Ok(limits)
     });
     let limits = limits.collect::<Result<Vec<_>>>()?;
-    let findings = drives.iter().filter_map(|drive| endless(drive)).collect();
+    let findings = drives.iter().copied();
+    let findings = findings.flat_map(|drive| endless(drive).into_iter().chain(doubted(drive)));
+    let findings = findings.collect();
     Ok(Chain {
         findings,
         axes: groups.iter().map(|group| group.axis).collect(),

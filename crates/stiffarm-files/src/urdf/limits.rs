@@ -1,11 +1,12 @@
 //! Limits of the controller's joints.
 
+use super::angles::in_degrees;
 use super::robot::{Joint, JointKind};
 use super::source::Source;
 use std::f64::consts::TAU;
 use stiffarm::error::{Code, Result};
 use stiffarm::findings::Finding;
-use stiffarm::units::{Sense, deg_to_rad, rad_to_deg};
+use stiffarm::units::{deg_to_rad, rad_to_deg};
 
 /// Limits of a joint \[rad\]: full turns for one without end.
 pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
@@ -29,9 +30,7 @@ pub(super) fn limits(source: &Source<'_>, joint: &Joint) -> Result<[f64; 2]> {
             error.hint("give <limit lower=\"…\" upper=\"…\" …/> in rad, or type=\"continuous\"")
         );
     }
-    if let Some(message) = found.iter().find_map(|limit| too_far(*limit)) {
-        return Err(error(Code::InvalidValue, message).key("limit"));
-    }
+    degrees(source, joint, found)?;
     // From URDF 1.2 on there may be none to one side: a full turn stands in for it.
     let turn = |limit: f64| {
         if limit.is_finite() {
@@ -87,10 +86,39 @@ pub(super) fn endless(joint: &Joint) -> Option<Finding> {
     })
 }
 
-/// Says that a limit cannot be meant.
-fn too_far(limit: f64) -> Option<String> {
-    let sense = Sense::of("limit_rad");
-    sense.filter(|_| limit.is_finite())?.refuse(limit)
+/// Refuses limits that were written in degrees, which a URDF does not have.
+fn degrees(source: &Source<'_>, joint: &Joint, limits: [f64; 2]) -> Result<()> {
+    let Some((far, hint)) = in_degrees(&limits) else {
+        return Ok(());
+    };
+    let message = format!(
+        "The joint \"{}\" has a limit of {far} rad, which is {:.0} turns: are these degrees?",
+        joint.name,
+        far.abs() / TAU
+    );
+    let error = source.error_at("joint", &joint.name, Code::InvalidValue, message);
+    let hint = hint + "; for a joint without end write type=\"continuous\"";
+    Err(error.key("limit").hint(hint))
+}
+
+/// Doubts limits that are possible in radians, and as whole numbers more probable in degrees.
+pub(super) fn doubted(joint: &Joint) -> Option<Finding> {
+    let limits = [joint.limit.lower, joint.limit.upper];
+    let is_odd = |limit: &f64| limit.fract() == 0.0 && limit.abs() > TAU;
+    if joint.kind == JointKind::Continuous || !limits.iter().any(is_odd) {
+        return None;
+    }
+    let [low, high] = limits;
+    let sentence = format!(
+        "Limits of {low} and {high} rad are {:.0}° and {:.0}°: are these degrees? A URDF has radians.",
+        rad_to_deg(low),
+        rad_to_deg(high)
+    );
+    Some(Finding::caution(
+        "urdf-limits",
+        joint.name.as_str(),
+        sentence,
+    ))
 }
 
 /// Limits of a `drive` as the limits of a joint leave them whose angle is `multiplier` times
@@ -108,6 +136,7 @@ pub(super) fn narrowed(
     if own[0] > own[1] {
         return self::limits(source, joint);
     }
+    degrees(source, joint, own)?;
     let mut ends = own.map(|end| (end - offset) / multiplier);
     ends.sort_by(f64::total_cmp);
     let both = [limits[0].max(ends[0]), limits[1].min(ends[1])];

@@ -27,6 +27,7 @@
 //! # Ok::<(), stiffarm::Error>(())
 //! ```
 
+mod angles;
 mod capsules;
 mod chain;
 mod limits;
@@ -34,17 +35,19 @@ mod mesh;
 mod robot;
 mod shapes;
 mod source;
+mod tips;
 mod tree;
 mod xml;
 
 pub use mesh::MeshFolders;
 pub use robot::CollisionGeometry;
 pub use shapes::CollisionShape;
+pub use tips::doubted_axes;
 
 use super::check_name;
 use robot::Robot;
 use source::Source;
-use stiffarm::error::Result;
+use stiffarm::error::{Code, Result};
 use stiffarm::findings::Finding;
 use stiffarm::model::robot::{Controller, DhConvention, DhRobot, rows_of_axes};
 use tree::Tree;
@@ -55,7 +58,7 @@ pub struct UrdfOptions {
     /// The link whose frame is the base frame; without it the root of the tree.
     pub base: Option<String>,
     /// The link whose frame is the flange; without it the only end of the tree that
-    /// a joint moves, else `tool0`, else `flange`.
+    /// a joint moves and that is no gripper's, else `tool0`, else `flange`.
     pub tip: Option<String>,
 }
 
@@ -72,7 +75,8 @@ pub struct UrdfRobot {
     pub shapes: Vec<CollisionShape>,
     /// Links with collision geometry that move otherwise: fingers, levers, balancers.
     pub left_out: Vec<String>,
-    /// What the file says and the robot does not: limits of joints without end.
+    /// What the file says and the robot does not (limits of joints without end), and what is doubtful in it: limits in
+    /// degrees, a gripper behind the arm.
     pub findings: Vec<Finding>,
 }
 
@@ -91,9 +95,13 @@ pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<U
     let robot = Robot::new(&source)?;
     let tree = Tree::new(&source, &robot)?;
     let base = tree.base(options.base.as_deref())?;
-    let tip = tree.tip(options.tip.as_deref(), base)?;
+    let tip = tips::tip(&tree, options.tip.as_deref(), base)?;
     let path = tree.chain(base, tip)?;
-    let chain = chain::chain(&tree, base, &path)?;
+    let mut chain = chain::chain(&tree, base, &path).map_err(|error| {
+        let hint = tips::before_gripper(&tree, &path).filter(|_| error.code() == Code::Unsupported);
+        error.hint_if(hint)
+    })?;
+    chain.findings.extend(tips::doubted(&tree, &path));
     let rows = rows_of_axes(&chain.axes, &chain.tip);
     let (shapes, left_out) = shapes::shapes(&tree, &chain, &rows)?;
     let mut joint_names = Vec::with_capacity(chain.drives.len());

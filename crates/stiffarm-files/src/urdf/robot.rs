@@ -2,6 +2,7 @@
 //!
 //! What says nothing of either, such as `visual`, `inertial` or `transmission`, is not looked at; its faults are none here.
 
+use super::angles::in_degrees;
 use super::source::{Element, Source};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use stiffarm::error::{Code, Result, did_you_mean};
@@ -116,6 +117,8 @@ pub(super) struct Limit {
     pub(super) upper: f64,
     /// Largest speed \[rad/s, for joints that turn\]; zero where there is none.
     pub(super) velocity: f64,
+    /// Largest moment \[N·m, for joints that turn\]; zero where there is none.
+    pub(super) effort: f64,
 }
 
 /// What a joint follows: its angle is `multiplier` times that of `joint`, plus `offset`.
@@ -210,7 +213,13 @@ fn origin(source: &Source<'_>, element: Element<'_>) -> Result<Isometry3<f64>> {
         return Err(error.hint("write its rotation as rpy"));
     }
     let [x, y, z] = source.numbers(origin, "xyz", "m")?.unwrap_or_default();
-    let [roll, pitch, yaw] = source.numbers(origin, "rpy", "rad")?.unwrap_or_default();
+    let rpy: [f64; 3] = source.numbers(origin, "rpy", "rad")?.unwrap_or_default();
+    if let Some((far, hint)) = in_degrees(&rpy) {
+        let message = format!("An origin is turned by {far} rad: are these degrees?");
+        let error = source.error(origin, Code::InvalidValue, message);
+        return Err(error.key("origin rpy").hint(hint));
+    }
+    let [roll, pitch, yaw] = rpy;
     let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
     Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
 }
@@ -274,6 +283,11 @@ fn limit(source: &Source<'_>, joint: Element<'_>) -> Result<Limit> {
         lower: lower.unwrap_or(lowest),
         upper: upper.unwrap_or(highest),
         velocity: velocity.unwrap_or(highest),
+        // It only tells a gripper from an arm.
+        effort: limit
+            .attribute("effort")
+            .and_then(|text| text.trim().parse().ok())
+            .unwrap_or(0.0),
     })
 }
 

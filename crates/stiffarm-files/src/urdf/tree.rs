@@ -5,8 +5,6 @@ use super::source::Source;
 use std::collections::{BTreeMap, BTreeSet};
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 
-/// Links that by custom are the flange, the first one first.
-const TIPS: [&str; 2] = ["tool0", "flange"];
 /// Names that a message lists.
 const LISTED: usize = 12;
 
@@ -95,7 +93,7 @@ impl<'a> Tree<'a> {
     }
 
     /// A link and those below it, and whether a joint between moves them.
-    fn all_below(&self, top: &'a str) -> Vec<(&'a str, bool)> {
+    pub(super) fn all_below(&self, top: &'a str) -> Vec<(&'a str, bool)> {
         let mut found = vec![(top, false)];
         let mut at = 0;
         while let Some((link, moved)) = found.get(at).copied() {
@@ -125,12 +123,12 @@ impl<'a> Tree<'a> {
         std::iter::successors(self.joint_above(link), above)
     }
 
-    fn links(&self) -> impl Iterator<Item = &'a str> {
+    pub(super) fn links(&self) -> impl Iterator<Item = &'a str> {
         self.robot.links.iter().map(|link| link.name.as_str())
     }
 
     /// A link by its name, as an option gave it.
-    fn named(&self, name: &str, role: &str) -> Result<&'a str> {
+    pub(super) fn named(&self, name: &str, role: &str) -> Result<&'a str> {
         self.links().find(|link| *link == name).ok_or_else(|| {
             let message = format!("The URDF has no link \"{name}\" for the {role}.");
             let near = did_you_mean(name, self.links());
@@ -161,41 +159,6 @@ impl<'a> Tree<'a> {
                 Err(error.hint(format!("--base one of {}", some_of(roots.into_iter()))))
             }
         }
-    }
-
-    /// The tip: the link of that name, else the only end of the tree below `base` that a
-    /// joint moves, else `tool0` or `flange`.
-    ///
-    /// # Errors
-    /// No such link, or several ends.
-    pub(super) fn tip(&self, name: Option<&str>, base: &str) -> Result<&'a str> {
-        if let Some(name) = name {
-            return self.named(name, "tip");
-        }
-        let below = self.links().find(|link| *link == base);
-        let below = below.map(|base| self.all_below(base)).unwrap_or_default();
-        let moved = below.into_iter().filter(|(_, moved)| *moved);
-        let moved: BTreeSet<&str> = moved.map(|(link, _)| link).collect();
-        let is_end = |link: &&str| moved.contains(link) && self.joints_below(link).is_empty();
-        let ends: Vec<&str> = self.links().filter(is_end).collect();
-        if let [end] = ends.as_slice() {
-            return Ok(end);
-        }
-        let custom = TIPS.iter().find_map(|tip| moved.get(tip));
-        if let Some(tip) = custom {
-            return Ok(tip);
-        }
-        let file = self.source.file();
-        if ends.is_empty() {
-            let message = format!("No joint moves a link below \"{base}\".");
-            return Err(Error::new(Code::Urdf, message).file(file));
-        }
-        let message = format!(
-            "Below \"{base}\" the robot ends in {} links; one of them must be the tip.",
-            ends.len()
-        );
-        let error = Error::new(Code::Urdf, message).file(file);
-        Err(error.hint(format!("--tip one of {}", some_of(ends.into_iter()))))
     }
 
     /// The joints from `base` down to `tip`; none where `tip` is not below `base`.
@@ -237,7 +200,7 @@ impl<'a> Tree<'a> {
 }
 
 /// Names in a row, the first of many.
-fn some_of<'n>(names: impl Iterator<Item = &'n str>) -> String {
+pub(super) fn some_of<'n>(names: impl Iterator<Item = &'n str>) -> String {
     let names: Vec<&str> = names.collect();
     let more = names.len().saturating_sub(LISTED);
     let shown = names[..names.len() - more].join(", ");

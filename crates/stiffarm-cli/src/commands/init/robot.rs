@@ -102,9 +102,13 @@ fn of_rows(session: &Session, from: &str, convention: DhConvention) -> Result<St
 }
 
 fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
+    if let Some(missing) = args.package_dir.iter().find(|folder| !folder.is_dir()) {
+        let message = format!("There is no folder {}.", missing.display());
+        return Err(Error::new(Code::FileRead, message).key("--package-dir"));
+    }
     let (mut name, bytes) = session.read("urdf", from)?;
     let text = if xacro::is_one(from) {
-        let text = xacro::expanded(from, &name)?;
+        let text = xacro::expanded(from, &name, &args.package_dir)?;
         // Places of faults are those in the text that xacro made.
         name += " (expanded)";
         text
@@ -135,17 +139,22 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         let joint = read.robot.joint_names[2].clone();
         findings.push(Finding::caution("urdf-coupling", joint, sentence));
     }
+    let gripper = findings.iter().find(|f| f.code == "urdf-gripper");
+    let gripper = gripper.map(|f| format!(" CHECK FIRST, {}: {}", f.subject, f.sentence));
     let origin = format!(
         "The robot is from {}: the base frame is the link {}, the flange the link {}. Angles are those of \
          the URDF. Compare a pose with the pendant (`stiffarm pose`): where its angles differ, \
-         signs and couplings go into theta_from_q, zeros into the offsets of the rows.",
+         signs and couplings go into theta_from_q, zeros into the offsets of the rows.{}",
         last_name(from),
         read.base_link,
-        read.tip_link
+        read.tip_link,
+        gripper.unwrap_or_default()
     );
-    let joints = match read.robot.rows.len() {
-        1 => "1 joint".to_string(),
-        n => format!("{n} joints"),
+    let names = &read.robot.joint_names;
+    let joints = match names.as_slice() {
+        [one] => format!("1 joint, {one},"),
+        [first, .., last] => format!("{} joints, {first} to {last},", names.len()),
+        [] => "no joints".to_string(),
     };
     let around = match (args.no_shapes, capsules.len()) {
         (true, _) => String::new(),

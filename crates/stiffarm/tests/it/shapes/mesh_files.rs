@@ -189,3 +189,103 @@ fn millimetres_read_as_metres_are_noticed() {
     assert_eq!(error.hint_text(), Some("give `unit = \"mm\"`"));
     assert!(parse_mesh(&binary_stl(&mesh), "link.stl", 1e-3).is_ok());
 }
+
+/// Binary or text is told by the length: programs begin binary files with "solid", and line ends may stand in the head.
+#[test]
+fn the_length_says_whether_an_stl_is_binary() {
+    let mesh = l_mesh();
+    let stl = binary_stl(&mesh);
+    let headed = |head: &[u8]| {
+        let mut out = stl.clone();
+        out[..head.len()].copy_from_slice(head);
+        out
+    };
+    let behind = |more: &[u8]| [stl.as_slice(), more].concat();
+    // Ten triangles: the count itself is a line end.
+    let few = box_mesh(Vector3::zeros(), Vector3::new(3.0, 2.0, 1.0));
+    let mut ten = binary_stl(&few);
+    ten[..6].copy_from_slice(b"solid ");
+    ten[80] = 10;
+    ten.truncate(84 + 500);
+    assert_eq!(parse_mesh(&ten, "a.stl", 1.0).unwrap().triangles.len(), 10);
+    for (bytes, what) in [
+        (headed(b"solid "), "solid"),
+        (headed(b"solid part\n"), "solid with a line end"),
+        (headed(b"solid part\r\nfacet normal"), "solid and facet"),
+        (headed(b"solid\n\0\0\n"), "solid and zeros"),
+        (headed(&[0; 80]), "zeros"),
+        (headed(b"\n\n\n"), "line ends"),
+        (headed(&[0xff; 80]), "no text"),
+        (behind(b"\r\n"), "a line end behind"),
+        (behind(&[7; 49]), "less than a triangle behind"),
+        (behind(&[0; 512]), "zeros behind"),
+    ] {
+        let read = parse_mesh(&bytes, "part.STL", 1.0).unwrap_or_else(|e| panic!("{what}: {e}"));
+        same(&read, &mesh, 1e-6);
+    }
+    // Behind them there may be a triangle.
+    let error = parse_mesh(&behind(&[7; 50]), "a.stl", 1.0).unwrap_err();
+    assert!(error.message().contains("bytes for 25"), "{error}");
+    let none = [&[b' '; 80][..], &[0; 4]].concat();
+    let error = parse_mesh(&none, "a.stl", 1.0).unwrap_err();
+    assert!(error.message().contains("no triangles"), "{error}");
+}
+
+#[test]
+fn texts_of_stl_may_be_written_in_many_ways() {
+    let mesh = l_mesh();
+    let text = String::from_utf8(ascii_stl(&mesh)).unwrap();
+    for (from, to) in [
+        ("\n", "\r\n"),
+        ("\n", "\r"),
+        ("\n", " \n\n"),
+        ("\n    ", " "),
+        ("normal 0 0 0", "normal nan -nan(ind) -1.#IND"),
+        ("solid part\n", "solid Grüße ä.stl  by a program\n"),
+        ("solid part\nfacet", "\u{feff}solid\nfacet"),
+        ("endsolid part", "endsolid"),
+        ("solid part\nfacet", "solid a\n  made by a program\nfacet"),
+    ] {
+        assert!(text.contains(from), "{from}");
+        let other = text.replace(from, to);
+        let read = parse_mesh(other.as_bytes(), "a.stl", 1.0);
+        same(&read.unwrap_or_else(|e| panic!("{to}: {e}")), &mesh, 1e-7);
+    }
+    let loud = text.to_uppercase();
+    same(
+        &parse_mesh(loud.as_bytes(), "a.stl", 1.0).unwrap(),
+        &mesh,
+        1e-7,
+    );
+    for (from, to, said) in [
+        ("endfacet", "facet", "corners"),
+        ("outer loop", "outer loop\nvertex 1 2 3", "4 corners"),
+        ("vertex", "vertex 1,5", "is no corner"),
+        ("outer loop", "inner loop", "is no line"),
+    ] {
+        // Behind the first facet, where what is unknown is no head.
+        let (head, tail) = text.split_once("endfacet").unwrap();
+        let other = format!("{head}endfacet{}", tail.replacen(from, to, 1));
+        let error = parse_mesh(other.as_bytes(), "a.stl", 1.0).unwrap_err();
+        assert!(error.message().contains(said), "{to}: {error}");
+    }
+}
+
+#[test]
+fn a_mesh_under_the_ending_of_another_kind_is_named() {
+    let mesh = l_mesh();
+    let kinds = [
+        ("STL", "stl", binary_stl(&mesh)),
+        ("STL", "stl", ascii_stl(&mesh)),
+        ("OBJ", "obj", obj(&mesh)),
+        ("COLLADA", "dae", collada(&mesh, "")),
+    ];
+    for (kind, own, bytes) in &kinds {
+        for ending in ["stl", "obj", "dae"].iter().filter(|ending| *ending != own) {
+            let error = parse_mesh(bytes, &format!("a.{ending}"), 1.0).unwrap_err();
+            let said = format!("ends in .{ending}, and the file is a mesh in {kind}.");
+            assert!(error.message().contains(&said), "{error}");
+            assert!(error.hint_text().unwrap().contains(&format!("….{own}")));
+        }
+    }
+}

@@ -117,7 +117,10 @@ fn base_and_tip_must_be_on_one_branch() {
     let text = robot("abcd", &[j1.clone(), j2.clone(), fork]);
     let error = refused(&text, &UrdfOptions::default());
     assert!(
-        error.hint_text().unwrap().ends_with("--tip one of c, d"),
+        error
+            .hint_text()
+            .unwrap()
+            .ends_with("--tip one of c (2 joints, j1 to j2), d (2 joints, j1 to j3)"),
         "{error}"
     );
     let error = refused(&text, &options("c", "a"));

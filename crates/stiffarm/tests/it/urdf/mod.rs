@@ -1,6 +1,7 @@
 //! Robots from URDF files, against a second reading of them.
 
 mod capsules;
+mod doubts;
 mod faults;
 mod generated;
 pub mod plain;

@@ -121,7 +121,17 @@ fn meshes_are_found_by_package_and_by_path() {
         "src/covers/meshes/cover.STL",
         "given/meshes/given.stl",
         "given/renamed/b.stl",
+        "given/parts/relative.stl",
+        "src/other-main/meshes/deep.stl",
+        "src/other-main/meshes/link.stl",
+        "models/arm_v2/meshes/model.dae",
     ]);
+    let name = |at: &str, file: &str, name: &str| {
+        let text = format!("<?xml version=\"1.0\"?>\n<p><name> {name} </name></p>");
+        fs::write(folder.0.join(at).join(file), text).unwrap();
+    };
+    name("src/other-main", "package.xml", "other_pkg");
+    name("models/arm_v2", "model.config", "arm");
     let at = |path: &str| folder.0.join(path);
     let folders = |packages: &[&str]| MeshFolders {
         urdf: at("src/robots/urdf"),
@@ -147,8 +157,74 @@ fn meshes_are_found_by_package_and_by_path() {
             "given/meshes/given.stl",
         ),
         (&["given"], "package://renamed/b.stl", "given/renamed/b.stl"),
+        // Relative paths beside the URDF first, then in the folders given; models as packages.
+        (
+            &["given"],
+            "meshes/own.dae",
+            "src/robots/urdf/meshes/own.dae",
+        ),
+        (&["given"], "parts/relative.stl", "given/parts/relative.stl"),
+        (
+            &["given/parts"],
+            "model://relative.stl",
+            "given/parts/relative.stl",
+        ),
+        (&["given"], "model://renamed/b.stl", "given/renamed/b.stl"),
+        (
+            &["models"],
+            "model://arm/meshes/model.dae",
+            "models/arm_v2/meshes/model.dae",
+        ),
+        // A package by the name that it gives itself, as deep as workspaces have them.
+        (
+            &["src"],
+            "package://other_pkg/meshes/deep.stl",
+            "src/other-main/meshes/deep.stl",
+        ),
+        (
+            &["src/other-main"],
+            "package://other_pkg/meshes/deep.stl",
+            "src/other-main/meshes/deep.stl",
+        ),
+        (
+            &["src/other-main"],
+            "$(find other_pkg)/meshes/deep.stl",
+            "src/other-main/meshes/deep.stl",
+        ),
+        (
+            &["."],
+            "file://$(find other_pkg)/meshes/deep.stl",
+            "./src/other-main/meshes/deep.stl",
+        ),
+        // Another package has other meshes of the same name.
+        (
+            &["src/other-main"],
+            "package://robots/meshes/link.stl",
+            "src/robots/meshes/link.stl",
+        ),
     ] {
         assert_eq!(find(packages, path).unwrap(), at(expected), "{path}");
+    }
+    // What helps, and nothing else.
+    for (path, helps) in [
+        ("meshes/none.stl", true),
+        ("package://none/a.stl", true),
+        ("model://none/a.stl", true),
+        ("model://none.stl", true),
+        ("$(find none)/a.stl", true),
+        ("file:///none/a.stl", false),
+        ("/none/a.stl", false),
+        ("http://none/a.stl", false),
+        ("package://covers/meshes/cover.step", false),
+    ] {
+        let error = find(&["given"], path).unwrap_err();
+        let hint = error.hint_text().unwrap();
+        assert_eq!(hint.contains("--package-dir"), helps, "{path}: {hint}");
+        assert!(hint.contains("--no-shapes"), "{path}: {hint}");
+    }
+    let local = format!("file://localhost{}", at("given/renamed/b.stl").display());
+    if cfg!(unix) {
+        assert_eq!(find(&[], &local).unwrap(), at("given/renamed/b.stl"));
     }
     let address = format!("file://{}", at("given/renamed/b.stl").display());
     assert!(
