@@ -43,7 +43,7 @@ def read_path(
     Raises:
         StiffarmError: It cannot be read, with file, line and column.
     """
-    text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path), language)
+    text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path), _language(language))
     table = PathTable.from_csv(text)
     table.findings = _findings(said)
     return table
@@ -79,11 +79,16 @@ def write_path(
     name, to = _checks.path(path), Path(_checks.path(output, "output"))
     overwrite = _checks.truth(overwrite, "overwrite")
     moved = read_path(cell, points) if isinstance(points, (str, os.PathLike)) else Table.of(points)
-    files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv(), language)
+    files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv(), _language(language))
     _findings(said)
     for number, contents in enumerate(files):
         write_file(to.with_suffix(".dat") if number else to, contents, overwrite=overwrite)
     return to
+
+
+def _language(name: str | None) -> str | None:
+    """The name of a language, where one is stated."""
+    return None if name is None else _checks.text(name, "language")
 
 
 def _findings(said: str) -> list[Record]:
