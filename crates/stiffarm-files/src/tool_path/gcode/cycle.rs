@@ -4,7 +4,7 @@ use super::effect::{Drill, Feeds, Out};
 use super::words::Word;
 use super::{Block, State, known};
 use crate::tool_path::builder::Place;
-use crate::tool_path::{FAR_AWAY, FARTHEST};
+use crate::tool_path::{FAR_AWAY, FARTHEST, SPAN};
 use nalgebra::Vector3;
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
@@ -198,7 +198,14 @@ impl State<'_, '_> {
             }
             let place = Place::Axis(end * unit, self.axis);
             if let Some(start) = before.filter(|_| !rapid) {
-                self.builder.between(line, &place.at(start * unit), &place);
+                let start = place.at(start * unit);
+                // The correction is there from the beginning of the feed on, so that the hole is straight.
+                if self.builder.points.last().is_some_and(|last| last.rapid) {
+                    self.builder.point(line, &start, false);
+                }
+                if (place.position() - start.position()).norm() > SPAN {
+                    self.builder.between(line, &start, &place);
+                }
             }
             self.builder.point(line, &place, *rapid);
             if self.cycle.wait.is_some() && bottoms.contains(&number) {

@@ -362,11 +362,20 @@ fn cycles_are_written_as_the_moves_that_they_are() {
     let program = "G90 G0 X0 Y0 Z5\nN2 G98 G82 X10 Y0 Z-3 R2 P0.5 F100 (holes)\nX20\nG80\nG0 X0\n";
     let written = higher(program);
     let expected = "G90 G0 X0 Y0 Z5\n\
-        N2 G0 X10.0000 Y0.0000 Z5.0000 G98 F100\nG0 X10.0000 Y0.0000 Z2.0000\nG1 X10.0000 Y0.0000 Z-2.9000\nG4 P0.5\n\
+        N2 G0 X10.0000 Y0.0000 Z5.0000 G98 F100\nG0 X10.0000 Y0.0000 Z2.0000\n\
+        G1 X10.0000 Y0.0000 Z2.1000\nG1 X10.0000 Y0.0000 Z-2.9000\nG4 P0.5\n\
         G0 X10.0000 Y0.0000 Z5.0000 (holes)\n\
-        G0 X20.0000 Y0.0000 Z5.0000\nG0 X20.0000 Y0.0000 Z2.0000\nG1 X20.0000 Y0.0000 Z-2.9000\nG4 P0.5\nG0 X20.0000 Y0.0000 Z5.0000\n\
+        G0 X20.0000 Y0.0000 Z5.0000\nG0 X20.0000 Y0.0000 Z2.0000\n\
+        G1 X20.0000 Y0.0000 Z2.1000\nG1 X20.0000 Y0.0000 Z-2.9000\nG4 P0.5\nG0 X20.0000 Y0.0000 Z5.0000\n\
         G80\nG0 X0\n";
     assert_eq!(written, expected);
+    // The correction is there where the feed begins: a hole that is corrected aside stays straight.
+    let path = read("a.nc", program).unwrap();
+    let aside = text(&write(&path, &corrected(&path, Vector3::x(), |_| 0.3)).unwrap());
+    assert!(
+        aside.contains("G1 X10.3000 Y0.0000 Z2.0000\nG1 X10.3000 Y0.0000 Z-3.0000\n"),
+        "{aside}"
+    );
     let again = read("a.nc", &written).unwrap();
     assert!(positions(&again).contains(&[20.0, 0.0, -2.9]));
 }
