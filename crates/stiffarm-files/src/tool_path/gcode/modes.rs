@@ -176,36 +176,47 @@ impl State<'_, '_> {
     /// Refuses words that no word of the block takes.
     pub(super) fn check(&mut self, block: &Block<'_, '_>) -> Result<()> {
         let effects = || {
-            block
-                .words
-                .iter()
-                .filter(|word| word.is_own())
-                .map(|word| word.row.map(|row| row.effect))
+            let own = block.words.iter().filter(|word| word.is_own());
+            own.map(|word| word.row.map(|row| row.effect))
         };
-        let takes_axes = effects().any(|effect| effect == Some(Effect::TakesAxes));
-        let takes_numbers = effects().any(|effect| {
-            !matches!(
-                effect,
-                Some(
-                    Effect::Moves(_)
-                        | Effect::Steps(_)
-                        | Effect::Plane(_)
-                        | Effect::Feeds(_)
-                        | Effect::Inches(_)
-                )
-            )
-        });
         let goes = block.words.iter().any(|word| word.axis().is_some());
-        let is_straight = matches!(self.mode, None | Some(Mode::Rapid | Mode::Feed));
+        let takes_numbers = || {
+            effects().any(|effect| {
+                !matches!(
+                    effect,
+                    Some(
+                        Effect::Moves(_)
+                            | Effect::Steps(_)
+                            | Effect::Plane(_)
+                            | Effect::Feeds(_)
+                            | Effect::Inches(_)
+                    )
+                )
+            })
+        };
         // What a block without a point may say to its other words.
-        let is_loose = takes_axes || !goes && takes_numbers;
+        let is_loose = || {
+            effects().any(|effect| effect == Some(Effect::TakesAxes)) || !goes && takes_numbers()
+        };
+        let is_straight = matches!(self.mode, None | Some(Mode::Rapid | Mode::Feed));
         let is_drilling = matches!(self.mode, Some(Mode::Drill(_) | Mode::Unfollowed));
+        // A bit for each letter that is in the block.
+        let mut seen = 0_u32;
         for (count, word) in block.words.iter().enumerate() {
-            let same = |other: &Word<'_>| {
-                word.letter != 0 && (other.letter, other.index) == (word.letter, word.index)
+            let is_again = match (word.letter, word.index) {
+                (0 | b'G' | b'M' | b'N' | b'O', _) => false,
+                (letter, 0) => {
+                    let bit = 1 << (letter - b'A');
+                    let before = seen;
+                    seen |= bit;
+                    before & bit != 0
+                }
+                (letter, index) => {
+                    let mut before = block.words[..count].iter();
+                    before.any(|other| (other.letter, other.index) == (letter, index))
+                }
             };
-            let may_repeat = matches!(word.letter, b'G' | b'M' | b'N' | b'O');
-            if !may_repeat && block.words[..count].iter().any(same) {
+            if is_again {
                 return Err(word.place.wrong("This word stands twice in the block."));
             }
             let why = match (word.letter, word.index) {
@@ -214,17 +225,17 @@ impl State<'_, '_> {
                 (b'X'..=b'Z' | b'A'..=b'C' | b'I'..=b'K', 1..) => {
                     "is a word of Siemens controls that is not read here."
                 }
-                (b'L', _) if !(takes_numbers || is_drilling && goes) => {
+                (b'L', _) if !(takes_numbers() || is_drilling && goes) => {
                     "calls a subprogram, and is not read here."
                 }
-                (b'I'..=b'K', _) if is_straight && !self.vectors && !is_loose => {
+                (b'I'..=b'K', _) if is_straight && !self.vectors && !is_loose() => {
                     "has no arc to belong to."
                 }
                 (b'I'..=b'K', _) if matches!(self.mode, Some(Mode::Arc { .. })) && self.vectors => {
                     "is the tool axis or a centre here (G43.5): state arcs by R, or as straight moves."
                 }
-                (b'R', _) if is_straight && !is_loose => "has no arc or cycle to belong to.",
-                (b'P' | b'Q', _) if is_straight && goes && !takes_numbers => {
+                (b'R', _) if is_straight && !is_loose() => "has no arc or cycle to belong to.",
+                (b'P' | b'Q', _) if is_straight && goes && !takes_numbers() => {
                     "has no word to belong to."
                 }
                 (b'R' | b'Q' | b'K', _) if is_drilling && !goes => {

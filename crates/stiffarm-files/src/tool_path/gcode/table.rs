@@ -6,22 +6,25 @@ use super::rows::ROWS;
 use std::collections::HashMap;
 use std::sync::LazyLock;
 
-type Numbered = HashMap<(u8, u32), &'static Row>;
+/// The rows of G-words and of M-words by their numbers, and of other words by their names.
+type Index = (
+    [Vec<Option<&'static Row>>; 2],
+    HashMap<&'static str, &'static Row>,
+);
 
-static INDEX: LazyLock<(Numbered, HashMap<&'static str, &'static Row>)> = LazyLock::new(|| {
-    let (mut numbered, mut named) = (HashMap::new(), HashMap::new());
+static INDEX: LazyLock<Index> = LazyLock::new(|| {
+    let (mut numbered, mut named) = ([Vec::new(), Vec::new()], HashMap::new());
     for row in ROWS {
         for word in row.words.split_whitespace() {
             let (first, last) = word.split_once('-').unwrap_or((word, word));
-            match (key_of(first), key_of(last)) {
-                (Some((letter, first)), Some((_, last))) => {
-                    let whole = (first..=last).step_by(PARTS as usize);
-                    numbered.extend(whole.map(|number| ((letter, number), row)));
-                }
-                _ => {
-                    named.insert(word, row);
-                }
-            }
+            let (Some((letter, first)), Some((_, last))) = (key_of(first), key_of(last)) else {
+                named.insert(word, row);
+                continue;
+            };
+            let own: &mut Vec<Option<&Row>> = &mut numbered[letter];
+            own.resize(own.len().max(last + 1), None);
+            let whole = (first..=last).step_by(PARTS as usize);
+            whole.for_each(|number| own[number] = Some(row));
         }
     }
     (numbered, named)
@@ -30,20 +33,23 @@ static INDEX: LazyLock<(Numbered, HashMap<&'static str, &'static Row>)> = LazyLo
 /// Numbers of words are kept in tenths.
 const PARTS: u32 = 10;
 
-fn key_of(word: &str) -> Option<(u8, u32)> {
+fn key_of(word: &str) -> Option<(usize, usize)> {
     let number = word.get(1..)?.parse().ok()?;
     key(word.as_bytes()[0], number)
 }
 
-fn key(letter: u8, number: f64) -> Option<(u8, u32)> {
+/// Which of the lists of numbers, and where in it.
+fn key(letter: u8, number: f64) -> Option<(usize, usize)> {
+    let letter = [b'G', b'M'].iter().position(|own| *own == letter)?;
     let tenths = number * f64::from(PARTS);
     let is_whole = (tenths - tenths.round()).abs() < 1e-6 && (0.0..1e6).contains(&tenths);
-    is_whole.then_some((letter, tenths.round() as u32))
+    is_whole.then_some((letter, tenths.round() as usize))
 }
 
 /// The row of `G43.4` or `M30`.
 pub fn numbered(letter: u8, number: f64) -> Option<&'static Row> {
-    INDEX.0.get(&key(letter, number)?).copied()
+    let (letter, number) = key(letter, number)?;
+    INDEX.0[letter].get(number).copied().flatten()
 }
 
 /// The row of a word of several letters, in capitals: its own, or that without its digits, as `GOTO10` has it.

@@ -106,8 +106,8 @@ pub fn words_of<'a>(
                 line.skip(digits.count());
             }
             c if c.is_ascii_alphabetic() => {
-                let letters = rest.bytes().take(2).filter(u8::is_ascii_alphabetic);
-                let is_name = letters.count() == 2 || rest[1..].starts_with('_');
+                let second = rest.as_bytes().get(1);
+                let is_name = second.is_some_and(|c| c.is_ascii_alphabetic() || *c == b'_');
                 if is_name && !is_radius(rest) {
                     let word = named(line)?;
                     if word.is(Effect::Declares) {
@@ -200,10 +200,11 @@ fn group(line: &mut Cursor<'_>, open: char, close: char) -> Result<()> {
 
 /// Whether a parameter of Siemens controls is set here: `R1=`.
 fn is_parameter(rest: &str) -> bool {
+    if !rest.starts_with(['R', 'r']) {
+        return false;
+    }
     let digits = rest[1..].trim_start_matches(|c: char| c.is_ascii_digit());
-    rest.starts_with(['R', 'r'])
-        && digits.len() < rest.len() - 1
-        && digits.trim_start().starts_with('=')
+    digits.len() < rest.len() - 1 && digits.trim_start().starts_with('=')
 }
 
 /// Passes `#1=…`, `#<name>=…`, `R1=…`: it matters where a word takes the value, which is refused.
