@@ -141,10 +141,7 @@ pub(super) struct Pair {
 impl Pair {
     /// Variance of the reference, in variances of one reading.
     pub(super) fn variance_of_reference(&self) -> f64 {
-        let of = |part: &ReferencePart| {
-            part.weight.powi(2) / f64::from(part.readings) + part.slope.powi(2)
-        };
-        self.parts.iter().map(of).sum()
+        ReferencePart::shared(&self.parts, &self.parts)
     }
 }
 

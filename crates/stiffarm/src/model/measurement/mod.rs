@@ -51,18 +51,7 @@ impl Displacement {
     /// reading: with w and s the weights of states, n their readings, Σ (w wʹ / n + s sʹ) over the states that both
     /// have. For two references on one line through all readings it is 1/N + (t − t̄)(tʹ − t̄)/Σ(t − t̄)².
     pub fn shared_reference(&self, other: &Displacement) -> f64 {
-        let mut shared = 0.0;
-        for own in &self.reference {
-            for part in other
-                .reference
-                .iter()
-                .filter(|part| part.state == own.state)
-            {
-                let readings = f64::from(own.readings.max(1));
-                shared += own.weight * part.weight / readings + own.slope * part.slope;
-            }
-        }
-        shared
+        ReferencePart::shared(&self.reference, &other.reference)
     }
 }
 
@@ -81,6 +70,18 @@ pub struct ReferencePart {
 }
 
 impl ReferencePart {
+    /// Covariance of two references of one point, in variances of one reading ([`Displacement::shared_reference`]).
+    pub(crate) fn shared(one: &[ReferencePart], other: &[ReferencePart]) -> f64 {
+        let mut shared = 0.0;
+        for own in one {
+            for part in other.iter().filter(|part| part.state == own.state) {
+                let readings = f64::from(own.readings.max(1));
+                shared += own.weight * part.weight / readings + own.slope * part.slope;
+            }
+        }
+        shared
+    }
+
     /// One reading in a state.
     pub fn reading(state: u32) -> Self {
         ReferencePart {
