@@ -144,7 +144,8 @@ impl State<'_, '_> {
                 }
                 let number = to(&mut at, over(*depth), false);
                 if drill.dwells && count + 1 == depths.len() {
-                    bottoms.push(number - 1);
+                    // None where the tool has not moved at all.
+                    bottoms.extend(number.checked_sub(1));
                 }
             }
             match drill.out {
@@ -172,7 +173,11 @@ impl State<'_, '_> {
         }
         let mut depths = Vec::new();
         let mut depth = r - step;
-        while depth > bottom {
+        // Counted, as a step below the last digit of the depth would not lead on.
+        for _ in 0..=((r - bottom) / step).ceil() as usize {
+            if depth <= bottom {
+                break;
+            }
             depths.push(depth);
             depth -= step;
         }
@@ -208,7 +213,7 @@ impl State<'_, '_> {
                 }
             }
             self.builder.point(line, &place, *rapid);
-            if self.cycle.wait.is_some() && bottoms.contains(&number) {
+            if self.cycle.wait.is_some() && bottoms.binary_search(&number).is_ok() {
                 waits.push(self.builder.points.len() - 1);
             }
             before = Some(*end);

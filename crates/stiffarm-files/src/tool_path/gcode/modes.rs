@@ -3,7 +3,6 @@
 use super::effect::{Effect, Mode};
 use super::words::Word;
 use super::{Block, State};
-use crate::program::Number;
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
 
@@ -252,14 +251,5 @@ impl State<'_, '_> {
             return Err(block.refused(word, why));
         }
         Ok(())
-    }
-}
-
-/// The number of a word, for what has none.
-pub fn left_out(value: f64, at: usize) -> Number {
-    Number {
-        value,
-        at: at as u32,
-        length: 0,
     }
 }

@@ -2,8 +2,8 @@
 
 use super::State;
 use super::effect::Mode;
-use super::modes::left_out;
 use super::words::{Word, axis_component};
+use crate::program::Number;
 use crate::tool_path::Orientation;
 use nalgebra::{UnitVector3, Vector3};
 use stiffarm::error::Result;
@@ -77,5 +77,14 @@ impl State<'_, '_> {
             let number = word.map_or(left_out(value, end), |word| word.number);
             self.builder.numeral(0, component, number, modal);
         }
+    }
+}
+
+/// The number of a word, for what has none.
+fn left_out(value: f64, at: usize) -> Number {
+    Number {
+        value,
+        at: at as u32,
+        length: 0,
     }
 }

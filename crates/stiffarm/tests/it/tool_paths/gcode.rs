@@ -344,6 +344,14 @@ fn words_of_other_controls_lose_no_move() {
     assert_eq!(found, wanted);
 }
 
+/// A hole at the place where the tool stands, without any depth, is no move; steps below the last digit end.
+#[test]
+fn cycles_without_a_way_end() {
+    assert_eq!(becomes("G99 G82 X1 Y0 Z5 R5 P1\nG80\nG1 X2"), "2,0,5");
+    let hole = "G99 G83 Z999.9999999999 R1000 Q0.00000000000002\nG80\nG1 X2 Y0 Z5";
+    assert!(becomes(hole).ends_with("2,0,5"));
+}
+
 #[test]
 fn offsets_are_held_against_the_first_of_every_control() -> Check {
     let own = read("a.nc", "G90 G55 G0 X0 Y0 Z5\nG1 X1\n")?;
