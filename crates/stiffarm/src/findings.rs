@@ -117,3 +117,9 @@ pub(crate) fn probability(p: f64) -> String {
         p => format!("p = {p:.2}"),
     }
 }
+
+/// Names from files as they are shown.
+pub fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
+    let names = names.into_iter();
+    names.map(|name| visible(name).into_owned()).collect()
+}

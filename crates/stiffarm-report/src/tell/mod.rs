@@ -36,9 +36,10 @@ mod zones;
 
 pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity, significant};
+pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
+pub(crate) use text::level;
 pub use text::{Piece, Text, counted};
-pub(crate) use text::{level, shown};
 pub use worth::index_quantity;
 
 use crate::figure::Figure;

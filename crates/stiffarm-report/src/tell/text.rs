@@ -1,7 +1,7 @@
 //! Sentences in which numbers keep what they are.
 
 use super::Number;
-use stiffarm::findings::{Finding, visible};
+use stiffarm::findings::Finding;
 
 /// A sentence or two in which numbers keep what they are.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -116,12 +116,6 @@ pub fn counted(count: usize, what: &str) -> String {
 /// A confidence in percent, without the last bits of a binary fraction.
 pub(crate) fn level(confidence: f64) -> f64 {
     (1e6 * confidence).round() / 1e4
-}
-
-/// Names from files as they are shown.
-pub(crate) fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
-    let names = names.into_iter();
-    names.map(|name| visible(name).into_owned()).collect()
 }
 
 impl From<&str> for Text {

@@ -9,7 +9,7 @@ use super::{
     AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable,
 };
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list, visible};
+use crate::findings::{Finding, Severity, list, shown};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::information::Factor;
@@ -200,7 +200,7 @@ impl Estimates {
             } else {
                 "What they determine together stands below the joints; "
             };
-            let names = list(&shown(self.undetermined_joints.iter()));
+            let names = list(&shown(&self.undetermined_joints));
             let sentence = format!(
                 "These measurements cannot determine {names}. {rest}`stiffarm check` looks for the reason."
             );
@@ -232,9 +232,4 @@ impl Estimates {
         );
         out
     }
-}
-
-/// Names from files as they are shown.
-fn shown<'a>(names: impl Iterator<Item = &'a String>) -> Vec<String> {
-    names.map(|name| visible(name).into_owned()).collect()
 }
