@@ -15,6 +15,7 @@ use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::control::{Control, Watch};
+use crate::numerics::jobs::in_order_watched;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -325,6 +326,16 @@ impl Fit {
             &inner.prepared,
             &inner.white,
             &inner.assumed,
+        )
+    }
+
+    /// The fits without each of `lists` of postures (indices of blocks, ascending).
+    pub(crate) fn folds_without(&self, lists: &[Vec<usize>]) -> Result<Vec<Fold>> {
+        in_order_watched(
+            lists,
+            "leaving postures out",
+            self.control(),
+            |(_, list)| self.fold_without(list.clone()),
         )
     }
 

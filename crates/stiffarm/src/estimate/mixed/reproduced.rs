@@ -6,13 +6,14 @@
 //! what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load.
 
 use crate::error::Result;
-use crate::estimate::identify::Fit;
+use crate::estimate::compliance::Spread;
 use crate::model::cell::Cell;
-use crate::model::load::{Load, Wrench};
+use crate::model::load::Wrench;
 use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::numerics::streams::spread;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 /// Postures over which the arm is reproduced: another thousand moves h* by less than a percent.
 const POSTURES: usize = 1000;
@@ -23,48 +24,71 @@ const FEWEST: usize = 100;
 /// Postures of one job.
 const PORTION: usize = 50;
 
-/// L, springs × terms; zero beside springs that the load of the cell never bends.
-///
-/// # Errors
-/// As [`PostureTerms::new`]; interrupted.
-pub(super) fn projection(fit: &Fit, terms: &[ExtraTerm]) -> Result<DMatrix<f64>> {
-    let cell = fit.cell();
-    let robot = &cell.setup.robot;
-    let springs = robot.spring_count();
-    let wrenches: Vec<Wrench> = match cell.setup.load {
-        Load::Measured => fit
-            .experiment()
-            .with_terms()
-            .map(|(_, terms)| *terms.wrench())
-            .collect(),
-        _ => Vec::new(),
-    };
-    let setups = cell.setup.cases();
-    let postures: Vec<(usize, Vec<f64>)> = postures(cell)?.into_iter().enumerate().collect();
-    let portions: Vec<_> = postures.chunks(PORTION).collect();
-    let sums = in_order_watched(
-        &portions,
-        "the axes over the cell",
-        fit.control(),
-        |(_, portion)| {
+/// From what a mixed model has found to the compliance of joint axes that alone reproduce it.
+#[derive(Debug, Clone)]
+pub(crate) struct Reproduced {
+    /// L, springs × terms; zero beside springs that the load of the cell never bends.
+    projection: DMatrix<f64>,
+}
+
+impl Reproduced {
+    /// Over postures of `cell`, under its own load or where that is measured under `wrenches` in turn, with what `terms`
+    /// give beside the axes.
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`]; interrupted.
+    pub(crate) fn new(
+        cell: &Cell,
+        wrenches: &[Wrench],
+        terms: &[ExtraTerm],
+        control: Control<'_>,
+    ) -> Result<Self> {
+        let robot = &cell.setup.robot;
+        let springs = robot.spring_count();
+        let setups = cell.setup.cases();
+        let postures: Vec<(usize, Vec<f64>)> = postures(cell)?.into_iter().enumerate().collect();
+        let portions: Vec<_> = postures.chunks(PORTION).collect();
+        let what = "the axes over the cell";
+        let sums = in_order_watched(&portions, what, control, |(_, portion)| {
             let mut sum = DMatrix::zeros(springs, springs + terms.len());
             for (i, q) in *portion {
                 for setup in &setups {
-                    // Measured forces in turn.
                     let wrench = wrenches.get(i % wrenches.len().max(1));
-                    let Ok(own) = PostureTerms::new(setup, q, wrench) else {
-                        continue;
-                    };
-                    let block = own.block_with(robot, terms);
-                    sum += block.columns(0, springs).tr_mul(&block);
+                    // A rope without direction bends nothing.
+                    if let Ok(own) = PostureTerms::new(setup, q, wrench) {
+                        let block = own.block_with(robot, terms);
+                        sum += block.columns(0, springs).tr_mul(&block);
+                    }
                 }
             }
             Ok(sum)
-        },
-    )?;
-    let mut sum = DMatrix::zeros(springs, springs + terms.len());
-    sums.iter().for_each(|own| sum += own);
-    Ok(solved(&sum, springs))
+        })?;
+        let mut sum = DMatrix::zeros(springs, springs + terms.len());
+        sums.iter().for_each(|own| sum += own);
+        Ok(Reproduced {
+            projection: solved(&sum, springs),
+        })
+    }
+
+    /// h + L u of values, or of their change \[rad/(N·m)\].
+    pub(crate) fn of(&self, values: &DVector<f64>) -> DVector<f64> {
+        let springs = self.projection.nrows();
+        let besides = values.rows(springs, values.len() - springs);
+        values.rows(0, springs) + &self.projection * besides
+    }
+
+    /// Covariance of joint `j`'s compliance with all unknowns, and its variance.
+    pub(crate) fn covariance(&self, spread: &Spread, j: usize) -> (DVector<f64>, f64) {
+        let springs = self.projection.nrows();
+        let mut row = DVector::zeros(spread.covariance.ncols());
+        row[j] = 1.0;
+        let besides = row.len() - springs;
+        row.rows_mut(springs, besides)
+            .copy_from(&self.projection.row(j).transpose());
+        let with = &spread.covariance * &row;
+        let variance = row.dot(&with).max(0.0);
+        (with, variance)
+    }
 }
 
 /// (ΨᵀΨ)⁻¹ΨᵀZ from Ψᵀ\[Ψ Z\].
