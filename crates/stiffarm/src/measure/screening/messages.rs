@@ -320,6 +320,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             s.after_m.map_or_else(String::new, mm),
             angle(s, 0)
         ),
+        Cause::MovedTracker => super::moved::sentence(s, mm),
         Cause::AngleSign => format!(
             "{opening}: the readings fit if {joints} is {}, not {} (sign?); the misfit falls {}.{} Correct the angle.",
             angle(s, 1),
