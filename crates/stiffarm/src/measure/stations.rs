@@ -12,10 +12,10 @@ use super::series::PostureSeries;
 use crate::error::{Error, Result};
 use crate::findings::{Finding, Severity, length, list};
 use crate::model::cell::Cell;
-use crate::model::measurement::{ReadingTable, Role};
+use crate::model::measurement::{PostureReadings, ReadingTable, ReadingTarget, Role};
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Misfit of a station by itself above which the model is in doubt \[m\].
 const DOUBTFUL: f64 = 2e-3;
@@ -36,6 +36,9 @@ pub struct StationRegistration {
     pub translation_m: [f64; 3],
     /// RMS distance of its unloaded points from the model, of the postures used \[m\]; `None` without any.
     pub rms_m: Option<f64>,
+    /// Whether there is a single posture, and nothing but its own readings to say where the station stands: they fit
+    /// whatever its angles are.
+    pub angles_unchecked: bool,
 }
 
 /// A station by itself.
@@ -47,18 +50,19 @@ struct Alone {
     base: BTreeMap<String, Vector3<f64>>,
 }
 
-/// Puts the readings of all stations into the axes of one: of the first that `given` fits, else of the first. The
-/// result names the station with most postures where one does not fit the model by itself.
+/// Puts the readings of all stations into the axes of one: of the first that `given` fits, else of the first. Postures of
+/// a station whose unloaded readings do not say where it stands are left out, with a remark. The result names the
+/// station with most postures where one does not fit the model by itself.
 ///
 /// # Errors
-/// A station whose unloaded readings do not determine where it stands.
+/// No station says where it stands.
 pub(super) fn in_one_frame(
     cell: &Cell,
     table: &mut ReadingTable,
     given: Option<&Isometry3<f64>>,
 ) -> Result<Option<String>> {
     let given = given.or(cell.tracker.base_from_tracker.as_ref());
-    let names: Vec<String> = table.stations().into_iter().map(String::from).collect();
+    let mut names: Vec<String> = table.stations().into_iter().map(String::from).collect();
     if names.len() < 2 {
         return Ok(None);
     }
@@ -69,12 +73,20 @@ pub(super) fn in_one_frame(
         own.cloned().collect::<Vec<PostureSeries<'_>>>()
     };
     let mut all = Vec::with_capacity(names.len());
+    let mut failed: Vec<(String, Error)> = Vec::new();
     for name in &names {
-        all.push(alone(cell, &of_station(name)).map_err(|error| {
-            let message = format!("Station \"{name}\": {}", error.message());
-            let hint = "read more of the points unloaded from there, or leave its postures out";
-            Error::new(error.code(), message).hint(hint)
-        })?);
+        match alone(cell, &of_station(name)) {
+            Ok(own) => all.push(own),
+            Err(error) => failed.push((name.clone(), error)),
+        }
+    }
+    names.retain(|name| failed.iter().all(|(other, _)| other != name));
+    if names.is_empty()
+        && let Some((name, error)) = failed.first()
+    {
+        let message = format!("Station \"{name}\": {}", error.message());
+        let hint = "read more of the points unloaded from there, or leave its postures out";
+        return Err(Error::new(error.code(), message).hint(hint));
     }
     let most = names.iter().max_by_key(|name| of_station(name).len());
     let doubtful = all.iter().any(|own| own.rms > DOUBTFUL);
@@ -92,6 +104,19 @@ pub(super) fn in_one_frame(
     });
     let axes: BTreeMap<String, Isometry3<f64>> = names.into_iter().zip(axes).collect();
     drop(series);
+    for (name, error) in failed {
+        let is_own = |p: &PostureReadings| p.station.as_ref() == Some(&name);
+        let own = table.postures.iter().filter(|p| is_own(p));
+        let own: Vec<&str> = own.map(|p| p.posture.name.as_str()).collect();
+        let sentence = format!(
+            "Station {name}: {} Left out until more is read from there: {}.",
+            error.message(),
+            list(&own)
+        );
+        let remark = Finding::caution("station-left-out", own.join(", "), sentence);
+        table.postures.retain(|p| !is_own(p));
+        table.remarks.push(remark);
+    }
     for posture in &mut table.postures {
         let axes = posture.station.as_ref().and_then(|name| axes.get(name));
         let Some(axes) = axes.filter(|axes| **axes != Isometry3::identity()) else {
@@ -143,7 +168,8 @@ fn tied(
     }
     let tied = rigid_transform(both.iter().copied())?;
     let to_base = base_from_reference * tied;
-    let agrees = fits(cell, &tied, &both, 0.0) && fits(cell, &to_base, &own.pairs, own.rms);
+    let agrees = fits(cell, &tied, &both, 0.0)
+        && fits(cell, &to_base, &own.pairs, own.rms.max(reference.rms));
     agrees.then_some(tied)
 }
 
@@ -181,6 +207,7 @@ pub(super) fn describe(
         let own = table.postures.iter();
         let own = own.filter(|p| p.station.as_deref() == Some(name));
         let axes = own.clone().next().map(|p| p.axes).unwrap_or_default();
+        let has_reflectors = own.clone().any(|p| base_reflectors(p) >= REFLECTORS);
         let postures: Vec<String> = own.map(|p| p.posture.name.clone()).collect();
         let residuals = registration.iter().flat_map(|r| &r.postures);
         let residuals = residuals.filter(|r| r.used && postures.contains(&r.posture));
@@ -191,6 +218,7 @@ pub(super) fn describe(
         let frame = base_from_tracker * axes;
         let rotation = frame.rotation.to_rotation_matrix();
         StationRegistration {
+            angles_unchecked: postures.len() == 1 && !has_reflectors,
             station: name.to_string(),
             postures,
             rotation: std::array::from_fn(|i| std::array::from_fn(|j| rotation[(i, j)])),
@@ -199,6 +227,13 @@ pub(super) fn describe(
         }
     };
     names.into_iter().map(one).collect()
+}
+
+/// Reflectors on the base that a posture's readings have.
+fn base_reflectors(posture: &PostureReadings) -> usize {
+    let readings = posture.states.iter().flat_map(|s| &s.readings);
+    let base = readings.filter(|r| matches!(r.target, ReadingTarget::Base(_)));
+    base.map(|r| &r.target).collect::<BTreeSet<_>>().len()
 }
 
 /// Says from which stations the readings come, and how well each fits the model.
@@ -214,9 +249,22 @@ pub(super) fn finding(stations: &[StationRegistration]) -> Option<Finding> {
             format!("{} ({postures}{})", own.station, fit.unwrap_or_default())
         })
         .collect();
+    let unchecked = stations.iter().filter(|own| own.angles_unchecked);
+    let unchecked: Vec<String> = unchecked.flat_map(|own| own.postures.clone()).collect();
+    let unchecked = match unchecked.len() {
+        0 => String::new(),
+        1 => format!(
+            " Nothing checks the angles of posture {}, the only one of its station.",
+            unchecked[0]
+        ),
+        _ => format!(
+            " Nothing checks the angles of postures {}, each the only one of its station.",
+            list(&unchecked)
+        ),
+    };
     let sentence = format!(
         "The tracker read from {} stations: {}. Each is registered by itself, and its unloaded points lie so far from the \
-         kinematic model.",
+         kinematic model.{unchecked}",
         stations.len(),
         list(&each)
     );

@@ -60,6 +60,7 @@ mod shapes;
 mod sources;
 mod space_filling;
 mod standing;
+mod stations;
 mod study;
 mod tables;
 mod task;

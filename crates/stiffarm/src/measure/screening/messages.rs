@@ -373,7 +373,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
         ),
         Cause::UnexplainedPosture => format!(
             "{opening}: the points lie {} from the kinematic model, in the other postures {}. No single slip of an \
-             angle or a name explains it: check its angles and readings, or leave it out.",
+             angle or a name explains it: check its angles and readings, and that the tracker stood still, or leave it \
+             out.",
             s.before_m.map_or_else(String::new, mm),
             s.after_m.map_or_else(String::new, mm)
         ),

@@ -35,6 +35,7 @@ mod sheet;
 mod states;
 
 use super::series::PostureSeries;
+use super::stations;
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -195,9 +196,12 @@ pub struct Suspicion {
     /// Postures that were read partly before the tracker was moved and partly after.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub divided: Vec<String>,
-    /// The station that the table names for postures from which the tracker was moved.
+    /// The station that the table names for postures before which the tracker was moved.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub station: Option<String>,
+    /// A name for the station that these postures were read from instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub likely_station: Option<String>,
     /// Other explanations that fit as well.
     pub alternatives: Vec<String>,
     /// False where the points named are candidates for one fault.
@@ -226,6 +230,7 @@ impl Suspicion {
             angles_deg: Vec::new(),
             divided: Vec::new(),
             station: None,
+            likely_station: None,
             alternatives: Vec::new(),
             certain: true,
         }
@@ -354,7 +359,9 @@ pub fn screen(
     table: &ReadingTable,
     base_from_tracker: Option<&Isometry3<f64>>,
 ) -> Result<Screening> {
-    screen_series(cell, table, &PostureSeries::all(table), base_from_tracker)
+    let mut table = table.clone();
+    stations::in_one_frame(cell, &mut table, base_from_tracker)?;
+    screen_series(cell, &table, &PostureSeries::all(&table), base_from_tracker)
 }
 
 /// [`screen`] of readings that are sorted already.

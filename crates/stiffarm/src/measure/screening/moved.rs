@@ -218,8 +218,15 @@ pub(super) fn explain(
     if before < (BELIEVED * after).max(SMALL) {
         return None;
     }
+    let of_states = runs_of_states(work, &order, &runs);
     for next in 1..runs.len() {
         let (old, new) = (&runs[next - 1], &runs[next]);
+        let [before_it, first] =
+            [new.first - 1, new.first].map(|i| &work.sheet.postures[order.at[i].0]);
+        if before_it.station != first.station {
+            // A station that was moved is not tied well to the others: the table has both names already.
+            continue;
+        }
         let mut suspicion = Suspicion::new(Cause::MovedTracker).misfit(before, after);
         let [a, b] = [old, new].map(|run| &run.base_from_tracker);
         let points: Vec<&Pair> = order.agreeing(new).flatten().collect();
@@ -228,80 +235,83 @@ pub(super) fn explain(
             .map(|(p, _)| (moved(a, p) - moved(b, p)).norm());
         suspicion.off_m = Some(away.sum::<f64>() / points.len().max(1) as f64);
         suspicion.angles_deg = vec![rad_to_deg(a.rotation.angle_to(&b.rotation))];
-        let (p, s) = order.at[new.first];
-        let last = order.at[new.first - 1];
-        suspicion
-            .station
-            .clone_from(&work.sheet.postures[p].station);
-        // A posture whose last states lie in the new frame alone was divided, too.
-        let divided = if last.0 == p {
-            Some(p)
-        } else {
-            (last.1 + 1..work.sheet.postures[last.0].states.len())
-                .any(|s| is_of(work, (last.0, s), [a, b]))
-                .then_some(last.0)
-        };
-        suspicion
-            .divided
-            .extend(divided.map(|p| work.sheet.postures[p].name.clone()));
-        for i in new.first..new.end {
-            let name = &work.sheet.postures[order.at[i].0].name;
-            if !suspicion.postures.contains(name) && !(last.0 == p && order.at[i].0 == p && s > 0) {
-                suspicion.postures.push(name.clone());
+        for (own, posture) in of_states.iter().zip(&work.sheet.postures) {
+            if own.contains(&next) && own.contains(&(next - 1)) {
+                suspicion.divided.push(posture.name.clone());
+            } else if own.contains(&next) && !own.contains(&(next + 1)) {
+                suspicion.postures.push(posture.name.clone());
             }
         }
+        suspicion.station.clone_from(&first.station);
+        suspicion.likely_station = Some(match &first.station {
+            Some(station) => unused(work, station),
+            None => (next + 1).to_string(),
+        });
         work.found.push(suspicion);
     }
-    undo(work, &order, &runs);
+    for (p, own) in of_states.iter().enumerate() {
+        for (s, run) in own.iter().enumerate().filter(|(_, run)| **run > 0) {
+            let change = runs[0].base_from_tracker.inverse() * runs[*run].base_from_tracker;
+            let state = work.sheet.at_mut((p, s));
+            state.each_position(|position| *position = moved(&change, position));
+        }
+    }
     fitted(work, given)
 }
 
-/// True where a state under load lies where the arm has it by the second of two frames, and not by the first.
-fn is_of(work: &Work, at: (usize, usize), [first, second]: [&Isometry3<f64>; 2]) -> bool {
-    let state = work.sheet.at(at);
-    let pairs = state_pairs(&state.points, &work.predicted(&state.q));
-    let [first, second] = [first, second].map(|frame| rms(frame, &pairs));
-    state.role == Role::Loaded && second <= give(work, at.0) && BELIEVED * second < first
+/// A name like `station` that the table has not.
+fn unused(work: &Work, station: &str) -> String {
+    let mut names = (2..).map(|number| format!("{station}-{number}"));
+    let is_new = |name: &String| {
+        let mut postures = work.sheet.postures.iter();
+        postures.all(|posture| posture.station.as_ref() != Some(name))
+    };
+    names.find(is_new).unwrap_or_default()
 }
 
-/// Puts the states of all runs into the axes of the first.
-fn undo(work: &mut Work, order: &Order, runs: &[Run]) {
-    let Some((first, others)) = runs.split_first() else {
-        return;
-    };
+/// The number of its run for each state of each posture. An unloaded one has that of its item; one under load that of the
+/// last item before it, but where the frame changes before the next: then that in which it lies nearer to where the arm
+/// has it, within what a load does.
+fn runs_of_states(work: &Work, order: &Order, runs: &[Run]) -> Vec<Vec<usize>> {
     let run_of = |i: usize| runs.iter().rposition(|run| run.first <= i).unwrap_or(0);
-    let mut changes: Vec<((usize, usize), usize)> = Vec::new();
-    for (p, posture) in work.sheet.postures.iter().enumerate() {
-        for s in 0..posture.states.len() {
-            // The last unloaded state up to here says the frame, else the first of the posture.
-            let own = (0..order.at.len()).filter(|i| order.at[*i].0 == p);
-            let before = own.clone().filter(|i| order.at[*i].1 <= s).last();
-            let Some(i) = before.or(own.clone().next()) else {
-                continue;
+    let of_posture = |(p, posture): (usize, &super::sheet::Posture)| {
+        let own: Vec<usize> = (0..order.at.len())
+            .filter(|i| order.at[*i].0 == p)
+            .collect();
+        let of_state = |s: usize| {
+            let before = own.iter().rev().find(|i| order.at[**i].1 <= s);
+            let Some(i) = before.or(own.first()).copied() else {
+                return 0;
             };
-            let mut run = run_of(i);
-            if let Some(next) = runs.get(run + 1)
-                && own.last().is_some_and(|last| order.at[last].1 < s)
+            let run = run_of(i);
+            let next = run_of((i + 1).min(order.at.len() - 1));
+            let is_other = next != run
                 && is_of(
                     work,
                     (p, s),
-                    [&runs[run].base_from_tracker, &next.base_from_tracker],
-                )
-            {
-                run += 1;
-            }
-            changes.push(((p, s), run));
-        }
-    }
-    let to_first = first.base_from_tracker.inverse();
-    for (at, run) in changes {
-        if let Some(run) = run.checked_sub(1).and_then(|other| others.get(other)) {
-            let change = to_first * run.base_from_tracker;
-            work.sheet
-                .at_mut(at)
-                .each_position(|p| *p = moved(&change, p));
-        }
-    }
+                    [run, next].map(|r| &runs[r]),
+                    own.contains(&(i + 1)),
+                );
+            if is_other { next } else { run }
+        };
+        (0..posture.states.len()).map(of_state).collect()
+    };
+    work.sheet
+        .postures
+        .iter()
+        .enumerate()
+        .map(of_posture)
+        .collect()
+}
+
+/// True where a state under load lies where the arm has it by the second of two runs, and not by the first: nearer
+/// where the frame is known to change in its posture, clearly nearer where it may.
+fn is_of(work: &Work, at: (usize, usize), runs: [&Run; 2], is_known: bool) -> bool {
+    let state = work.sheet.at(at);
+    let pairs = state_pairs(&state.points, &work.predicted(&state.q));
+    let [first, second] = runs.map(|run| rms(&run.base_from_tracker, &pairs));
+    let factor = if is_known { 1.0 } else { BELIEVED };
+    state.role == Role::Loaded && second <= give(work, at.0) && factor * second < first
 }
 
 /// What was found, and how to say it.
@@ -319,9 +329,12 @@ pub(super) fn sentence(s: &Suspicion, mm: fn(f64) -> String) -> String {
         1 => format!("the rows of posture {}", s.postures[0]),
         _ => format!("the rows of postures {}", list(&s.postures)),
     };
+    let likely = s.likely_station.as_deref().unwrap_or_default();
     let name = match &s.station {
-        Some(station) => format!("give {rows} a station of their own in place of {station}"),
-        None => format!("add a column station: 2 for {rows}, 1 for those before"),
+        Some(station) => format!("give {rows} station {likely} in place of {station}"),
+        None => format!(
+            "add a column station with {likely} in {rows}, and another name in those before"
+        ),
     };
     let divided = match s.divided.len() {
         0 => String::new(),
