@@ -263,8 +263,8 @@ pub(super) fn finding(stations: &[StationRegistration]) -> Option<Finding> {
         ),
     };
     let sentence = format!(
-        "The tracker read from {} stations: {}. Each is registered by itself, and its unloaded points lie so far from the \
-         kinematic model.{unchecked}",
+        "The tracker read from {} stations, each registered by itself: {}. The RMS is the distance of the unloaded points \
+         from the kinematic model.{unchecked}",
         stations.len(),
         list(&each)
     );
