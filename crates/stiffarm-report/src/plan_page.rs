@@ -50,6 +50,9 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
             escape(&posture.name),
             groups.len()
         );
+        if let Some(station) = &rows[0].station {
+            let _ = writeln!(out, "<p>Tracker at station {}</p>", escape(station));
+        }
         angles(&mut out, &cell.setup.robot, &posture.q);
         let drawing = cell_drawing(cell, std::slice::from_ref(posture), Full::Number(0))?;
         out += &render_drawing(&drawing);

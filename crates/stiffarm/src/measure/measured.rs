@@ -9,6 +9,7 @@ use crate::measure::screening::{
     Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
 };
 use crate::measure::series::PostureSeries;
+use crate::measure::stations;
 use crate::model::cell::{Cell, Noise};
 use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter};
 
@@ -194,12 +195,21 @@ pub fn prepare(
     if let Some(error) = nothing_measured(&table) {
         return Err(error);
     }
-    let table = table.in_order_of_time();
+    let mut table = table.in_order_of_time();
     let resolution = Resolution::of(cell, &table);
     let cell = resolution.as_ref().map_or(cell, |rounded| &rounded.cell);
-    let series = PostureSeries::all(&table);
     let given = options.base_from_tracker.as_ref();
-    let screening = screen_series(cell, &table, &series, given)?;
+    let doubtful = stations::in_one_frame(cell, &mut table, given)?;
+    let series = PostureSeries::all(&table);
+    let screening = match doubtful {
+        // Frames say nothing where the model fits from no station: one by itself tells why.
+        Some(station) => stations::screened_alone(cell, &table, &series, &station)?,
+        None => None,
+    };
+    let screening = match screening {
+        Some(found) => found,
+        None => screen_series(cell, &table, &series, given)?,
+    };
     let mut reduction = reduce_series(cell, &table, &series, options).map_err(|error| {
         let mut findings = screening.findings.iter();
         match findings.find(|f| f.severity == Severity::Serious) {
@@ -238,6 +248,9 @@ fn follows(screening: &Screening, finding: &Finding) -> bool {
     let any = |of: &dyn Fn(&Suspicion) -> bool| screening.suspicions.iter().any(of);
     match finding.code.as_str() {
         "force-magnitude" => any(&|s| matches!(s.cause, Cause::LoadUnits | Cause::LoadEntry)),
+        "registration-outlier" | "registration-residual" | "given-registration" => {
+            any(&|s| s.cause == Cause::MovedTracker)
+        }
         "loading-point" | "unexplained-moment" => any(&|s| {
             s.cause == Cause::MomentUnits
                 || s.cause == Cause::LoadEntry

@@ -61,6 +61,7 @@ mod sources;
 mod space_filling;
 mod standing;
 mod structural_arms;
+mod stations;
 mod study;
 mod tables;
 mod task;

@@ -94,6 +94,7 @@ fn key(name: &str) -> Option<&'static str> {
         () if has(&["x", "x1"]) => Some(["x_mm", "x_m", "x_um", "x_in"][unit]),
         () if has(&["y", "y1"]) => Some(["y_mm", "y_m", "y_um", "y_in"][unit]),
         () if has(&["z", "z1"]) => Some(["z_mm", "z_m", "z_um", "z_in"][unit]),
+        () if has(&["station", "instrument"]) => Some("station"),
         () if has(&["time", "timestamp", "datetime", "zeit", "heure"]) => Some("time_s"),
         () if has(&["date", "datum"]) => Some("date"),
         () if has(&["collection", "pose", "workpiece"]) => Some("posture"),

@@ -68,6 +68,8 @@ impl Page<'_> {
     fn postures(&mut self, sheet: &Sheet, cell: &Cell) -> Done {
         let joints = cell.setup.robot.joint_count();
         let mut headings = vec!["posture".to_string()];
+        let has_stations = sheet.rows.iter().any(|row| row.station.is_some());
+        headings.extend(has_stations.then(|| "station".to_string()));
         headings.extend((1..=joints).map(|joint| format!("q{joint}_deg")));
         self.headings(&headings)?;
         let angle = self.boxed.clone().set_num_format("0.00");
@@ -83,7 +85,13 @@ impl Page<'_> {
                 &row.posture.name,
                 &self.boxed,
             )?;
-            for (at, q) in (1..).zip(&row.posture.q) {
+            if has_stations {
+                let station = row.station.as_deref().unwrap_or_default();
+                self.worksheet
+                    .write_string_with_format(self.line, 1, station, &self.boxed)?;
+            }
+            let first = 1 + u16::from(has_stations);
+            for (at, q) in (first..).zip(&row.posture.q) {
                 self.worksheet
                     .write_number_with_format(self.line, at, rad_to_deg(*q), &angle)?;
             }

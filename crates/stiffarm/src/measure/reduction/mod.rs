@@ -23,7 +23,7 @@ mod repeatability;
 mod servo;
 mod table;
 mod temperature;
-mod unloaded;
+pub(in crate::measure) mod unloaded;
 mod wrench;
 mod wrench_check;
 
@@ -37,6 +37,7 @@ pub use unloaded::{UnloadedPointResidual, UnloadedPostureResidual, UnloadedRegis
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
 use super::series::PostureSeries;
+use super::stations::{self, StationRegistration};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
@@ -47,7 +48,7 @@ use crate::model::measurement::{
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -80,6 +81,10 @@ pub struct Reduction {
     /// How the unloaded readings fit the model; `None` for a given transform and
     /// no unloaded readings.
     pub registration: Option<UnloadedRegistration>,
+    /// Each station by itself, where the readings come from several; `registration` is then that of the axes into
+    /// which all were put.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stations: Vec<StationRegistration>,
     /// Scatter of the repeats; `None` without repeats.
     pub repeatability: Option<Repeatability>,
     /// Largest motion of the base, posture by posture, where reflectors show it.
@@ -106,7 +111,8 @@ pub struct Reduction {
 /// is not finite; no displacement at all; no transform given and too few unloaded
 /// points for one; forces that are missing where others are given.
 pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Result<Reduction> {
-    let table = table.clone().in_order_of_time();
+    let mut table = table.clone().in_order_of_time();
+    stations::in_one_frame(cell, &mut table, options.base_from_tracker.as_ref())?;
     reduce_series(cell, &table, &PostureSeries::all(&table), options)
 }
 
@@ -128,6 +134,8 @@ pub(super) fn reduce_series(
     let reading_std = repeatability::reading_std(cell, repeatability.as_ref());
     let (registration, base_from_tracker) =
         unloaded::registration(cell, series, given.as_ref(), reading_std, &mut findings)?;
+    let stations = stations::describe(table, &base_from_tracker, registration.as_ref());
+    findings.extend(stations::finding(&stations));
     let drift = drift::drift(series, &base_from_tracker, reading_std)?;
     findings.extend(drift::findings(series, drift.as_ref()));
     let temperatures = temperature::temperatures(series, drift.as_ref(), reading_std);
@@ -174,6 +182,7 @@ pub(super) fn reduce_series(
         measured,
         base_from_tracker,
         registration,
+        stations,
         repeatability,
         base_motion,
         drift,
@@ -194,6 +203,7 @@ fn displacements(
     measured: &mut Vec<MeasuredPosture>,
 ) -> Result<Option<BaseMotion>> {
     let rotation = base_from_tracker.rotation;
+    let axes = &posture.readings.axes;
     let usable = base_motion::usable(posture);
     let mut largest: Option<BaseMotion> = None;
     for number in posture.states(Role::Loaded) {
@@ -220,8 +230,8 @@ fn displacements(
                 reference: pair.parts,
                 covariance: covariance(
                     cell,
-                    base_from_tracker,
-                    &pair.loaded,
+                    &(base_from_tracker * axes),
+                    &(axes.inverse() * Point3::from(pair.loaded)).coords,
                     stated(state, *index),
                 )?,
             });

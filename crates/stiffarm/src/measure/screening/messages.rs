@@ -320,6 +320,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             s.after_m.map_or_else(String::new, mm),
             angle(s, 0)
         ),
+        Cause::MovedTracker => super::moved::sentence(s, mm),
         Cause::AngleSign => format!(
             "{opening}: the readings fit if {joints} is {}, not {} (sign?); the misfit falls {}.{} Correct the angle.",
             angle(s, 1),
@@ -372,7 +373,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
         ),
         Cause::UnexplainedPosture => format!(
             "{opening}: the points lie {} from the kinematic model, in the other postures {}. No single slip of an \
-             angle or a name explains it: check its angles and readings, or leave it out.",
+             angle or a name explains it: check its angles and readings, and that the tracker stood still, or leave it \
+             out.",
             s.before_m.map_or_else(String::new, mm),
             s.after_m.map_or_else(String::new, mm)
         ),

@@ -2,7 +2,7 @@
 //! every posture alike.
 
 use super::frame::{self, Frame, item_pairs, items, judge, register};
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work};
+use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, moved};
 use crate::measure::registration::axis_slips;
 use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::order::sort_by_number;
@@ -12,7 +12,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 /// Misfit of most postures above which causes are looked for \[m\].
 const SUSPICIOUS: f64 = 2e-3;
 /// Misfit above which a cause counts as undone \[m\]: an uncalibrated robot has a few mm.
-const PLAUSIBLE: f64 = 8e-3;
+pub(super) const PLAUSIBLE: f64 = 8e-3;
 /// Misfit that is reported where no cause is found \[m\].
 const UNEXPLAINED: f64 = 1e-2;
 /// Angles that all lie below this may be radians \[deg\].
@@ -138,6 +138,10 @@ pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>) -> Option
     if throughout && let Some(after) = undo(work, given, &before) {
         check_given(work, given, &after);
         return Some(after);
+    }
+    if let Some(frame) = moved::explain(work, given, throughout) {
+        check_given(work, given, &frame);
+        return Some(frame);
     }
     let majority = 2 * before.bad_count() < before.bad.len();
     if before.level > UNEXPLAINED || (throughout && !majority && before.trimmed > UNEXPLAINED) {

@@ -2,6 +2,7 @@
 
 mod alarms;
 mod gross_errors;
+mod moved;
 mod poor_tables;
 mod robots;
 mod single_faults;
