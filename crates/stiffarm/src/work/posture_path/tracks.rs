@@ -5,9 +5,10 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
 use crate::model::inverse::Method;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::each_in_order;
+use crate::numerics::jobs::{each_in_order, in_order};
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
+use std::f64::consts::FRAC_PI_2;
 
 /// Where and why a branch could not be followed.
 struct Broken {
@@ -87,6 +88,7 @@ pub(super) fn postures(
     for turns in &mut starts {
         turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
     }
+    let mut near_enough = f64::INFINITY;
     if let Some(near) = &search.options.start {
         // Nearest branch first, of each the nearest turns first.
         let far = |q: &Vec<f64>| change(near, q).1;
@@ -94,30 +96,38 @@ pub(super) fn postures(
             turns.sort_by(|a, b| far(a).total_cmp(&far(b)));
         }
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
+        near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
     let wrenches = search.wrenches(poses)?;
     let mut broken: Option<Broken> = None;
-    let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
+    let mut best: Option<((f64, f64), Vec<Vec<f64>>)> = None;
     for turns in &starts {
         for start in turns {
+            let near = search.options.start.as_ref();
+            if near.is_some_and(|near| change(near, start).1 > near_enough) && best.is_some() {
+                continue;
+            }
             if control.stopped() {
                 return Err(Error::new(Code::Interrupted, "Interrupted."));
             }
             match follow(search, poses, closed.then_some(&layers), start) {
                 Ok(track) => {
-                    if search.options.start.is_some() {
+                    let missing = in_order(&track, |(_, q)| search.counted(q))?;
+                    let missing = missing.iter().sum::<f64>();
+                    if search.options.start.is_some() && missing == 0.0 {
                         return Ok(track);
                     }
                     let cost = rms(&search.deflections(&track, &wrenches)?);
                     // Flipped wrists bend alike: rounding does not choose between them.
-                    if best
-                        .as_ref()
-                        .is_none_or(|(least, _)| cost < *least * (1.0 - 1e-9))
-                    {
-                        best = Some((cost, track));
+                    if best.as_ref().is_none_or(|(least, _)| {
+                        (missing, cost) < (least.0, least.1 * (1.0 - 1e-9))
+                    }) {
+                        best = Some(((missing, cost), track));
                     }
                     // Other turns of the same branch bend alike.
-                    break;
+                    if missing == 0.0 {
+                        break;
+                    }
                 }
                 Err(other) => {
                     if broken.as_ref().is_none_or(|b| other.length > b.length) {
