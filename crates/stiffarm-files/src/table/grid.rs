@@ -1,6 +1,6 @@
 //! A table as headings and rows, whatever file it came from.
 
-use super::foreign::own_unit;
+use super::foreign::{by_place, left_out_by_place, own_unit};
 use super::naming::{DATE, NAME, normal};
 use super::quantity::Unit;
 pub(super) use super::rows::{Field, Row, Rows};
@@ -78,11 +78,12 @@ impl<'a> Table<'a> {
         let named = named.map_or(0, |last| last + 1);
         // Columns without a heading do not matter where the cell file says so, or nothing stands in them.
         let nameless = foreign.ignore.iter().any(String::is_empty);
-        let widest = rows.below().map(|row| row.fields.len()).max();
-        let width = if nameless {
-            named.max(widest.unwrap_or(0))
-        } else {
-            named
+        let widest = rows.below().map(|row| row.fields.len()).max().unwrap_or(0);
+        let by_place = by_place(&heading, style, foreign);
+        let of_places = by_place.iter().filter(|at| **at < widest).max();
+        let width = match of_places {
+            _ if nameless => named.max(widest),
+            last => named.max(last.map_or(0, |last| last + 1)),
         };
         let filled: Vec<bool> = (0..width)
             .map(|at| {
@@ -113,7 +114,9 @@ impl<'a> Table<'a> {
                         .map(|_| DATE.into())
                 };
                 Heading {
-                    ignored: foreign.ignore.iter().any(same) || (given.is_empty() && !filled[at]),
+                    ignored: foreign.ignore.iter().any(same)
+                        || by_place.contains(&at)
+                        || (given.is_empty() && !filled[at]),
                     name: ours
                         .or_else(name)
                         .or_else(date)
@@ -124,9 +127,10 @@ impl<'a> Table<'a> {
                 }
             })
             .collect();
-        if nameless {
+        if width > named {
             rows.fill_up(width);
         }
+        let remarks = left_out_by_place(&headings, &by_place, file);
         rows.drop_empty_ends(headings.len());
         Table {
             files: vec![file],
@@ -143,7 +147,7 @@ impl<'a> Table<'a> {
             delimiter: ',',
             has_quoted_decimals: false,
             by_order: false,
-            remarks: Vec::new(),
+            remarks: remarks.into_iter().collect(),
         }
     }
 
