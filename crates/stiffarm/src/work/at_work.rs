@@ -67,12 +67,17 @@ impl AtWork {
         &self.robot
     }
 
-    /// How far bounds, limits and shapes are from allowing `q`: whole micrometres, or millionths of
-    /// a radian, since rounding must not choose between postures; 0 where they allow it.
-    pub fn missing(&self, q: &[f64]) -> Result<f64> {
-        let outside = self.outside(q).map_or(0.0, |(_, excess)| excess);
+    /// How far limits and shapes are from allowing `q`, whatever the full turns of its joints: whole
+    /// micrometres, since rounding must not choose between postures; 0 where they allow it.
+    pub fn lacks_room(&self, q: &[f64]) -> Result<f64> {
         let violated = self.violated(q)?.map_or(0.0, |violated| -violated.margin);
-        Ok((1e6 * outside.max(violated)).ceil())
+        Ok((1e6 * violated).ceil())
+    }
+
+    /// The same of the bounds, in whole millionths of a radian.
+    pub fn beyond_bounds(&self, q: &[f64]) -> f64 {
+        let outside = self.outside(q).map_or(0.0, |(_, excess)| excess);
+        (1e6 * outside).ceil()
     }
 
     /// The joint that leaves the bounds most, and by how much \[rad\].

@@ -233,13 +233,15 @@ fn add(
         return Ok(());
     }
     turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
-    let cost = search.deflection(&turns[0], load)?.powi(2);
+    // Bounds count among full turns alone; each is as good by all else.
+    let first = Node::new(search, turns[0].clone(), turn, load)?;
+    let beyond = |q: &[f64]| search.beyond_bounds_along(&[q.to_vec()]);
+    let room = first.missing - beyond(&first.q);
     for q in turns.into_iter().take(FULL_TURNS) {
         layer.push(Node {
-            missing: search.counted(&q)?,
-            cost,
+            missing: room + beyond(&q),
             q,
-            turn,
+            ..first
         });
     }
     Ok(())

@@ -5,13 +5,15 @@ use crate::error::Result;
 use crate::findings::{Finding, length, more};
 use crate::model::inverse::{Method, Outcome};
 use crate::numerics::control::Control;
-use crate::numerics::jobs::in_order_watched;
+use crate::numerics::jobs::{in_order, in_order_watched};
 use nalgebra::Isometry3;
 use std::f64::consts::TAU;
 
 /// Most points at which is looked whether anything would be free.
 const LOOKED_AT: usize = 400;
 
+/// Most points by which one of several ways is chosen.
+const RANKED_BY: usize = 2000;
 /// Ways that differ by less bend alike, as flipped wrists do.
 const ALIKE: f64 = 1e-6;
 
@@ -24,12 +26,36 @@ struct Lacking {
 impl Search<'_> {
     /// How far bounds, limits and shapes are from allowing `q`; 0 where they do.
     pub(super) fn missing(&self, q: &[f64]) -> Result<f64> {
-        self.arm.at_work().missing(q)
+        let at_work = self.arm.at_work();
+        Ok(at_work.lacks_room(q)? + at_work.beyond_bounds(q))
     }
 
     /// The same where the search keeps them, else 0.
     pub(super) fn counted(&self, q: &[f64]) -> Result<f64> {
         if self.keeps { self.missing(q) } else { Ok(0.0) }
+    }
+
+    /// What limits and shapes lack along a way, by so many of its points as can be looked at for each of
+    /// several ways; 0 where the search does not keep them.
+    pub(super) fn lacks_room_along(&self, q: &[Vec<f64>]) -> Result<f64> {
+        if !self.keeps {
+            return Ok(0.0);
+        }
+        let some: Vec<&Vec<f64>> = q
+            .iter()
+            .step_by(q.len().div_ceil(RANKED_BY).max(1))
+            .collect();
+        let each = in_order(&some, |(_, q)| self.arm.at_work().lacks_room(q))?;
+        Ok(each.iter().sum())
+    }
+
+    /// What the bounds lack along a way; 0 where the search does not keep them.
+    pub(super) fn beyond_bounds_along(&self, q: &[Vec<f64>]) -> f64 {
+        if !self.keeps {
+            return 0.0;
+        }
+        let each = q.iter().map(|q| self.arm.at_work().beyond_bounds(q));
+        each.sum()
     }
 
     /// What is missing at each posture of a way.
@@ -135,11 +161,15 @@ impl Search<'_> {
                 continue;
             };
             for branch in branches {
-                for q in self.inverse.turns_within_limits(&branch.q) {
-                    let missing = self.missing(&q)?;
-                    if missing < least.0 {
-                        least = (missing, q);
-                    }
+                let at_work = self.arm.at_work();
+                let beyond = |q: &Vec<f64>| at_work.beyond_bounds(q);
+                let turns = self.inverse.turns_within_limits(&branch.q).into_iter();
+                let Some(q) = turns.min_by(|a, b| beyond(a).total_cmp(&beyond(b))) else {
+                    continue;
+                };
+                let missing = self.missing(&q)?;
+                if missing < least.0 {
+                    least = (missing, q);
                 }
             }
         }

@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
 use crate::model::inverse::Method;
 use crate::numerics::control::Control;
-use crate::numerics::jobs::{each_in_order, in_order};
+use crate::numerics::jobs::each_in_order;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
 use std::f64::consts::FRAC_PI_2;
@@ -102,6 +102,8 @@ pub(super) fn postures(
     let mut broken: Option<Broken> = None;
     let mut best: Option<((f64, f64), Vec<Vec<f64>>)> = None;
     for turns in &starts {
+        // Full turns leave every link where it is.
+        let mut room: Option<f64> = None;
         for start in turns {
             let near = search.options.start.as_ref();
             if near.is_some_and(|near| change(near, start).1 > near_enough) && best.is_some() {
@@ -112,8 +114,13 @@ pub(super) fn postures(
             }
             match follow(search, poses, closed.then_some(&layers), start) {
                 Ok(track) => {
-                    let missing = in_order(&track, |(_, q)| search.counted(q))?;
-                    let missing = missing.iter().sum::<f64>();
+                    let lacking = match room {
+                        Some(known) => known,
+                        None => search.lacks_room_along(&track)?,
+                    };
+                    room = Some(lacking);
+                    let beyond = search.beyond_bounds_along(&track);
+                    let missing = lacking + beyond;
                     if search.options.start.is_some() && missing == 0.0 {
                         return Ok(track);
                     }
@@ -125,7 +132,7 @@ pub(super) fn postures(
                         best = Some(((missing, cost), track));
                     }
                     // Other turns of the same branch bend alike.
-                    if missing == 0.0 {
+                    if beyond == 0.0 {
                         break;
                     }
                 }
