@@ -205,5 +205,8 @@ fn a_free_turn_past_a_fixture_is_compensated_and_written() {
     assert_eq!(folder.names(), ["commanded.csv", "path.csv"]);
     let told = folder.ok("predict builtin:comau-shapes prior path.csv --details");
     let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(told.contains("is forbidden by the cell's bounds, limits or shapes at"), "{told}");
+    assert!(
+        told.contains("is forbidden by the cell's bounds, limits or shapes at"),
+        "{told}"
+    );
 }

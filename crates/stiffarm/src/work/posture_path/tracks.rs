@@ -17,6 +17,13 @@ struct Broken {
     why: Error,
 }
 
+/// A branch that was followed to the end.
+struct Track {
+    q: Vec<Vec<f64>>,
+    /// What bounds, limits and shapes lack along it, then its RMS deflection \[m\].
+    rank: (f64, f64),
+}
+
 /// All branches of many poses, without a vector for each: a path may have
 /// millions of points.
 struct Layers {
@@ -100,7 +107,7 @@ pub(super) fn postures(
     }
     let wrenches = search.wrenches(poses)?;
     let mut broken: Option<Broken> = None;
-    let mut best: Option<((f64, f64), Vec<Vec<f64>>)> = None;
+    let mut best: Option<Track> = None;
     for turns in &starts {
         // Full turns leave every link where it is.
         let mut room: Option<f64> = None;
@@ -126,10 +133,13 @@ pub(super) fn postures(
                     }
                     let cost = rms(&search.deflections(&track, &wrenches)?);
                     // Flipped wrists bend alike: rounding does not choose between them.
-                    if best.as_ref().is_none_or(|(least, _)| {
-                        (missing, cost) < (least.0, least.1 * (1.0 - 1e-9))
-                    }) {
-                        best = Some(((missing, cost), track));
+                    let is_better =
+                        |than: &Track| (missing, cost) < (than.rank.0, than.rank.1 * (1.0 - 1e-9));
+                    if best.as_ref().is_none_or(is_better) {
+                        best = Some(Track {
+                            q: track,
+                            rank: (missing, cost),
+                        });
                     }
                     // Other turns of the same branch bend alike.
                     if beyond == 0.0 {
@@ -145,7 +155,7 @@ pub(super) fn postures(
         }
     }
     match (best, broken) {
-        (Some((_, track)), _) => Ok(track),
+        (Some(track), _) => Ok(track.q),
         (None, Some(broken)) => Err(broken.why),
         (None, None) => Err(Error::new(Code::Internal, "There was no branch to follow.")),
     }
