@@ -1,7 +1,8 @@
 //! A table as headings and rows, whatever file it came from.
 
-use super::foreign::{by_place, left_out_by_place, own_unit};
+use super::foreign::own_unit;
 use super::naming::{DATE, NAME, normal};
+use super::place::{by_place, left_out_by_place};
 use super::quantity::Unit;
 pub(super) use super::rows::{Field, Row, Rows};
 use crate::names::fault_of;
@@ -79,7 +80,11 @@ impl<'a> Table<'a> {
         // Columns without a heading do not matter where the cell file says so, or nothing stands in them.
         let nameless = foreign.ignore.iter().any(String::is_empty);
         let widest = rows.below().map(|row| row.fields.len()).max().unwrap_or(0);
-        let by_place = by_place(&heading, style, foreign);
+        let first = match (style, heading.fields.first()) {
+            (Style::Sheet, Some(field)) => field.column as usize,
+            _ => 1,
+        };
+        let by_place = by_place(&heading, first, foreign);
         let of_places = by_place.iter().filter(|at| **at < widest).max();
         let width = match of_places {
             _ if nameless => named.max(widest),
@@ -130,7 +135,12 @@ impl<'a> Table<'a> {
         if width > named {
             rows.fill_up(width);
         }
-        let remarks = left_out_by_place(&headings, &by_place, file);
+        let left_out = headings.iter().enumerate();
+        let left_out = left_out.filter(|(at, _)| by_place.contains(at));
+        let left_out: Vec<(usize, &str)> = left_out
+            .map(|(at, heading)| (at, heading.shown.as_str()))
+            .collect();
+        let remarks = left_out_by_place(&left_out, file);
         rows.drop_empty_ends(headings.len());
         Table {
             files: vec![file],

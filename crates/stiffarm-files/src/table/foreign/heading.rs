@@ -1,7 +1,7 @@
 //! Which row of a file is the heading, and units in brackets.
 
-use super::place::place_of;
 use crate::table::naming::{DATE, NAME, normal};
+use crate::table::place::place_of;
 use crate::table::quantity::Quantity;
 use stiffarm::model::cell::Columns;
 

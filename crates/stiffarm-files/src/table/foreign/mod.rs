@@ -1,6 +1,5 @@
 //! Tables that another software wrote: where their heading is, names that hold several names,
-//! times as clocks show them, several files as one table, names that stand in a sheet beside them,
-//! columns that are left out by their place.
+//! times as clocks show them, several files as one table, names that stand in a sheet beside them.
 //!
 //! What a file needs beyond its headings stands in `[columns]` of the cell file
 //! ([`Columns`]). After [`finish`] a table is like one of our own.
@@ -10,7 +9,6 @@ mod heading;
 mod join;
 mod names;
 mod order;
-mod place;
 mod suggest;
 mod times;
 
@@ -18,7 +16,6 @@ pub(super) use by_sheet::{put, take};
 pub(super) use heading::{find, of_own_sheet, own_unit};
 pub(super) use join::join;
 pub(super) use names::Names;
-pub(super) use place::{by_place, left_out_by_place};
 pub(super) use suggest::suggestion;
 pub(super) use times::DATED;
 

@@ -1,7 +1,7 @@
 //! Columns that `ignore` of `[columns]` names by their place.
 
-use crate::table::grid::{Heading, Row, Style};
-use crate::table::naming::normal;
+use super::naming::normal;
+use super::rows::Row;
 use stiffarm::findings::{Finding, list};
 use stiffarm::model::cell::Columns;
 
@@ -15,13 +15,9 @@ pub(super) fn place_of(entry: &str) -> Option<usize> {
     letters.then(|| entry.bytes().fold(0, number))
 }
 
-/// Columns, from 0, that `ignore` names by their place, where none has that heading.
-pub(in crate::table) fn by_place(heading: &Row<'_>, style: Style, foreign: &Columns) -> Vec<usize> {
-    // A sheet may begin to the right of its first column.
-    let first = match (style, heading.fields.first()) {
-        (Style::Sheet, Some(field)) => field.column as usize,
-        _ => 1,
-    };
+/// Columns, from 0, that `ignore` names by their place, where none has that heading; `first` is the number of the
+/// first column: a sheet may begin to the right of its own.
+pub(super) fn by_place(heading: &Row<'_>, first: usize, foreign: &Columns) -> Vec<usize> {
     let is_heading = |entry: &String| {
         let mut fields = heading.fields.iter();
         fields.any(|field| normal(&field.text) == normal(entry))
@@ -31,20 +27,13 @@ pub(in crate::table) fn by_place(heading: &Row<'_>, style: Style, foreign: &Colu
     places.collect()
 }
 
-/// Names what is left out by its place: another file may have something else there.
-pub(in crate::table) fn left_out_by_place(
-    headings: &[Heading],
-    by_place: &[usize],
-    file: &str,
-) -> Option<Finding> {
-    let left = headings.iter().enumerate();
-    let left = left.filter(|(at, _)| by_place.contains(at));
-    let names: Vec<String> = left
-        .map(|(at, heading)| match heading.shown.as_str() {
-            "" => format!("{} without a heading", at + 1),
-            shown => format!("{} (\"{shown}\")", at + 1),
-        })
-        .collect();
+/// Names what is left out by its place, by number from 0 and heading: another file may have something else there.
+pub(super) fn left_out_by_place(left: &[(usize, &str)], file: &str) -> Option<Finding> {
+    let names = left.iter().map(|(at, heading)| match *heading {
+        "" => format!("{} without a heading", at + 1),
+        shown => format!("{} (\"{shown}\")", at + 1),
+    });
+    let names: Vec<String> = names.collect();
     let sentence = format!(
         "`ignore` in [columns] leaves out by its place: column {} of {file}.",
         list(&names)
