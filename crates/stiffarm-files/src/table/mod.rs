@@ -39,6 +39,7 @@ mod naming;
 mod number;
 mod pairs;
 mod path;
+mod place;
 mod poses;
 mod postures;
 mod quantity;

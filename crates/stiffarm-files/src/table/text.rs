@@ -24,6 +24,7 @@ impl<'a> Table<'a> {
         files: &[(&[u8], &'a str)],
         columns: &Columns,
         names: &Names<'_>,
+        growing: bool,
     ) -> Result<Self> {
         let tables = files.iter();
         let tables = tables.map(|(bytes, file)| {
@@ -42,7 +43,7 @@ impl<'a> Table<'a> {
             foreign::join(&mut table, other)?;
         }
         if let Some(sheet) = sheet {
-            foreign::put(&mut table, &sheet)?;
+            foreign::put(&mut table, &sheet, growing)?;
         }
         foreign::finish(&mut table, columns, names)?;
         tidy::carry_down(&mut table);

@@ -93,7 +93,7 @@ pub struct SheetRow {
 }
 
 impl Sheet {
-    /// Makes a row for each posture, state and point.
+    /// Makes a row for each posture, state and point that the tracker sees.
     fn new(
         layout: Layout,
         postures: &[Posture],
@@ -113,8 +113,11 @@ impl Sheet {
             if is_turned(cell, states, number) {
                 own.reverse();
             }
+            let hidden = cell.hidden_points(&posture.q);
             for (state, load) in own {
-                rows.extend(points.iter().map(|point| SheetRow {
+                let seen = points.iter().enumerate();
+                let seen = seen.filter(|(number, _)| !hidden.contains(number));
+                rows.extend(seen.map(|(_, point)| SheetRow {
                     posture: posture.clone(),
                     state: state.clone(),
                     point: (*point).to_string(),
@@ -144,6 +147,13 @@ impl Sheet {
         fields.extend(self.layout.optional(None, row.load, None));
         fields.extend(degrees(&row.posture.q));
         fields
+    }
+
+    /// The rows of one posture and state after the other.
+    pub(super) fn states(&self) -> impl Iterator<Item = &[SheetRow]> {
+        let is_same =
+            |a: &SheetRow, b: &SheetRow| a.posture.name == b.posture.name && a.state == b.state;
+        self.rows.chunk_by(is_same)
     }
 
     /// The names of postures (0), states (1), points (2) or stations (3), each once, in their order.
@@ -179,7 +189,8 @@ impl Sheet {
 }
 
 /// A sheet for raw readings: the rows of [`read_measurements`](super::read_measurements)
-/// for each posture, load state and point, with empty fields for what is to be
+/// for each posture, load state and point (but those that the tracker does not see,
+/// [`Cell::hidden_points`]), with empty fields for what is to be
 /// read. It has columns of force where the cell has a sensor or its load is
 /// measured, else `load_n` where the load is a rope, cylinder or weight, and the
 /// angles of the posture, to be replaced by those that the controller shows.

@@ -169,12 +169,13 @@ impl Default for Experiment {
 }
 
 impl Experiment {
-    /// An experiment as an engineer does it: a tracker four metres away in axes
-    /// of its own, drifting; unloaded, half the load, all of it, half again,
+    /// An experiment as an engineer does it: a tracker where the cell has it, else four metres away
+    /// in axes of its own, drifting; unloaded, half the load, all of it, half again,
     /// unloaded, or where there are load cases each of them between unloaded states; each
     /// reflector read twice, one of them on the base; what the
     /// force sensor reads where the cell has one, with 12 kg of tool on it, else
-    /// the force of the rope, cylinder or weight; the noise of the cell.
+    /// the force of the rope, cylinder or weight; the noise of the cell, which plans and forecasts
+    /// count with, whatever `tracker.accuracy` says.
     pub fn as_measured(cell: &Cell) -> Self {
         let sight = cell.scene.sight().filter(|sight| sight.stations.len() > 1);
         let stations = sight.iter().flat_map(|sight| &sight.stations);
@@ -194,10 +195,12 @@ impl Experiment {
         };
         let by_sensor = cell.sensor.is_some();
         Experiment {
-            base_from_tracker: Isometry3::from_parts(
-                Translation3::new(4.2, -1.8, 0.9),
-                UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4),
-            ),
+            base_from_tracker: cell.tracker.base_from_tracker.unwrap_or_else(|| {
+                Isometry3::from_parts(
+                    Translation3::new(4.2, -1.8, 0.9),
+                    UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4),
+                )
+            }),
             stations: stations.enumerate().map(set_up).collect(),
             states: match cell.setup.load.cases() {
                 [] => vec![
@@ -237,10 +240,7 @@ impl Experiment {
                 centre: Vector3::new(0.02, -0.01, 0.12),
             }),
             sensor_noise: [0.3, 0.05],
-            tracker_noise: match cell.tracker.accuracy {
-                Some(_) => TrackerNoise::RangeAndAngle,
-                None => TrackerNoise::Isotropic,
-            },
+            tracker_noise: TrackerNoise::Isotropic,
             posture_common_std: cell.noise.posture_common_std,
             ..Experiment::default()
         }
