@@ -1,7 +1,7 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::foreign::{own_unit, suggestion};
+use super::foreign::{counts, own_unit, suggestion};
 use super::grid::{Column, Table};
 use super::naming::normal;
 use super::quantity::{Quantity, Unit};
@@ -221,6 +221,9 @@ impl<'a> Table<'a> {
         }
         let is_known = |name: &str| known.iter().any(|k| k.column(name, 0).is_some());
         let foreign = is_foreign(known);
+        if let Some(hint) = counts(&self.headings[column..=column]).filter(|_| foreign) {
+            return error.hint(hint);
+        }
         let others = self.headings.iter().filter(|heading| !heading.ignored);
         let others = others.filter(|heading| !is_known(&heading.name)).count();
         let keys = suggestion(&self.headings, is_known).filter(|_| foreign);
@@ -365,7 +368,7 @@ fn or<S: AsRef<str>>(names: &[S]) -> String {
 }
 
 /// k and the unit of `q3`, `q3_rad`, `joint 3`, `theta3`, `a3`, `axis_3`, …
-fn joint_number(name: &str) -> Option<(usize, &str)> {
+pub(super) fn joint_number(name: &str) -> Option<(usize, &str)> {
     let letters = name.split(|c: char| !c.is_alphabetic()).next()?;
     if !["q", "j", "a", "joint", "axis", "theta", "angle"].contains(&letters) {
         return None;

@@ -37,6 +37,7 @@ mod planned;
 mod plates;
 mod posture_path;
 mod predict;
+mod preload;
 mod programs;
 mod properties;
 mod readings;

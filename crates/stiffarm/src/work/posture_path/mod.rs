@@ -10,6 +10,7 @@
 mod findings;
 mod free_turn;
 mod tracks;
+mod turned_round;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
@@ -151,11 +152,12 @@ pub fn posture_path(
         (_, _, Method::ClosedForm) => Origin::ClosedForm,
         (_, _, Method::Numeric) => Origin::Numeric,
     };
+    let told = |error| turned_round::told(&search, &poses, free, error);
     let mut given_rms = None;
     let mut turn = None;
     let q = match (given, free) {
         (Some(q), false) => q,
-        (None, false) => tracks::postures(&search, &poses, control)?,
+        (None, false) => tracks::postures(&search, &poses, control).map_err(told)?,
         (given, true) => {
             let axis_only = points
                 .iter()
@@ -174,7 +176,8 @@ pub fn posture_path(
                 let sizes = search.deflections(q, &wrenches)?;
                 given_rms = Some(search.rms(&sizes));
             }
-            let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
+            let found = free_turn::postures(&search, &poses, as_given.as_deref(), control);
+            let found = found.map_err(told)?;
             // A price on joint motion, or the interpolation between knots, may cost
             // more than the turn gains.
             let is_in_vain = match given_rms {

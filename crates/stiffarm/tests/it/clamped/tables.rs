@@ -35,6 +35,7 @@ fn states_are_taken_against_their_reference() {
         mount: Mount::Flange,
         pose,
         reports_by_robot: true,
+        mirrored: None,
     });
     let text = "posture;state;q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg;fx_n;fy_n;fz_n;mx_nm;my_nm;mz_nm\n\
                 A;unloaded;10;0;-90;10;50;20;1;2;3;4;5;6\n\
