@@ -54,6 +54,11 @@ impl Known {
             .chain(units.map(|unit| format!("{}_{}", self.stem, unit.suffix)))
     }
 
+    /// True for forces, moments and angles, whose names other programs have as well as ours.
+    fn is_told_by_name(&self) -> bool {
+        [Quantity::Force, Quantity::Moment, Quantity::Angle].contains(&self.quantity)
+    }
+
     /// The column that a heading of this name is, at `at`.
     pub(super) fn column(&self, heading: &str, at: usize) -> Option<Column> {
         let rest = heading.strip_prefix(self.stem.as_str())?;
@@ -235,6 +240,10 @@ impl<'a> Table<'a> {
         // A heading of ours with a unit of its own is a matter of that unit.
         let has_unit = |k: &Known| k.stem == stem(name) && !k.quantity.units().is_empty();
         let own = known.iter().any(has_unit) && stem(name) != name;
+        // Names of ours without their unit are a matter of that unit, too.
+        let bare = |name: &str| known.iter().any(|k| k.stem == name && k.is_told_by_name());
+        let mut theirs = self.headings.iter().map(|heading| heading.name.as_str());
+        let own = own || theirs.all(|name| is_known(name) || bare(name));
         if let Some(hint) = suggested.clone().filter(|_| others > 1 && !own) {
             return error.hint(hint);
         }

@@ -4,7 +4,8 @@
 use crate::common::prelude::*;
 use crate::common::readings::{given, states, tracker_pose};
 use crate::common::runs::fewest;
-use stiffarm::estimate::systematic::SystematicErrors;
+use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::systematic::{SystematicErrors, mixed_systematic_errors};
 use stiffarm::model::measurement::Role;
 
 const ARC_MINUTE: f64 = PI / 180.0 / 60.0;
@@ -69,6 +70,11 @@ fn a_preload_makes_the_stiffness_surer() {
     let (_, with) = systematic_of(&cell, read(&cell, &ALL, 1), &options);
     let (_, plain) = systematic_of(&cell, read(&cell, &without(Role::Preload), 1), &options);
     for (own, other) in with.uncertainty.iter().zip(&plain.uncertainty) {
+        println!(
+            "{:.3} with the preload, {:.3} without",
+            own.total.unwrap(),
+            other.total.unwrap()
+        );
         assert!(
             own.total.unwrap() <= other.total.unwrap(),
             "{own:?} {other:?}"
@@ -93,6 +99,24 @@ fn a_preload_makes_the_stiffness_surer() {
     );
     assert!(said(&with, "lost-motion-not-seen").is_empty());
     assert!(said(&plain, "lost-motion-not-seen").is_empty());
+}
+
+/// The mixed model learns of the gaps from the same ways, and its predictor has them.
+#[test]
+fn the_mixed_model_knows_the_gaps_by_the_preload() {
+    let cell = default_cell();
+    let fit = Fit::new(&cell, read(&cell, &ALL, 2), &IdentifyOptions::default()).unwrap();
+    let mixed = MixedFit::new(&fit).unwrap();
+    let of_gaps = |systematic: &SystematicErrors| {
+        let source = systematic.sources.iter().find(|s| s.name == "lost-motion");
+        source.unwrap().remaining.unwrap()
+    };
+    let plain = of_gaps(&systematic_errors(&fit).unwrap());
+    let own = of_gaps(&mixed_systematic_errors(&mixed).unwrap());
+    assert!(
+        plain > 3.0 && (own / plain - 1.0).abs() < 0.2,
+        "{own} {plain}"
+    );
 }
 
 /// Intervals of k and bands at work hold of an arm whose gaps are five times what is assumed.
