@@ -11,29 +11,20 @@ const LOOKED_AT: usize = 40;
 /// Turns about a free tool axis that are tried at each.
 const TURNS: usize = 8;
 
-/// What can be the other way round: of the tool, or of the workpiece, by half a turn about this axis of its frame.
-const WAYS: [(bool, fn() -> Vector3<f64>, &str); 4] = [
-    (
-        true,
-        Vector3::x,
-        "with the tool axis of every pose the other way round it reaches them: say which way z of the poses points, out \
-         of the tool or into it",
-    ),
-    (
-        false,
-        Vector3::z,
-        "with the workpiece turned by 180° about its z it reaches them: check the turn of the workpiece frame",
-    ),
-    (
-        false,
-        Vector3::x,
-        "with the workpiece turned by 180° about its x it reaches them: check which way z of the workpiece frame points",
-    ),
-    (
-        false,
-        Vector3::y,
-        "with the workpiece turned by 180° about its y it reaches them: check which way z of the workpiece frame points",
-    ),
+/// What can be the other way round by half a turn about an axis of its frame.
+struct Way {
+    /// The tool, or else the workpiece.
+    of_tool: bool,
+    axis: fn() -> Vector3<f64>,
+    hint: &'static str,
+}
+
+#[rustfmt::skip]
+const WAYS: [Way; 4] = [
+    Way { of_tool: true, axis: Vector3::x, hint: "with the tool axis of every pose the other way round it reaches them: say which way z of the poses points, out of the tool or into it" },
+    Way { of_tool: false, axis: Vector3::z, hint: "with the workpiece turned by 180° about its z it reaches them: check the turn of the workpiece frame" },
+    Way { of_tool: false, axis: Vector3::x, hint: "with the workpiece turned by 180° about its x it reaches them: check which way z of the workpiece frame points" },
+    Way { of_tool: false, axis: Vector3::y, hint: "with the workpiece turned by 180° about its y it reaches them: check which way z of the workpiece frame points" },
 ];
 
 /// `error` of a path through `poses`, whose turn about the tool axis is `free`, with what would make all of it reachable.
@@ -55,21 +46,21 @@ pub(super) fn told(
     if 2 * missed.count() < looked_at().count() {
         return error;
     }
-    let reaches = |(of_tool, axis, _): &&(bool, fn() -> Vector3<f64>, &str)| {
-        let half = UnitQuaternion::from_scaled_axis(axis() * PI);
-        let round = |pose: &Isometry3<f64>| match of_tool {
+    let reaches = |way: &&Way| {
+        let half = UnitQuaternion::from_scaled_axis((way.axis)() * PI);
+        let round = |pose: &Isometry3<f64>| match way.of_tool {
             true => pose * half,
             false => workpiece * half * workpiece.inverse() * pose,
         };
-        (*of_tool || is_placed) && looked_at().all(|pose| is_reached(search, &round(pose), free))
+        (way.of_tool || is_placed) && looked_at().all(|pose| is_reached(search, &round(pose), free))
     };
     match WAYS.iter().find(reaches) {
-        Some((_, _, hint)) => {
+        Some(way) => {
             let own = error
                 .hint_text()
                 .map(|own| format!("{own}; "))
                 .unwrap_or_default();
-            error.hint(format!("{own}{hint}"))
+            error.hint(format!("{own}{}", way.hint))
         }
         None => error,
     }
