@@ -3,7 +3,7 @@
 use crate::error::{Code, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, open_springs};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
-use crate::estimate::diagnose::{Diagnosis, diagnose};
+use crate::estimate::diagnose::{Diagnosis, diagnose_in};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
     Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
@@ -239,7 +239,7 @@ impl Identified {
                 unless_stopped("systematic_errors", &mut Vec::new(), systematic_errors(fit))?;
             of_axes.iter().for_each(|own| own.widen(&mut elastic.axes));
         }
-        let diagnosis = diagnosed(fit, mixed.is_some());
+        let diagnosis = diagnosed(fit, mixed.as_ref());
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnosis)?;
         out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
@@ -307,11 +307,11 @@ impl Identified {
 ///
 /// # Errors
 /// As [`diagnose`].
-pub(crate) fn diagnosed(fit: &Fit, is_mixed: bool) -> Result<Diagnosis> {
-    let mut out = diagnose(fit)?;
+pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis> {
+    let mut out = diagnose_in(fit, mixed)?;
     let of_axes = ["residuals-above-noise", "further-term"];
     out.findings
-        .retain(|finding| !(is_mixed && of_axes.contains(&&*finding.code)));
+        .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
     Ok(out)
 }
 

@@ -214,7 +214,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
     let joints = joints.filter(|f| f.code == "negative-compliance");
-    let diagnosis = match diagnosed(fit, so_far.is_mixed()) {
+    let diagnosis = match diagnosed(fit, so_far.mixed()) {
         Ok(diagnosis) => Some(diagnosis),
         Err(error) if error.code() == Code::Interrupted => return Err(error),
         // Too few readings to look at residuals.
