@@ -300,7 +300,7 @@ fn an_axis_the_other_way_round_is_named() {
         .filter(|poses| works(poses))
         .map(round)
         .filter(|poses| !works(poses))
-        .last();
+        .next_back();
     let said = hint(&low.unwrap(), Isometry3::identity());
     assert!(
         said.contains("tool axis of every pose the other way round"),
@@ -316,7 +316,7 @@ fn an_axis_the_other_way_round_is_named() {
     let beyond = beyond
         .filter(|poses| works(&turned(poses)))
         .filter(|poses| !works(poses))
-        .last();
+        .next_back();
     let said = hint(&beyond.unwrap(), workpiece);
     assert!(
         said.contains("workpiece turned by 180° about its z"),

@@ -139,7 +139,7 @@ pub(super) fn said(words: &[String]) -> Said {
     let of_axis = |letter: &str| {
         let axes = ["x", "y", "z"];
         let named = |axis: &&str| has(&[&format!("{letter}{axis}"), &format!("{letter}{axis}1")]);
-        axes.iter().position(|axis| named(&axis))
+        axes.iter().position(named)
     };
     let [plain, force, moment, torque] = ["", "f", "m", "t"].map(of_axis);
     let unit = UNITS.iter().find(|unit| has(unit.0));
