@@ -299,8 +299,7 @@ fn an_axis_the_other_way_round_is_named() {
     let low = low
         .filter(|poses| works(poses))
         .map(round)
-        .filter(|poses| !works(poses))
-        .next_back();
+        .rfind(|poses| !works(poses));
     let said = hint(&low.unwrap(), Isometry3::identity());
     assert!(
         said.contains("tool axis of every pose the other way round"),
@@ -315,8 +314,7 @@ fn an_axis_the_other_way_round_is_named() {
     let beyond = (0..30).map(|i| moved([0.1 * f64::from(i), 0.0, 0.0]));
     let beyond = beyond
         .filter(|poses| works(&turned(poses)))
-        .filter(|poses| !works(poses))
-        .next_back();
+        .rfind(|poses| !works(poses));
     let said = hint(&beyond.unwrap(), workpiece);
     assert!(
         said.contains("workpiece turned by 180° about its z"),
