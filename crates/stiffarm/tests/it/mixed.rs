@@ -256,16 +256,9 @@ fn beams_are_many_short_springs() {
                     let shift = turn.cross(&(p - at));
                     sum += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
                 }
-                let beam = ExtraTerm::Beam {
-                    joint: 3,
-                    part,
-                    twist,
-                };
+                let beam = ExtraTerm::Beam { joint: 3, part, twist };
                 let ours = beam.twist(&terms, &p);
-                assert!(
-                    (ours - sum).norm() < 1e-6 * sum.norm().max(1e-3),
-                    "{ours} {sum}"
-                );
+                assert!((ours - sum).norm() < 1e-6 * sum.norm().max(1e-3), "{ours} {sum}");
             }
         }
     }
@@ -300,9 +293,7 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     }
     let points = cell.setup.tool.point_count();
     let rows = delta.len();
-    let all = DMatrix::from_fn(rows, count, |i, j| {
-        psi[i / (3 * points)][(i % (3 * points), j)]
-    });
+    let all = DMatrix::from_fn(rows, count, |i, j| psi[i / (3 * points)][(i % (3 * points), j)]);
     let delta = DVector::from_vec(delta);
     let mut v = DMatrix::identity(rows, rows) * spread.sigma.powi(2);
     // All loads are alike: a shift of one size in each posture.
@@ -318,19 +309,10 @@ fn what_cannot_be_negative_scatters_about_a_mean() {
     v += &all * &prior * all.transpose();
     let inverse = v.try_inverse().unwrap();
     let fixed = all.columns(0, 6).into_owned();
-    let h = (fixed.transpose() * &inverse * &fixed)
-        .try_inverse()
-        .unwrap()
-        * fixed.transpose()
-        * &inverse
-        * &delta;
+    let h = (fixed.transpose() * &inverse * &fixed).try_inverse().unwrap() * fixed.transpose() * &inverse * &delta;
     let u = &prior * all.transpose() * &inverse * (&delta - &fixed * &h);
     let of_h = (0..6).map(|j| (h[j] - found.values[j]).abs() / h[j].abs());
-    assert!(
-        of_h.fold(0.0, f64::max) < 1e-6,
-        "{h} {}",
-        found.values.rows(0, 6)
-    );
+    assert!(of_h.fold(0.0, f64::max) < 1e-6, "{h} {}", found.values.rows(0, 6));
     let scale = u.rows(6, count - 6).amax();
     let off = (u.rows(6, count - 6) - found.values.rows(6, count - 6)).amax();
     assert!(off < 1e-6 * scale, "{off} of {scale}");
@@ -345,8 +327,7 @@ fn k_reproduces_the_arm_over_the_cell() {
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let mixed = MixedFit::new(&fit).unwrap();
     let found = mixed.compliance();
-    let postures =
-        stiffarm::plan::select::random_group(&cell, StartKind::Uniform, 1000, 77, 0).unwrap();
+    let postures = stiffarm::plan::select::random_group(&cell, StartKind::Uniform, 1000, 77, 0).unwrap();
     let (mut information, mut right) = (DMatrix::zeros(6, 6), DVector::zeros(6));
     for q in &postures {
         let terms = PostureTerms::new(&cell.setup, q, None).unwrap();

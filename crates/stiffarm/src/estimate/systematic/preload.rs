@@ -60,11 +60,8 @@ pub(super) fn rows(
         }
         own.set_column(i, &column);
     }
-    // Of readings that are not there yet nothing is left.
-    if believed.expected.is_none() {
-        let left = &system.delta - &system.psi * believed.values;
-        own.set_column(changes.len(), &left);
-    }
+    let left = &system.delta - &system.psi * believed.values;
+    own.set_column(changes.len(), &left);
     for block in &system.blocks {
         let shared = &block.shared * believed.response.gamma();
         let covariance =
