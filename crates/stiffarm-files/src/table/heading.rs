@@ -3,7 +3,7 @@
 
 use super::foreign::{counts, own_unit, suggestion};
 use super::grid::{Column, Table};
-use super::naming::normal;
+use super::naming::{joint_number, normal};
 use super::quantity::{Quantity, Unit};
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
@@ -374,19 +374,6 @@ fn or<S: AsRef<str>>(names: &[S]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => names.concat(),
     }
-}
-
-/// k and the unit of `q3`, `q3_rad`, `joint 3`, `theta3`, `a3`, `axis_3`, …
-pub(super) fn joint_number(name: &str) -> Option<(usize, &str)> {
-    let letters = name.split(|c: char| !c.is_alphabetic()).next()?;
-    if !["q", "j", "a", "joint", "axis", "theta", "angle"].contains(&letters) {
-        return None;
-    }
-    let rest = name[letters.len()..].trim_start_matches(|c: char| !c.is_alphanumeric());
-    let end = rest
-        .find(|c: char| !c.is_ascii_digit())
-        .unwrap_or(rest.len());
-    Some((rest[..end].parse().ok()?, &rest[end..]))
 }
 
 /// The known heading that `name` is, in one of its units, as it is written here.

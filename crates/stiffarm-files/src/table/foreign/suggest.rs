@@ -2,8 +2,7 @@
 
 use super::words::{Said, said, stem, words};
 use crate::table::grid::Heading;
-use crate::table::heading::joint_number;
-use crate::table::naming::NAME;
+use crate::table::naming::{NAME, joint_number};
 use crate::table::quantity::Quantity;
 
 /// Headings that a hint lists before it is cut.
