@@ -225,3 +225,31 @@ fn a_preload_the_other_way_counts_twice() {
     // The loaded state is against it: what is left of the load turns the same way.
     assert_eq!(column(Some(-2.0)).norm(), 0.0);
 }
+
+/// An arm without gaps that tilts by a tenth of what its joints turn is not taken for a worn one.
+#[test]
+fn give_beyond_the_axes_is_no_lost_motion() {
+    let cell = default_cell();
+    let truth = cell.require_prior().unwrap();
+    let count = runs(60);
+    let (mut told, mut largest) = (0, 0.0_f64);
+    for seed in 0..count {
+        let done = Experiment {
+            base_from_tracker: tracker_pose(),
+            states: states(&ALL),
+            force: ForceRecord::Load,
+            tracker_noise: TrackerNoise::Isotropic,
+            joint_tilt: Some(truth.iter().map(|k| 0.1 / k).collect()),
+            ..Experiment::default()
+        };
+        let table = experiment(&cell, &numbered(group1()), truth, &done, seed, 0).unwrap();
+        let measured = prepare(&cell, table, &given(tracker_pose())).unwrap();
+        let (_, systematic) = systematic_of(&cell, measured, &IdentifyOptions::default());
+        let seen = said(&systematic, "size-contradicted");
+        told += u64::from(seen.iter().any(|s| s.contains("lost motion")));
+        let source = systematic.sources.iter().find(|s| s.name == "lost-motion");
+        largest = largest.max(source.unwrap().remaining.unwrap());
+    }
+    println!("{told} of {count}, at most {largest:.2} of the size");
+    assert!(told <= most(0.05, count, 1000), "{told} of {count}");
+}
