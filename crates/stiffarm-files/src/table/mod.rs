@@ -54,6 +54,7 @@ mod workbook;
 mod write;
 
 pub use clamped::{read_clamped, write_clamped};
+pub(crate) use dh::other_convention;
 pub use dh::read_dh_rows;
 pub use log::read_log;
 pub use measurements::{

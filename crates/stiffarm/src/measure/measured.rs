@@ -11,7 +11,8 @@ use crate::measure::screening::{
 use crate::measure::series::PostureSeries;
 use crate::measure::stations;
 use crate::model::cell::{Cell, Noise};
-use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter};
+use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter, Role};
+use crate::model::observation::ExtraTerm;
 
 /// Readings behind a displacement that was reduced from raw readings: a loaded
 /// and a reference one.
@@ -26,6 +27,9 @@ const READINGS: u32 = 2;
 pub struct Measured {
     /// The displacements, posture by posture and state by state.
     pub postures: Vec<MeasuredPosture>,
+    /// Those against the other reference where postures have a preload: here against no load, the way to the preload
+    /// among them, which shows what it took up; where `postures` are these, against the preload. Nothing without one.
+    pub against_unloaded: Vec<MeasuredPosture>,
     /// Readings behind one displacement, where the reduction knows it: 2 for a
     /// loaded and a reference reading. `None` leaves it to the cell's noise.
     pub readings_per_displacement: Option<u32>,
@@ -54,7 +58,29 @@ impl Measured {
 
     /// Keeps the postures for whose name `keep` holds.
     pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
-        self.postures.retain(|m| keep(&m.posture.name));
+        for postures in [&mut self.postures, &mut self.against_unloaded] {
+            postures.retain(|m| keep(&m.posture.name));
+        }
+    }
+
+    /// The displacements from which an experiment with these extra terms is identified, where they are not at hand:
+    /// with lost motion among the unknowns those against no load, otherwise those against the preload.
+    pub(crate) fn showing(&self, extra: &[ExtraTerm]) -> Option<Measured> {
+        let is_wanted = extra.iter().any(|term| !term.is_spring());
+        let is_way = |m: &MeasuredPosture| Role::of(&m.state) == Role::Preload;
+        let has = |postures: &[MeasuredPosture]| postures.iter().any(is_way);
+        let differs = is_wanted != has(&self.postures) && is_wanted == has(&self.against_unloaded);
+        (differs && !self.against_unloaded.is_empty()).then(|| Measured {
+            postures: self.against_unloaded.clone(),
+            against_unloaded: self.postures.clone(),
+            ..self.clone()
+        })
+    }
+
+    /// True where every displacement is against a preload.
+    pub fn is_against_preload(&self) -> bool {
+        let mut postures = self.postures.iter().filter(|m| !m.displacements.is_empty());
+        self.postures.iter().any(|m| m.preload.is_some()) && postures.all(|m| m.preload.is_some())
     }
 
     /// Keeps the postures with these names.
@@ -229,6 +255,7 @@ pub fn prepare(
     reduction.findings.extend(table.remarks);
     Ok(Measured {
         postures: std::mem::take(&mut reduction.measured),
+        against_unloaded: std::mem::take(&mut reduction.against_unloaded),
         readings_per_displacement: Some(READINGS),
         resolution_variance: resolution.as_ref().map_or(0.0, |rounded| rounded.variance),
         scatter: reduction

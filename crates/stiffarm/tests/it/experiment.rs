@@ -11,6 +11,7 @@ fn cell_with_sensor() -> Cell {
             mount: Mount::Flange,
             pose: Dice::new(3).pose(),
             reports_by_robot: true,
+            mirrored: None,
         });
     })
 }
@@ -385,6 +386,7 @@ fn the_force_is_written_as_asked() {
         mount: Mount::Base,
         pose: Isometry3::translation(anchor.x, anchor.y, anchor.z),
         reports_by_robot: true,
+        mirrored: None,
     });
     let options = Experiment {
         force: ForceRecord::Force,

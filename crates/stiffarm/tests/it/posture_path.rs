@@ -377,3 +377,61 @@ fn of_the_branches_of_given_poses_one_that_is_free_is_taken() {
     let sentence = said(&summary, "nothing-free");
     assert!(sentence.contains("bounds"), "{sentence}");
 }
+
+/// Who counts the tool axis into the tool, or has turned the workpiece, is told what would make the path reachable.
+#[test]
+fn an_axis_the_other_way_round_is_named() {
+    let cell = reference_cell();
+    let hint = |poses: &[Isometry3<f64>], workpiece: Isometry3<f64>| {
+        let options = with(|o: &mut PosturePathOptions| o.workpiece = workpiece);
+        let error = run(&cell, &self::poses(poses), &options).unwrap_err();
+        error.hint_text().unwrap_or_default().to_string()
+    };
+    let moved = |by: [f64; 3]| -> Vec<Isometry3<f64>> {
+        let by = Isometry3::translation(by[0], by[1], by[2]);
+        circle(9).iter().map(|pose| by * pose).collect()
+    };
+    let works =
+        |poses: &[Isometry3<f64>]| run(&cell, &self::poses(poses), &Default::default()).is_ok();
+    let half = |axis| UnitQuaternion::from_axis_angle(&axis, PI);
+    // So low that the arm reaches it from above alone.
+    let round = |poses: Vec<Isometry3<f64>>| -> Vec<_> {
+        poses
+            .iter()
+            .map(|pose| pose * half(Vector3::x_axis()))
+            .collect()
+    };
+    let low = (0..30).map(|i| moved([0.0, 0.0, -0.1 * f64::from(i)]));
+    let low = low
+        .filter(|poses| works(poses))
+        .map(round)
+        .rfind(|poses| !works(poses));
+    let said = hint(&low.unwrap(), Isometry3::identity());
+    assert!(
+        said.contains("tool axis of every pose the other way round"),
+        "{said}"
+    );
+    // Beyond the workpiece, on the side of it where the arm does not reach.
+    let workpiece = Isometry3::translation(1.9, 0.0, 0.8);
+    let turned = |poses: &Vec<Isometry3<f64>>| -> Vec<_> {
+        let turn = workpiece * half(Vector3::z_axis()) * workpiece.inverse();
+        poses.iter().map(|pose| turn * pose).collect()
+    };
+    let beyond = (0..30).map(|i| moved([0.1 * f64::from(i), 0.0, 0.0]));
+    let beyond = beyond
+        .filter(|poses| works(&turned(poses)))
+        .rfind(|poses| !works(poses));
+    let said = hint(&beyond.unwrap(), workpiece);
+    assert!(
+        said.contains("workpiece turned by 180° about its z"),
+        "{said}"
+    );
+    // Nor is one point beyond the reach a path that is turned.
+    let mut one = moved([0.0; 3]);
+    one[4].translation.x += 1.6;
+    let said = hint(&one, workpiece);
+    assert!(!said.contains("180°"), "{said}");
+    // What nothing of this explains says nothing of it.
+    let said = hint(&moved([9.0, 0.0, 0.0]), workpiece);
+    assert!(!said.contains("180°") && !said.contains("round"), "{said}");
+}

@@ -88,6 +88,10 @@ const AROUND_UNIT: [char; 14] = [
 pub(in crate::table) fn own_unit(name: &str) -> Option<String> {
     let end = name.find(|c: char| !c.is_ascii_alphanumeric())?;
     let (base, unit) = name.split_at(end);
+    // Torques about x, y and z; with a unit of length they are something else.
+    let torques = [("tx", "mx"), ("ty", "my"), ("tz", "mz")];
+    let torque = torques.iter().find(|(theirs, _)| *theirs == base);
+    let base = torque.map_or(base, |(_, ours)| ours);
     let unit = unit.trim_matches(AROUND_UNIT);
     let unit = match unit
         .strip_prefix("in ")
@@ -96,7 +100,7 @@ pub(in crate::table) fn own_unit(name: &str) -> Option<String> {
     {
         "°" => "deg".to_string(),
         unit => unit
-            .replace(['·', '*', ' ', '°'], "")
+            .replace(['·', '*', ' ', '°', '-'], "")
             .replace('/', "_per_")
             .to_lowercase(),
     };

@@ -19,6 +19,7 @@
 mod base_motion;
 mod drift;
 mod messages;
+mod preload;
 mod repeatability;
 mod servo;
 mod table;
@@ -74,6 +75,10 @@ pub struct Reduction {
     /// saved result.
     #[serde(skip)]
     pub measured: Vec<MeasuredPosture>,
+    /// The same against no load where a posture has a preload, the way to it among them; nothing where none has. Not
+    /// part of the saved result.
+    #[serde(skip)]
+    pub against_unloaded: Vec<MeasuredPosture>,
     /// Base frame from tracker frame \[m\], as used; saved as the rotation and
     /// translation of `registration`.
     #[serde(skip)]
@@ -161,6 +166,9 @@ pub(super) fn reduce_series(
         base_motion.extend(motion);
         expected_forces.extend(expected_force(cell, posture, &measured[first..]));
     }
+    let mut against_unloaded = preload::against_unloaded(series, &measured, |posture, out| {
+        displacements(cell, table, posture, &base_from_tracker, reading_std, out).map(|_| ())
+    })?;
     incomplete(cell, series, &mut findings);
     if measured.is_empty() {
         return Err(Error::new(
@@ -171,6 +179,8 @@ pub(super) fn reduce_series(
     }
     findings.extend(base_motion::findings(series, &base_motion, reading_std));
     servo::servo_deflection(cell, &mut measured, &mut findings);
+    // What there is to say of them was said.
+    servo::servo_deflection(cell, &mut against_unloaded, &mut Vec::new());
     findings.extend(wrench::findings(cell, table.wrench_columns, series));
     let wrench_check =
         wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
@@ -180,6 +190,7 @@ pub(super) fn reduce_series(
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok(Reduction {
         measured,
+        against_unloaded,
         base_from_tracker,
         registration,
         stations,
@@ -206,7 +217,7 @@ fn displacements(
     let axes = &posture.readings.axes;
     let usable = base_motion::usable(posture);
     let mut largest: Option<BaseMotion> = None;
-    for number in posture.states(Role::Loaded) {
+    for number in posture.loaded() {
         let state = &posture.readings.states[number];
         let motion = Motion::new(posture, &usable, number)?;
         let mut displacements = Vec::new();
@@ -253,13 +264,15 @@ fn displacements(
                 largest = Some(now);
             }
         }
+        let wrench = wrench::wrench(cell, table.wrench_columns, posture, number)?;
         measured.push(MeasuredPosture {
             posture: Posture {
                 name: posture.name().to_string(),
                 q: posture.q.clone(),
             },
             state: state.state.clone(),
-            wrench: wrench::wrench(cell, table.wrench_columns, posture, number)?,
+            wrench,
+            preload: preload::preload(cell, table.wrench_columns, posture, number, wrench)?,
             common_readings,
             servo_deflection: servo::one_give(cell, &posture.q, &gives, &mut displacements)?,
             displacements,

@@ -1,6 +1,7 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
 use super::severity::{code, severity};
+use super::slip::slip;
 use super::{Cause, Suspicion};
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
@@ -143,6 +144,10 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             }
             out
         }
+        Cause::JointOffset if is_last(cell, s) => format!(
+            "the tool sat turned by {} about the axis of {joints} on the flange, or {joints} were off by that throughout",
+            angle(s, 0)
+        ),
         Cause::JointOffset => {
             format!("{joints} is off by {} throughout", angle(s, 0))
         }
@@ -158,38 +163,16 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
     }
 }
 
+/// True where the last joint alone is meant.
+fn is_last(cell: &Cell, s: &Suspicion) -> bool {
+    let last = cell.setup.robot.joints().last();
+    last.is_some_and(|last| s.joints == [last.name.as_str()])
+}
+
 fn angle(s: &Suspicion, i: usize) -> String {
     s.angles_deg
         .get(i)
         .map_or_else(String::new, |a| degrees(*a))
-}
-
-/// How an angle was perhaps mistyped.
-fn slip(written: f64, likely: f64) -> &'static str {
-    const CLOSE: f64 = 0.06;
-    let near = |a: f64| (a - likely).abs() < CLOSE;
-    if near(written * 10.0) || near(written / 10.0) {
-        return " (decimal point misplaced?)";
-    }
-    let text: Vec<char> = format!("{written}").chars().collect();
-    let digits: Vec<usize> = (0..text.len())
-        .filter(|i| text[*i].is_ascii_digit())
-        .collect();
-    // Angles in radians and back leave endless digits; only typed ones count.
-    if digits.len() > 6 {
-        return "";
-    }
-    for (n, i) in digits.iter().enumerate() {
-        for j in &digits[n + 1..] {
-            let mut other = text.clone();
-            other.swap(*i, *j);
-            let other: String = other.into_iter().collect();
-            if other.parse().is_ok_and(near) {
-                return " (digits exchanged?)";
-            }
-        }
-    }
-    ""
 }
 
 fn sentence(cell: &Cell, s: &Suspicion) -> String {
@@ -294,6 +277,13 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 "" => "Which it is the readings cannot tell: look at the export.".to_string(),
                 slips => format!("First check {slips}: so the tracker stands as given, or parallel to the base."),
             }
+        ),
+        // The tool is all that hangs on the last joint.
+        Cause::JointOffset if is_last(cell, s) => format!(
+            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {}.{} Check the turn of \
+             tool.measuring_point first, then robot.dh (offset) against the pendant.",
+            fall(s),
+            alternatives(s)
         ),
         Cause::JointSign | Cause::Coupling | Cause::JointOffset => format!(
             "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \

@@ -32,6 +32,7 @@ mod scale;
 mod severity;
 mod shape;
 mod sheet;
+mod slip;
 mod states;
 
 use super::series::PostureSeries;

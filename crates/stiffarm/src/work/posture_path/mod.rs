@@ -15,6 +15,7 @@ mod findings;
 mod free_turn;
 mod kept;
 mod tracks;
+mod turned_round;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
@@ -176,7 +177,9 @@ pub fn posture_path(
         (_, _, Method::Numeric) => Origin::Numeric,
     };
     let given = given.as_deref();
-    let mut way = search.way(given, free, axis_only, &poses, control)?;
+    let told = |error| turned_round::told(&search, &poses, free, error);
+    let found = search.way(given, free, axis_only, &poses, control);
+    let mut way = found.map_err(told)?;
     let (mut unkept_rms_m, mut about_limits) = (None, Vec::new());
     if origin != Origin::Given {
         let mut missing = search.missing_along(&way.q, control)?;
