@@ -15,6 +15,7 @@
 //! the place of the origin hardly matters.
 
 mod doubt;
+mod found;
 mod likelihood;
 mod means;
 mod model;
@@ -39,10 +40,11 @@ use crate::estimate::identify::{
     Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, NoiseSource, Response, rounding,
 };
 use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted, terms};
-use crate::model::load::{Load, Wrench};
-use crate::model::observation::ExtraTerm;
+use crate::model::load::Load;
+use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
+use found::{Found, classes, found, joint_give, means, moved};
 use likelihood::{Likelihood, Sizes};
 use means::{gathered, scattered};
 use nalgebra::{DMatrix, DVector};
@@ -136,7 +138,8 @@ impl MixedFit {
         let mut best: Option<(ElasticSizing, Found)> = None;
         for sizing in ElasticSizing::ALL {
             let effects = fitted(robot, &give, sizing);
-            let found = found(fit, &random, effects)?;
+            let near = best.as_ref().map(|(_, other)| &other.sizes);
+            let found = found(fit, &random, effects, near)?;
             fit.control().check()?;
             // As likely with entries that are alike is no reason to take others.
             let is_better = |best: &Found| found.values[0] < best.values[0] - SAME;
@@ -216,18 +219,20 @@ impl MixedFit {
     /// What turns the unknowns into the compliance with which the joint axes alone best reproduce the arm over its cell.
     ///
     /// # Errors
-    /// As [`Reproduced::new`].
+    /// As [`Reproduced::over_cell`].
     pub(crate) fn reproduced(&self) -> Result<&Reproduced> {
         if let Some(known) = self.reproduced.get() {
             return Ok(known);
         }
-        let cell = self.fit.cell();
-        let measured = self.fit.experiment().with_terms();
-        let wrenches: Vec<Wrench> = match cell.setup.load {
-            Load::Measured => measured.map(|(_, terms)| *terms.wrench()).collect(),
-            _ => Vec::new(),
+        let (cell, terms, control) = (self.fit.cell(), &self.compliance.extra, self.fit.control());
+        let found = match cell.setup.load {
+            Load::Measured => {
+                let measured = self.fit.experiment().with_terms();
+                let measured: Vec<&PostureTerms> = measured.map(|(_, own)| own).collect();
+                Reproduced::over(&cell.setup.robot, &measured, terms, control)?
+            }
+            _ => Reproduced::over_cell(cell, terms, control)?,
         };
-        let found = Reproduced::new(cell, &wrenches, &self.compliance.extra, self.fit.control())?;
         Ok(self.reproduced.get_or_init(|| found))
     }
 
@@ -313,61 +318,8 @@ impl MixedFit {
     }
 }
 
-/// A mixed model with its sizes.
-struct Found {
-    effects: Vec<Effect>,
-    rows: Rows,
-    sizes: Sizes,
-    /// −2 ln L_R, and that without random effects.
-    values: [f64; 2],
-}
-
-/// The model of `effects`, whose columns in the terms' units are `columns`.
-///
-/// # Errors
-/// Nothing left of the displacements, or no degree of freedom.
-fn found(fit: &Fit, columns: &DMatrix<f64>, effects: Vec<Effect>) -> Result<Found> {
-    let solution = fit.solution();
-    let mut random = columns.clone();
-    scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
-    gathered(&mut random, &means(&effects));
-    let whitened = fit.prepared().whitened();
-    let shifts = whitened.is_separable() && !solution.independent_rows;
-    let classes = classes(&effects);
-    let idle = solution.undetermined.as_slice();
-    let rows = Rows::new(whitened, random, classes, fit.white(), idle, shifts);
-    if rows.rest() <= ROUNDING * fit.white().norm() {
-        return Err(too_few("the joint axes leave nothing of the displacements"));
-    }
-    let likelihood = Likelihood::new(&rows, &[]);
-    let none = Sizes {
-        gamma: solution.gamma,
-        classes: vec![0.0; rows.classes.len()],
-    };
-    let (Some((sizes, value)), Some(without)) = (
-        likelihood.best(None, fit.control()),
-        likelihood.solve(&none),
-    ) else {
-        return Err(too_few("there are hardly more displacements than joints"));
-    };
-    // The search may end a hair above what no effects at all give.
-    let (sizes, value) = if without.value <= value {
-        (none, without.value)
-    } else {
-        (sizes, value)
-    };
-    Ok(Found {
-        effects,
-        rows,
-        sizes,
-        values: [value, without.value],
-    })
-}
-
 /// Differences of −2 ln L_R below this are none.
 const SAME: f64 = 1e-6;
-/// Residuals below this share of the displacements are rounding.
-const ROUNDING: f64 = 1e-11;
 
 fn too_few(why: &str) -> Error {
     Error::new(
@@ -379,34 +331,6 @@ fn too_few(why: &str) -> Error {
 /// True where no displacement depends on unknown `j`: a joint that never carries load.
 fn is_idle(system: &MeasuredSystem, j: usize) -> bool {
     system.psi.column(j).norm() <= rounding(system)
-}
-
-/// Compliance of each joint as the axes alone have it, for what is sized by it.
-fn joint_give(fit: &Fit) -> Vec<Option<f64>> {
-    let robot = &fit.cell().setup.robot;
-    let springs = fit.solution().values.rows(0, robot.spring_count());
-    // Springs that are no joints give to each by the squares of their shares.
-    let give = match robot.spring_mixing() {
-        None => springs.into_owned(),
-        Some(mixing) => mixing.map(|share| share * share) * springs,
-    };
-    give.iter().copied().map(Some).collect()
-}
-
-/// Columns of each class that scatter about a mean.
-fn means(effects: &[Effect]) -> Vec<Range<usize>> {
-    let positive = |class: &Range<usize>| effects[class.clone()].iter().filter(|e| e.is_positive());
-    let own = |class: Range<usize>| class.start..class.start + positive(&class).count();
-    classes(effects).into_iter().map(own).collect()
-}
-
-/// Columns of each class.
-fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
-    let of = |class| {
-        let start = effects.iter().position(|e| e.class == class).unwrap_or(0);
-        start..start + effects.iter().filter(|e| e.class == class).count()
-    };
-    ElasticClass::ALL.map(of).to_vec()
 }
 
 /// The system with the columns of extra terms.
@@ -486,12 +410,6 @@ fn compliance(
         common: Default::default(),
         doubts: Vec::new(),
     })
-}
-
-/// Columns behind `fixed` others.
-fn moved(columns: Vec<Range<usize>>, fixed: usize) -> Vec<Range<usize>> {
-    let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
-    columns.into_iter().map(own).collect()
 }
 
 /// What is known of the sizes `std` of the classes, with the covariance of their

@@ -3,17 +3,20 @@
 //! What a joint gives way about its own axis cannot be told from what links and bearings beside it do, by no posture and
 //! no load. What can be told is h* = h + L u with L = (ΨᵀΨ)⁻¹ΨᵀZ over many postures of the cell, Ψ the columns of
 //! the axes there and Z those of all that gives way besides: the projection of what the model predicts on the axes. It is
-//! what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load.
+//! what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load. A load that is
+//! measured is known at the measured postures alone: these are the cell then, and with noise that is alike h* is what least
+//! squares with the axes alone find.
 
 use crate::error::Result;
 use crate::estimate::compliance::Spread;
 use crate::model::cell::Cell;
-use crate::model::load::Wrench;
 use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::robot::Robot;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::numerics::streams::spread;
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Borrow;
 
 /// Postures over which the arm is reproduced: another thousand moves h* by less than a percent.
 const POSTURES: usize = 1000;
@@ -32,34 +35,42 @@ pub(crate) struct Reproduced {
 }
 
 impl Reproduced {
-    /// Over postures of `cell`, under its own load or where that is measured under `wrenches` in turn, with what `terms`
-    /// give beside the axes.
+    /// Over postures of `cell` under its own load, with what `terms` give beside the axes.
     ///
     /// # Errors
-    /// As [`PostureTerms::new`]; interrupted.
-    pub(crate) fn new(
+    /// No postures to be looked at; interrupted.
+    pub(crate) fn over_cell(
         cell: &Cell,
-        wrenches: &[Wrench],
         terms: &[ExtraTerm],
         control: Control<'_>,
     ) -> Result<Self> {
-        let robot = &cell.setup.robot;
+        let (setups, postures) = (cell.setup.cases(), postures(cell)?);
+        let each = postures
+            .iter()
+            .flat_map(|q| setups.iter().map(move |setup| (setup, q)));
+        // A rope without direction bends nothing.
+        let all = each.filter_map(|(setup, q)| PostureTerms::new(setup, q, None).ok());
+        Reproduced::over(&cell.setup.robot, &all.collect::<Vec<_>>(), terms, control)
+    }
+
+    /// Over the postures and loads of `all`.
+    ///
+    /// # Errors
+    /// Interrupted.
+    pub(crate) fn over<T: Borrow<PostureTerms> + Sync>(
+        robot: &Robot,
+        all: &[T],
+        terms: &[ExtraTerm],
+        control: Control<'_>,
+    ) -> Result<Self> {
         let springs = robot.spring_count();
-        let setups = cell.setup.cases();
-        let postures: Vec<(usize, Vec<f64>)> = postures(cell)?.into_iter().enumerate().collect();
-        let portions: Vec<_> = postures.chunks(PORTION).collect();
+        let portions: Vec<_> = all.chunks(PORTION).collect();
         let what = "the axes over the cell";
         let sums = in_order_watched(&portions, what, control, |(_, portion)| {
             let mut sum = DMatrix::zeros(springs, springs + terms.len());
-            for (i, q) in *portion {
-                for setup in &setups {
-                    let wrench = wrenches.get(i % wrenches.len().max(1));
-                    // A rope without direction bends nothing.
-                    if let Ok(own) = PostureTerms::new(setup, q, wrench) {
-                        let block = own.block_with(robot, terms);
-                        sum += block.columns(0, springs).tr_mul(&block);
-                    }
-                }
+            for own in *portion {
+                let block = own.borrow().block_with(robot, terms);
+                sum += block.columns(0, springs).tr_mul(&block);
             }
             Ok(sum)
         })?;
