@@ -33,8 +33,11 @@ fn codes(folder: &Folder, readings: &str) -> (Vec<String>, String) {
 
 #[test]
 fn the_word_of_the_station_goes_from_plan_to_stiffness() {
-    let folder = Folder::with("cell.toml", CELL);
-    let plan = "select cell.toml --space-filling --count 10 --force --output plan.csv";
+    let folder = Folder::with(
+        "cell.toml",
+        CELL.replace("[5000, 1200, 1500]", "[4500, -2500, 1500]"),
+    );
+    let plan = "select cell.toml --space-filling --count 12 --seed 3 --force --output plan.csv";
     folder.ok(&format!("{plan} --sheet sheet.csv --print plan.html"));
     let sheet = folder.read("sheet.csv");
     let mut stations = changes(&sheet, "station");
