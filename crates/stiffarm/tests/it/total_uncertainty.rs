@@ -190,7 +190,14 @@ fn what_readings_leave_under_the_mixed_model() {
     let (psi, random) = (system.psi.columns(0, 6), system.psi.columns(6, extra.len()));
     let rows = psi.nrows();
     let doubt = spread.doubt.as_ref().unwrap();
-    let prior = DMatrix::from_diagonal(&doubt.prior.rows(6, extra.len()));
+    let mut prior = DMatrix::from_diagonal(&doubt.prior.rows(6, extra.len()));
+    for mean in &doubt.means {
+        for i in mean.clone() {
+            for k in mean.clone() {
+                prior[(i - 6, k - 6)] += (doubt.prior[i] * doubt.prior[k]).sqrt();
+            }
+        }
+    }
     let noise = DMatrix::from_fn(rows, rows, |a, b| {
         let common = a / 12 == b / 12 && a % 3 == b % 3;
         let shared = if common { spread.shift.powi(2) } else { 0.0 };

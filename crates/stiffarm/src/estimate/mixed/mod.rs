@@ -49,7 +49,6 @@ use likelihood::{Likelihood, Sizes};
 use means::{gathered, scattered};
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::OnceLock;
 use sums::Rows;
 

@@ -110,27 +110,27 @@ pub enum ExtraTerm {
         /// Column.
         column: usize,
     },
-    /// An even beam along a part of row `joint` (counted from 0) of the robot; unknown: its turn per moment and
+    /// An even beam along a part of the link behind joint `joint` (counted from 0); unknown: its turn per moment and
     /// length \[rad/(N·m) per m\].
     Beam {
-        /// The row: the joint at whose origin it ends, or begins the part along the axis.
+        /// The joint.
         joint: usize,
-        /// Which part of the row.
+        /// Which part of the link.
         part: RowPart,
         /// Twist about its own line, or the same bending about all directions across.
         twist: bool,
     },
 }
 
-/// A part of the way from the origin of one joint to that of the next.
+/// A part of the way from the origin of a joint, the foot of its row before d, to that of the next, or to the flange.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RowPart {
-    /// Across the axis that follows: a of a modified Denavit–Hartenberg row, on the link before the joint.
-    Link,
-    /// Along the axis: d of the row.
+    /// Along the joint's axis: d of its modified Denavit–Hartenberg row.
     Axis,
+    /// From there on: a of the row that follows.
+    Link,
 }
 
 impl ExtraTerm {
@@ -155,8 +155,8 @@ impl ExtraTerm {
             } => {
                 let how = if twist { "twist" } else { "bending" };
                 let part = match part {
-                    RowPart::Link => "before",
                     RowPart::Axis => "along",
+                    RowPart::Link => "behind",
                 };
                 format!("{how} {part} {}", joint(row))
             }
@@ -398,17 +398,15 @@ impl Elements {
 /// even beam is of second degree along it.
 const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
-/// Start and way of a part of a row: from the origin of the joint before, or the point of axis 1 nearest the base
-/// frame's origin, first across the joint's axis, then along it.
+/// Start and way of a part of the link behind a joint: from the joint's origin along its axis as far as the next origin, or
+/// the flange, lies along it, then across to there.
 pub(crate) fn row_part(frames: &Frames, joint: usize, part: RowPart) -> [Vector3<f64>; 2] {
-    let (axis, end) = (frames.axes()[joint], frames.origins()[joint]);
-    let start = match joint {
-        0 => on_first_axis(frames),
-        j => frames.origins()[j - 1],
-    };
+    let (axis, start) = (frames.axes()[joint], frames.origins()[joint]);
+    let next = frames.origins().get(joint + 1);
+    let end = next.copied().unwrap_or_else(|| frames.flange().translation.vector);
     let along = axis * axis.dot(&(end - start));
     match part {
-        RowPart::Link => [start, end - start - along],
-        RowPart::Axis => [end - along, along],
+        RowPart::Axis => [start, along],
+        RowPart::Link => [start + along, end - start - along],
     }
 }
