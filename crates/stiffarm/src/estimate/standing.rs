@@ -101,6 +101,11 @@ impl<'f> SoFar<'f> {
         Ok(out)
     }
 
+    /// The mixed model, where it predicts.
+    pub(crate) fn mixed(&self) -> Option<&MixedFit> {
+        self.mixed.as_ref().map(|(mixed, _)| mixed)
+    }
+
     /// Whether the mixed model predicts.
     pub fn is_mixed(&self) -> bool {
         self.mixed.is_some()

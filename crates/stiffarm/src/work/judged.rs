@@ -4,6 +4,7 @@ use crate::error::{Code, Result};
 use crate::estimate::identified::{diagnosed, doubts};
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
+use crate::estimate::setup;
 use crate::estimate::standing::{SoFar, Standing, is_better, standing};
 use crate::findings::{Finding, Severity};
 use crate::measure::reduction::ReduceOptions;
@@ -189,7 +190,11 @@ pub fn judge(
             return Ok(out);
         }
     };
-    out.readings.extend(of_fit(&fit, &so_far, left.len())?);
+    let of_fit = of_fit(&fit, &so_far, left.len())?;
+    if of_fit.iter().any(|finding| finding.code == setup::REJECTS) {
+        out.readings.retain(|finding| !setup::is_explained(finding));
+    }
+    out.readings.extend(of_fit);
     if let Some(goal) = options.until_deflection_m {
         let mut found = deflection(&fit, &so_far, goal)?;
         found.reached &= so_far.missing_postures(left.len()) == 0;
@@ -214,7 +219,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
     let joints = joints.filter(|f| f.code == "negative-compliance");
-    let diagnosis = match diagnosed(fit, so_far.is_mixed()) {
+    let diagnosis = match diagnosed(fit, so_far.mixed()) {
         Ok(diagnosis) => Some(diagnosis),
         Err(error) if error.code() == Code::Interrupted => return Err(error),
         // Too few readings to look at residuals.
