@@ -327,10 +327,14 @@ pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis
     if !setup::is_doubtful(fit.measured()) {
         out.set_up = setup::set_up(fit, mixed)?;
     }
-    if let Some(rejected) = out.rejected().cloned() {
+    if out.rejected().is_some() {
         out.findings.retain(|finding| !setup::follows(finding));
-        out.findings.insert(0, rejected);
     }
+    let found = out
+        .set_up
+        .iter()
+        .filter_map(|set_up| set_up.finding.clone());
+    out.findings.splice(0..0, found.collect::<Vec<_>>());
     Ok(out)
 }
 

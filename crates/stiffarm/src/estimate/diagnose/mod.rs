@@ -23,7 +23,7 @@ pub use terms::{TermTrial, TermTrials, try_terms};
 
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
-use crate::estimate::setup::SetUp;
+use crate::estimate::setup::{REJECTS, SetUp};
 use crate::findings::{Finding, list};
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,8 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// What the readings say against the set-up as the cell states it.
     pub fn rejected(&self) -> Option<&Finding> {
-        self.set_up.as_ref()?.finding.as_ref()
+        let found = self.set_up.as_ref()?.finding.as_ref();
+        found.filter(|finding| finding.code == REJECTS)
     }
 }
 

@@ -12,13 +12,14 @@ const BY_SCREENING: [(Cause, &str); 4] = [
     (Cause::OtherLoad, "other-load"),
 ];
 /// What the residuals say.
-const BY_RESIDUALS: [&str; 6] = [
+const BY_RESIDUALS: [&str; 7] = [
     "residuals-above-noise",
     "further-term",
     "outlying-displacement",
     "outlying-posture",
     "outlying-point",
     "more-outliers",
+    "load-offset",
 ];
 
 /// Whether the readings have a fault of their own that must be settled before they say anything of the set-up.
@@ -26,7 +27,9 @@ pub(crate) fn is_doubtful(measured: &Measured) -> bool {
     let screening = measured.screening.iter();
     let mut all = screening.flat_map(|s| s.suspicions.iter().zip(&s.findings));
     all.any(|(suspicion, finding)| {
-        let is_own = BY_SCREENING.iter().all(|(cause, _)| *cause != suspicion.cause);
+        let is_own = BY_SCREENING
+            .iter()
+            .all(|(cause, _)| *cause != suspicion.cause);
         finding.severity == Severity::Serious && is_own
     })
 }
@@ -43,7 +46,11 @@ pub(crate) fn follows(finding: &Finding) -> bool {
 
 /// The screening without what only follows from the set-up.
 pub(crate) fn leave_out_explained(screening: &mut Screening) {
-    let kept: Vec<bool> = screening.findings.iter().map(|f| !is_explained(f)).collect();
+    let kept: Vec<bool> = screening
+        .findings
+        .iter()
+        .map(|f| !is_explained(f))
+        .collect();
     let mut both = kept.iter();
     screening.suspicions.retain(|_| both.next() != Some(&false));
     screening.findings.retain(|finding| !is_explained(finding));

@@ -30,6 +30,27 @@ pub(super) struct At {
     pub value: f64,
 }
 
+/// −2 ln L, restricted, of a fit or of the mixed model that goes on from it. That no joint yields against its torque is
+/// known beforehand: each compliance below zero adds the square of how far, in standard errors.
+pub(super) fn value(fit: &Fit, mixed: Option<&MixedFit>) -> f64 {
+    let ratio = mixed.map_or(0.0, MixedFit::likelihood_ratio);
+    fit.restricted_value() - ratio + below_zero(fit, mixed)
+}
+
+/// The squares of the compliances below zero in their standard errors.
+pub(super) fn below_zero(fit: &Fit, mixed: Option<&MixedFit>) -> f64 {
+    let solution = fit.solution();
+    let spread = mixed.and_then(|mixed| mixed.compliance().spread.as_ref());
+    let (values, covariance) = match (mixed, spread) {
+        (Some(mixed), Some(spread)) => (&mixed.compliance().values, Some(&spread.covariance)),
+        _ => (&solution.values, solution.covariance.as_ref()),
+    };
+    let springs = 0..fit.system().springs;
+    let below = springs.filter(|j| values[*j] < 0.0 && !solution.undetermined.contains(j));
+    let squares = below.filter_map(|j| Some(values[j].powi(2) / covariance?[(j, j)]));
+    squares.filter(|square| square.is_finite()).sum()
+}
+
 /// One step of least squares with the quantity among the unknowns.
 struct Step {
     change: DVector<f64>,
@@ -42,10 +63,9 @@ impl At {
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them.
     pub(super) fn new(place: Place, fit: Fit, is_mixed: bool) -> Result<Self> {
         let mixed = if is_mixed { carried(&fit)?.ok() } else { None };
-        let more = mixed.as_ref().map_or(0.0, MixedFit::likelihood_ratio);
         Ok(At {
             place,
-            value: fit.restricted_value() - more,
+            value: value(&fit, mixed.as_ref()),
             mixed: mixed.map(Arc::new),
             fit,
         })
@@ -86,7 +106,13 @@ impl Frame<'_> {
         Some(out)
     }
 
-    fn step(&self, kind: Kind, at: &At, response: &Response<'_>, values: &DVector<f64>) -> Option<Step> {
+    fn step(
+        &self,
+        kind: Kind,
+        at: &At,
+        response: &Response<'_>,
+        values: &DVector<f64>,
+    ) -> Option<Step> {
         let springs = at.fit.system().psi.ncols();
         let columns = self.columns(kind, at, &values.rows(0, springs).into_owned())?;
         let left = |weighed: &DVector<f64>| response.left(weighed, &response.of(weighed));
@@ -104,9 +130,15 @@ impl Frame<'_> {
         let after = (&rest - &own * &change).norm_squared();
         let before = rest.norm_squared();
         let free = rest.len().saturating_sub(springs + change.len()).max(1);
-        let sigma = at.fit.solution().sigma.unwrap_or((after / free as f64).sqrt());
+        let sigma = at
+            .fit
+            .solution()
+            .sigma
+            .unwrap_or((after / free as f64).sqrt());
         let errors = factor.standard_errors();
-        let errors = errors.into_iter().map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
+        let errors = errors
+            .into_iter()
+            .map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
         Some(Step {
             errors: DVector::from_iterator(change.len(), errors),
             change,
@@ -147,7 +179,8 @@ impl Frame<'_> {
             let Some(step) = self.step_of(kind, &at) else {
                 return at;
             };
-            let far = if kind == Kind::Beside { FAR_FORCE } else { FAR };
+            let is_force = matches!(kind, Kind::Beside | Kind::Offset);
+            let far = if is_force { FAR_FORCE } else { FAR };
             let mut share = (far / step.change.norm()).min(1.0);
             let mut better = None;
             for _ in 0..shorter {

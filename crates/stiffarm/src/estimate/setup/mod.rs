@@ -9,6 +9,7 @@
 mod explained;
 mod freed;
 mod quantity;
+mod starts;
 mod words;
 
 pub(crate) use explained::{follows, is_doubtful, is_explained, leave_out_explained};
@@ -20,7 +21,7 @@ use crate::estimate::mixed::MixedFit;
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::sort_by_number;
-use freed::At;
+use freed::{At, below_zero, value};
 use quantity::{Frame, Kind};
 use serde::{Deserialize, Serialize};
 
@@ -36,6 +37,8 @@ const MORE_THAN_NOISE: f64 = 1.3;
 const FOLLOWED: usize = 2;
 /// Quantities that are tried beside springs beyond the axes.
 const TRIED: usize = 4;
+/// What a number of a quantity costs when explanations are compared.
+const PRICE: f64 = 4.0;
 /// Explanations whose −2 ln L lies within this of the best explain as well.
 const ALIKE: f64 = 10.0;
 
@@ -44,7 +47,8 @@ const ALIKE: f64 = 10.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Freed {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `force-beside`, `common-shift`, `sensor-axes`,
-    /// `sensor-origin`, `table-axes`, `joint-angle`, `coupling`, `lost-motion`.
+    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`,
+    /// `lost-motion`.
     pub name: String,
     /// What the cell or the table states, SI: a place, a direction, a turn vector, a force, angles.
     pub stated: Vec<f64>,
@@ -86,7 +90,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     if fit.system().blocks.len() < FEWEST_POSTURES || found.expected_std_m <= 0.0 || left <= 0.0 {
         return Ok(None);
     }
-    let is_more = left > MORE_THAN_NOISE * found.expected_std_m;
+    let is_more = left > MORE_THAN_NOISE * found.expected_std_m || below_zero(&fit, None) > WORTH;
     let frame = Frame::new(&fit);
     let kinds = frame.quantities();
     let alone = in_order(&kinds, |(_, kind)| {
@@ -94,27 +98,25 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
         Ok(freed_alone(&frame, *kind, is_more).map(|at| (*kind, at)))
     })?;
     let mut alone: Vec<(Kind, At)> = alone.into_iter().flatten().collect();
-    sort_by_number(&mut alone, |(_, at)| at.value);
+    let price = |(kind, at): &(Kind, At)| at.value + PRICE * frame.dimension(*kind) as f64;
+    sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     if alone.is_empty() {
         return Ok(Some(SetUp::default()));
     }
     // Springs beyond the axes granted on both sides.
-    let known = own.map(MixedFit::likelihood_ratio);
     let grants = options.extra.is_empty();
-    let more = match known {
-        Some(known) => Some(known),
-        None if grants => carried(&fit)?.ok().map(|mixed| mixed.likelihood_ratio()),
-        None => None,
+    let before = match own {
+        Some(mixed) => value(&fit, Some(mixed)),
+        None if grants => value(&fit, carried(&fit)?.ok().as_ref()),
+        None => value(&fit, None),
     };
-    let before = fit.restricted_value() - more.unwrap_or(0.0);
-    let beside = in_order(&alone, |(_, (kind, at))| {
+    let mut beside = in_order(&alone, |(_, (kind, at))| {
         fit.control().check()?;
         let at = At::new(at.place.clone(), at.fit.clone(), grants)?;
         Ok((*kind, frame.refined(*kind, at)))
     })?;
-    let mut beside: Vec<(Kind, At)> = beside;
-    sort_by_number(&mut beside, |(_, at)| at.value);
+    sort_by_number(&mut beside, price);
     let described = beside.iter().map(|(kind, at)| Freed {
         name: words::name(*kind).to_string(),
         stated: words::stated(fit.cell(), *kind),
@@ -125,13 +127,17 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     });
     let freed: Vec<Freed> = described.collect();
     let (kind, at) = &beside[0];
-    let is_rejected = freed[0].likelihood_ratio > REJECTED
-        && *kind != Kind::LostMotion
-        && without_worst(&fit, at, grants)? > 0.5 * REJECTED;
+    let is_rejected =
+        freed[0].likelihood_ratio > REJECTED && without_worst(&fit, at, grants)? > 0.5 * REJECTED;
     let alike = |own: &Freed| freed[0].likelihood_ratio - own.likelihood_ratio < ALIKE;
-    let alike = freed.iter().zip(&beside).skip(1).filter(|(own, _)| alike(own));
+    let alike = freed
+        .iter()
+        .zip(&beside)
+        .skip(1)
+        .filter(|(own, _)| alike(own));
     let alike: Vec<Kind> = alike.map(|(_, (kind, _))| *kind).collect();
-    let finding = is_rejected.then(|| words::finding(fit.cell(), *kind, &at.place, &freed[0], &alike));
+    let finding =
+        is_rejected.then(|| words::finding(fit.cell(), *kind, &at.place, &freed[0], &alike));
     Ok(Some(SetUp { freed, finding }))
 }
 

@@ -25,12 +25,20 @@ pub(super) enum Kind {
     Gravity,
     /// A constant force beside the load, base axes.
     Beside,
+    /// A force along the load that every loaded state has more than is stated.
+    Offset,
+    /// The load, or the displacements, have the opposite sign.
+    Sign,
     /// A displacement common to all loaded readings, base axes.
     Shift,
     /// Turn of the force sensor's axes.
     SensorAxes,
     /// Origin of the force sensor.
     SensorOrigin,
+    /// The sensor's readings are given in base axes.
+    SensorInBase,
+    /// The measuring points as a rigid body, flange axes, under a table of displacements: shift and turn.
+    Points,
     /// Axes of a table of displacements.
     TableAxes,
     /// Offset of a joint angle under a table of displacements, and the way in which it counts.
@@ -49,7 +57,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    fn new(turn: Matrix3<f64>, values: Vec<f64>) -> Self {
+    pub(super) fn new(turn: Matrix3<f64>, values: Vec<f64>) -> Self {
         let values = DVector::from_vec(values);
         Place { turn, values }
     }
@@ -59,9 +67,11 @@ impl Place {
         Vector3::from_fn(|i, _| self.values.get(i).copied().unwrap_or(0.0))
     }
 
-    /// The numbers as a turn, after `turn`.
+    /// The last three numbers as a turn, after `turn`.
     pub fn rotated(&self) -> Matrix3<f64> {
-        Rotation3::new(self.vector()).matrix() * self.turn
+        let from = self.values.len().saturating_sub(3);
+        let by = Vector3::from_fn(|i, _| self.values.get(from + i).copied().unwrap_or(0.0));
+        Rotation3::new(by).matrix() * self.turn
     }
 }
 
@@ -132,21 +142,20 @@ impl<'a> Frame<'a> {
             }
             out.extend(own.into_iter().map(|i| Kind::LoadingPoint(Some(i))));
         }
-        let weight = |setup: &crate::model::observation::Setup| {
-            matches!(setup.load, Load::Weight { .. })
-        };
+        let weight =
+            |setup: &crate::model::observation::Setup| matches!(setup.load, Load::Weight { .. });
         if is_own && setups.iter().any(weight) {
             out.push(Kind::Gravity);
         }
         if by_sensor {
-            out.push(Kind::SensorAxes);
+            out.extend([Kind::SensorAxes, Kind::SensorInBase]);
             out.extend(is_sensor.then_some(Kind::SensorOrigin));
         } else {
-            out.push(Kind::Beside);
+            out.extend([Kind::Beside, Kind::Offset]);
         }
-        out.push(Kind::Shift);
+        out.extend([Kind::Shift, Kind::Sign]);
         if is_table {
-            out.push(Kind::TableAxes);
+            out.extend([Kind::TableAxes, Kind::Points]);
             let joints = cell.setup.robot.joint_count();
             out.extend((0..joints).map(Kind::Angle));
             out.extend((joints > 2).then_some(Kind::Coupling));
@@ -205,7 +214,12 @@ impl<'a> Frame<'a> {
         match (kind, changed) {
             (Kind::SensorAxes, Some((wrench, sensor))) => {
                 let from = self.fit.cell().sensor.as_ref().unwrap_or(sensor);
-                *wrench = read_again(terms, wrench, &at, from, &place.rotated());
+                *wrench = read_again(terms, wrench, &at, from, |axes| {
+                    axes * place.rotated() * axes.transpose()
+                });
+            }
+            (Kind::SensorInBase, Some((wrench, sensor))) if place.turn[(0, 0)] > 0.0 => {
+                *wrench = read_again(terms, wrench, &at, sensor, |axes| axes.transpose());
             }
             (Kind::SensorOrigin, Some((wrench, sensor))) => {
                 let shift = match sensor.mount {
@@ -220,66 +234,26 @@ impl<'a> Frame<'a> {
                     wrench.force += place.vector();
                 }
             }
+            (Kind::Offset, _) => {
+                if let Some(wrench) = &mut wrench {
+                    let along = wrench.force.try_normalize(0.0).unwrap_or_default();
+                    wrench.force += along * place.values[0];
+                }
+            }
+            (Kind::Sign, _) => wrench = wrench.map(|w| w.map(|v| v * place.turn[(0, 0)])),
             _ => {}
         }
         posture.wrench = wrench;
         Ok(())
     }
 
-    /// Values to begin with, the stated one first.
-    pub fn starts(&self, kind: Kind) -> Vec<Place> {
-        let cell = self.fit.cell();
-        let zeros = |count: usize| vec![0.0; count];
-        let mut out = vec![Place::new(Matrix3::identity(), zeros(self.dimension(kind)))];
-        match kind {
-            Kind::LoadingPoint(_) => {
-                let stated = loading_point(cell, kind);
-                let mut others: Vec<Vector3<f64>> = exchanges().map(|turn| turn * stated).collect();
-                let points = &cell.setup.tool.measuring_points;
-                others.extend(points.iter().map(|point| point.position));
-                let cases = cell.setup.load.cases().iter();
-                others.extend(cases.filter_map(|case| case.loading_point));
-                let moves = others.into_iter().map(|other| other - stated);
-                out.extend(moves.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())));
-            }
-            Kind::Anchor(i) => {
-                let stated = anchor(cell, i);
-                let turned = exchanges().map(|turn| turn * stated - stated);
-                out.extend(turned.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())));
-            }
-            Kind::Gravity => out.extend(signed_axes().map(|turn| Place::new(turn, zeros(2)))),
-            Kind::SensorAxes | Kind::TableAxes => {
-                out.extend(signed_axes().map(|turn| Place::new(turn, zeros(3))));
-            }
-            Kind::Angle(_) => {
-                for turn in [1.0, -1.0] {
-                    for quarter in 0..4 {
-                        let offset = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
-                        out.push(Place::new(Matrix3::identity() * turn, vec![offset]));
-                    }
-                }
-            }
-            Kind::Coupling => {
-                out.extend([1.0, -1.0].map(|by| Place::new(Matrix3::identity() * by, Vec::new())));
-                out[0].turn = Matrix3::zeros();
-            }
-            _ => {}
-        }
-        let mut seen: Vec<Place> = Vec::new();
-        out.retain(|place| {
-            let is_new = !seen.contains(place);
-            seen.push(place.clone());
-            is_new
-        });
-        out
-    }
-
     /// How many numbers it has.
     pub fn dimension(&self, kind: Kind) -> usize {
         match kind {
             Kind::Gravity => 2,
-            Kind::Angle(_) => 1,
-            Kind::Coupling => 0,
+            Kind::Angle(_) | Kind::Offset => 1,
+            Kind::Coupling | Kind::Sign | Kind::SensorInBase => 0,
+            Kind::Points => 6,
             Kind::LostMotion => self.fit.cell().setup.robot.joint_count(),
             _ => 3,
         }
@@ -289,38 +263,10 @@ impl<'a> Frame<'a> {
 /// Step for a derivative by differences: small beside any geometry, large beside rounding \[m; N; rad\].
 pub(super) fn step(kind: Kind) -> f64 {
     match kind {
-        Kind::Beside => 1.0,
+        Kind::Beside | Kind::Offset => 1.0,
         Kind::LostMotion => 1e-5,
         _ => 1e-4,
     }
-}
-
-/// All signed exchanges of three axes: 24 turns and as many with a mirror.
-pub(super) fn signed_axes() -> impl Iterator<Item = Matrix3<f64>> {
-    const ORDERS: [[usize; 3]; 6] = [
-        [0, 1, 2],
-        [1, 0, 2],
-        [2, 1, 0],
-        [0, 2, 1],
-        [1, 2, 0],
-        [2, 0, 1],
-    ];
-    ORDERS.into_iter().flat_map(|order| {
-        (0..8_u32).map(move |signs| {
-            let sign = |i: usize| if signs >> i & 1 == 1 { -1.0 } else { 1.0 };
-            Matrix3::from_fn(|i, j| if order[i] == j { sign(i) } else { 0.0 })
-        })
-    })
-}
-
-/// Those that people make of a place: signs alone, two axes exchanged, quarter turns about z.
-fn exchanges() -> impl Iterator<Item = Matrix3<f64>> {
-    let likely = |turn: &Matrix3<f64>| {
-        let is_diagonal = turn.diagonal().iter().all(|v| *v != 0.0);
-        let is_plain = turn.iter().all(|v| *v >= 0.0) && turn.determinant() < 0.0;
-        is_diagonal || is_plain || (turn[(2, 2)] == 1.0 && turn.determinant() > 0.0)
-    };
-    signed_axes().filter(likely)
 }
 
 /// The stated loading point, flange axes.
@@ -368,10 +314,17 @@ fn change_cell(cell: &mut Cell, kind: Kind, place: &Place) {
                 }
             }
         }
+        Kind::Points => {
+            for point in &mut cell.setup.tool.measuring_points {
+                point.position = place.rotated() * point.position + place.vector();
+            }
+        }
         Kind::LoadingPoint(None) => cell.setup.tool.loading_point += place.vector(),
         Kind::LoadingPoint(Some(i)) => {
             if let Load::Cases(cases) = &mut cell.setup.load
-                && let Some(point) = cases.get_mut(i).and_then(|case| case.loading_point.as_mut())
+                && let Some(point) = cases
+                    .get_mut(i)
+                    .and_then(|case| case.loading_point.as_mut())
             {
                 *point += place.vector();
             }
@@ -406,13 +359,13 @@ fn change_posture(posture: &mut MeasuredPosture, terms: &PostureTerms, kind: Kin
     }
 }
 
-/// A wrench as the sensor would have given it with its axes turned by `turn`, in its own axes.
+/// A wrench as the sensor would have given it, turned in base axes by what `turn` makes of the sensor's.
 fn read_again(
     terms: &PostureTerms,
     wrench: &Wrench,
     at: &Vector3<f64>,
     sensor: &Sensor,
-    turn: &Matrix3<f64>,
+    turn: impl Fn(&Matrix3<f64>) -> Matrix3<f64>,
 ) -> Wrench {
     let pose = match sensor.mount {
         Mount::Flange => terms.frames().flange() * sensor.pose,
@@ -420,6 +373,9 @@ fn read_again(
     };
     let origin = pose.translation.vector;
     let axes = pose.rotation.to_rotation_matrix();
-    let again = axes.matrix() * turn * axes.matrix().transpose();
-    wrench.moved(at, &origin).map(|v| again * v).moved(&origin, at)
+    let again = turn(axes.matrix());
+    wrench
+        .moved(at, &origin)
+        .map(|v| again * v)
+        .moved(&origin, at)
 }

@@ -1,7 +1,7 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{Freed, REJECTS};
 use super::quantity::{Kind, Place, anchor, gravity, loading_point};
+use super::{Freed, REJECTS};
 use crate::findings::{Finding, length, list};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
@@ -20,6 +20,10 @@ pub(super) fn name(kind: Kind) -> &'static str {
         Kind::LoadingPoint(_) => "loading-point",
         Kind::Gravity => "gravity",
         Kind::Beside => "force-beside",
+        Kind::Offset => "force-offset",
+        Kind::Sign => "sign",
+        Kind::SensorInBase => "sensor-in-base-axes",
+        Kind::Points => "measuring-points",
         Kind::Shift => "common-shift",
         Kind::SensorAxes => "sensor-axes",
         Kind::SensorOrigin => "sensor-origin",
@@ -44,7 +48,10 @@ fn key(cell: &Cell, kind: Kind) -> String {
         Kind::SensorAxes => "sensor.rpy_deg".to_string(),
         Kind::SensorOrigin => "sensor.xyz_mm".to_string(),
         Kind::Angle(_) | Kind::Coupling => "robot.theta_from_q".to_string(),
-        Kind::Beside | Kind::Shift | Kind::TableAxes | Kind::LostMotion => "measurements".to_string(),
+        Kind::Points => "tool.measuring_point".to_string(),
+        Kind::SensorInBase => "sensor".to_string(),
+        Kind::Beside | Kind::Offset | Kind::Sign => "load".to_string(),
+        Kind::Shift | Kind::TableAxes | Kind::LostMotion => "measurements".to_string(),
     }
 }
 
@@ -55,6 +62,10 @@ fn what(cell: &Cell, kind: Kind) -> String {
         Kind::LoadingPoint(_) => "another loading point".to_string(),
         Kind::Gravity => "another direction of gravity".to_string(),
         Kind::Beside => "a constant force beside the load".to_string(),
+        Kind::Offset => "a force along the load in every loaded state".to_string(),
+        Kind::Sign => "the opposite sign of the load".to_string(),
+        Kind::SensorInBase => "forces in base axes".to_string(),
+        Kind::Points => "other places of the measuring points".to_string(),
         Kind::Shift => "a shift common to all loaded readings".to_string(),
         Kind::SensorAxes => "other axes of the sensor".to_string(),
         Kind::SensorOrigin => "another origin of the sensor".to_string(),
@@ -72,8 +83,10 @@ pub(super) fn stated(cell: &Cell, kind: Kind) -> Vec<f64> {
         Kind::Anchor(i) => vector(anchor(cell, i)),
         Kind::LoadingPoint(_) => vector(loading_point(cell, kind)),
         Kind::Gravity => vector(down(cell)),
-        Kind::Angle(_) => vec![0.0],
-        Kind::Coupling => vec![0.0],
+        Kind::Angle(_) | Kind::Coupling | Kind::Offset => vec![0.0],
+        Kind::Sign => vec![1.0],
+        Kind::SensorInBase => vec![0.0],
+        Kind::Points => vec![0.0; 6],
         Kind::LostMotion => vec![0.0; cell.setup.robot.joint_count()],
         _ => vec![0.0; 3],
     }
@@ -96,7 +109,12 @@ pub(super) fn asked(cell: &Cell, kind: Kind, place: &Place) -> Vec<f64> {
         Kind::LoadingPoint(_) => vector(loading_point(cell, kind) + place.vector()),
         Kind::Gravity => vector(gravity(&down(cell), place)),
         Kind::SensorAxes | Kind::TableAxes => vector(turn_vector(&place.rotated())),
-        Kind::Coupling => vec![place.turn[(0, 0)]],
+        Kind::Coupling | Kind::Sign | Kind::SensorInBase => vec![place.turn[(0, 0)]],
+        Kind::Points => [
+            vector(place.vector()),
+            vector(turn_vector(&place.rotated())),
+        ]
+        .concat(),
         _ => place.values.iter().copied().collect(),
     }
 }
@@ -107,16 +125,12 @@ fn turn_vector(turn: &Matrix3<f64>) -> Vector3<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(proper)).scaled_axis()
 }
 
-/// Whether all three axes point the other way.
-fn is_opposite(place: &Place) -> bool {
-    (place.rotated() + Matrix3::identity()).norm() < 0.05
-}
-
 /// Axes as columns are named: `x is y, y is −x`, where they are exchanged or flipped, else the turn.
 fn axes(turn: &Matrix3<f64>) -> String {
     const NAMES: [&str; 3] = ["x", "y", "z"];
     let nearest = turn.map(f64::round);
-    let is_exchange = (turn - nearest).norm() < 0.05 && (nearest.determinant().abs() - 1.0).abs() < 1e-9;
+    let is_exchange =
+        (turn - nearest).norm() < 0.05 && (nearest.determinant().abs() - 1.0).abs() < 1e-9;
     if !is_exchange || nearest == Matrix3::identity() {
         let axis = turn_vector(turn);
         let unit = axis.try_normalize(1e-12).unwrap_or_default();
@@ -126,7 +140,11 @@ fn axes(turn: &Matrix3<f64>) -> String {
             unit.x,
             unit.y,
             unit.z,
-            if turn.determinant() < 0.0 { " and mirrored" } else { "" }
+            if turn.determinant() < 0.0 {
+                " and mirrored"
+            } else {
+                ""
+            }
         );
     }
     let mut out = Vec::new();
@@ -143,22 +161,37 @@ fn axes(turn: &Matrix3<f64>) -> String {
 /// Millimetres in brackets, with the digits that the errors allow.
 fn place_mm(values: &[f64], errors: &[f64]) -> String {
     let largest = errors.iter().copied().fold(0.0, f64::max) * COVERAGE;
-    let digits = if largest < 1e-4 { 2 } else { usize::from(largest < 2e-3) };
+    let digits = if largest < 1e-4 {
+        2
+    } else {
+        usize::from(largest < 2e-3)
+    };
     let one = |v: &f64| format!("{:.digits$}", m_to_mm(*v) + 0.0);
     let all: Vec<String> = values.iter().map(one).collect();
     match largest {
-        l if l.is_finite() && l > 0.0 => format!("({}) ± {:.digits$} mm", all.join(", "), m_to_mm(l)),
+        l if l.is_finite() && l > 0.0 => {
+            format!("({}) ± {:.digits$} mm", all.join(", "), m_to_mm(l))
+        }
         _ => format!("({}) mm", all.join(", ")),
     }
 }
 
 fn bare_mm(values: &[f64]) -> String {
-    let all: Vec<String> = values.iter().map(|v| format!("{:.0}", m_to_mm(*v) + 0.0)).collect();
+    let all: Vec<String> = values
+        .iter()
+        .map(|v| format!("{:.0}", m_to_mm(*v) + 0.0))
+        .collect();
     format!("({})", all.join(", "))
 }
 
 /// The finding about the quantity that explains most.
-pub(super) fn finding(cell: &Cell, kind: Kind, place: &Place, own: &Freed, alike: &[Kind]) -> Finding {
+pub(super) fn finding(
+    cell: &Cell,
+    kind: Kind,
+    place: &Place,
+    own: &Freed,
+    alike: &[Kind],
+) -> Finding {
     let key = key(cell, kind);
     let (asked, errors) = (&own.asked, &own.standard_error);
     let (wanted, remedy) = match kind {
@@ -182,7 +215,12 @@ pub(super) fn finding(cell: &Cell, kind: Kind, place: &Place, own: &Freed, alike
         Kind::Gravity => (
             format!(
                 "The readings ask for gravity along ({:.3}, {:.3}, {:.3}) in base axes; {key} has ({:.3}, {:.3}, {:.3})",
-                asked[0] + 0.0, asked[1] + 0.0, asked[2] + 0.0, own.stated[0], own.stated[1], own.stated[2]
+                asked[0] + 0.0,
+                asked[1] + 0.0,
+                asked[2] + 0.0,
+                own.stated[0],
+                own.stated[1],
+                own.stated[2]
             ),
             "Give the direction of gravity as the base stands",
         ),
@@ -198,7 +236,9 @@ pub(super) fn finding(cell: &Cell, kind: Kind, place: &Place, own: &Freed, alike
             (
                 format!(
                     "The readings ask for a constant force beside the load, ({:.1}, {:.1}, {:.1}) ± {error:.1} N in base axes{mass}",
-                    force.x + 0.0, force.y + 0.0, force.z + 0.0
+                    force.x + 0.0,
+                    force.y + 0.0,
+                    force.z + 0.0
                 ),
                 "Weigh what hangs on the rope (hook, shackle, load cell), or take differences against a preload that has it too",
             )
@@ -210,16 +250,44 @@ pub(super) fn finding(cell: &Cell, kind: Kind, place: &Place, own: &Freed, alike
             ),
             "The tracker, its stand or the base moved between the unloaded and the loaded readings: read each posture unloaded, loaded and unloaded again",
         ),
-        Kind::SensorAxes if is_opposite(place) => (
-            "The readings ask for forces of the opposite sign".to_string(),
-            "Look up whether the sensor reports the force on the robot or by it (sensor.reports)",
+        Kind::Offset => (
+            format!(
+                "The readings ask for {:+.0} ± {:.0} N along the load in every loaded state",
+                asked[0],
+                COVERAGE * errors[0]
+            ),
+            "The rope was not slack in the unloaded readings, or the load cell does not read zero without load",
         ),
-        Kind::TableAxes if is_opposite(place) => (
-            "The readings ask for displacements of the opposite sign".to_string(),
-            "A displacement is the loaded position less the unloaded one",
+        Kind::Sign => (
+            "The points move against the stated load: the readings ask for its opposite sign"
+                .to_string(),
+            match cell.sensor {
+                Some(_) => {
+                    "Look up whether the sensor reports the force on the robot or by it (sensor.reports); a displacement is the loaded position less the unloaded one"
+                }
+                None => {
+                    "Check the direction of the load; a displacement is the loaded position less the unloaded one"
+                }
+            },
+        ),
+        Kind::SensorInBase => (
+            "The readings ask for forces that are given in base axes, not in those of the sensor"
+                .to_string(),
+            "Take [sensor] out of the cell, or export the sensor's own axes",
+        ),
+        Kind::Points => (
+            format!(
+                "The readings ask for measuring points moved by {} in flange axes and {}",
+                place_mm(&asked[..3], &errors[..3]),
+                axes(&place.rotated())
+            ),
+            "Check the origin and the axes in which tool.measuring_point is given: those of the flange",
         ),
         Kind::SensorAxes => (
-            format!("The readings ask for the sensor's axes {}", axes(&place.rotated())),
+            format!(
+                "The readings ask for the sensor's axes {}",
+                axes(&place.rotated())
+            ),
             "Check how the sensor sits on the flange, and which way its axes point",
         ),
         Kind::SensorOrigin => (
@@ -230,7 +298,10 @@ pub(super) fn finding(cell: &Cell, kind: Kind, place: &Place, own: &Freed, alike
             "Look up to which point the sensor refers its moments",
         ),
         Kind::TableAxes => (
-            format!("The readings ask for other axes of the table of displacements: {}", axes(&place.rotated())),
+            format!(
+                "The readings ask for other axes of the table of displacements: {}",
+                axes(&place.rotated())
+            ),
             "Check in which axes the displacements were exported; they must be those of the base",
         ),
         Kind::Angle(j) => {
@@ -256,19 +327,38 @@ pub(super) fn finding(cell: &Cell, kind: Kind, place: &Place, own: &Freed, alike
             ),
             "Check robot.theta_from_q against the pendant",
         ),
-        Kind::LostMotion => ("The readings ask for lost motion".to_string(), "Declare it"),
+        Kind::LostMotion => {
+            let most = asked.iter().copied().fold(0.0, f64::max);
+            (
+                format!(
+                    "The readings ask for lost motion in the joints, up to {:.2} arc-minutes",
+                    60.0 * rad_to_deg(most)
+                ),
+                "Take differences against a light preload",
+            )
+        }
     };
     let names: Vec<String> = alike.iter().map(|other| what(cell, *other)).collect();
     let others = match names.as_slice() {
         [] => String::new(),
-        names => format!(" As well explained by {}.", list(names).replace(" and ", " or ")),
+        names => format!(
+            " As well explained by {}.",
+            list(names).replace(" and ", " or ")
+        ),
     };
+    let [before, after] = own.residual_rms_m.map(length);
     let sentence = format!(
-        "{wanted}. With that the joint axes alone leave {} instead of {} (RMS).{others} {remedy}; until then no stiffness is known.",
-        length(own.residual_rms_m[1]),
-        length(own.residual_rms_m[0]),
+        "{wanted}. With that the joint axes alone leave {after} instead of {before} (RMS).{others} {remedy}"
     );
-    Finding::serious(REJECTS, key, sentence)
+    match kind {
+        // No error of the set-up: it is measured around.
+        Kind::LostMotion => Finding::caution("lost-motion-seen", key, sentence + "."),
+        _ => Finding::serious(
+            REJECTS,
+            key,
+            sentence + "; until then no stiffness is known.",
+        ),
+    }
 }
 
 /// A point of the tool that lies where the readings want the loading point.
@@ -277,6 +367,12 @@ fn known_point(cell: &Cell, asked: &[f64], errors: &[f64]) -> String {
     let within = 3.0 * Vector3::from_column_slice(errors).norm();
     let points = cell.setup.tool.measuring_points.iter();
     let near = points.filter(|point| (point.position - at).norm() < within.max(2e-3));
-    let nearest = near.min_by(|a, b| (a.position - at).norm().total_cmp(&(b.position - at).norm()));
-    nearest.map_or_else(String::new, |point| format!(" (measuring point {} lies there)", point.name))
+    let nearest = near.min_by(|a, b| {
+        (a.position - at)
+            .norm()
+            .total_cmp(&(b.position - at).norm())
+    });
+    nearest.map_or_else(String::new, |point| {
+        format!(" (measuring point {} lies there)", point.name)
+    })
 }

@@ -1,7 +1,8 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
 use super::severity::{code, severity};
-use super::{Cause, Suspicion};
+use super::slip::slip;
+use super::{Cause, Suspicion, tool};
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;
@@ -16,7 +17,7 @@ pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
 fn subject(s: &Suspicion) -> String {
     if s.postures.is_empty() {
         return match s.cause {
-            Cause::ToolUnits | Cause::Drawing => "tool.measuring_point",
+            Cause::ToolUnits | Cause::Drawing | Cause::ToolPlace => "tool.measuring_point",
             Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
             Cause::GivenTransform => "tracker",
             Cause::LoadUnits | Cause::LoadEntry | Cause::MomentUnits => "load",
@@ -97,6 +98,13 @@ fn fall(s: &Suspicion) -> String {
     }
 }
 
+fn copied(s: &Suspicion) -> String {
+    match s.alternatives.as_slice() {
+        [] => String::new(),
+        same => format!(" Its angles equal those of posture {}: copied?", list(same)),
+    }
+}
+
 fn alternatives(s: &Suspicion) -> String {
     match s.alternatives.len() {
         0 => String::new(),
@@ -162,34 +170,6 @@ fn angle(s: &Suspicion, i: usize) -> String {
     s.angles_deg
         .get(i)
         .map_or_else(String::new, |a| degrees(*a))
-}
-
-/// How an angle was perhaps mistyped.
-fn slip(written: f64, likely: f64) -> &'static str {
-    const CLOSE: f64 = 0.06;
-    let near = |a: f64| (a - likely).abs() < CLOSE;
-    if near(written * 10.0) || near(written / 10.0) {
-        return " (decimal point misplaced?)";
-    }
-    let text: Vec<char> = format!("{written}").chars().collect();
-    let digits: Vec<usize> = (0..text.len())
-        .filter(|i| text[*i].is_ascii_digit())
-        .collect();
-    // Angles in radians and back leave endless digits; only typed ones count.
-    if digits.len() > 6 {
-        return "";
-    }
-    for (n, i) in digits.iter().enumerate() {
-        for j in &digits[n + 1..] {
-            let mut other = text.clone();
-            other.swap(*i, *j);
-            let other: String = other.into_iter().collect();
-            if other.parse().is_ok_and(near) {
-                return " (digits exchanged?)";
-            }
-        }
-    }
-    ""
 }
 
 fn sentence(cell: &Cell, s: &Suspicion) -> String {
@@ -295,6 +275,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 slips => format!("First check {slips}: so the tracker stands as given, or parallel to the base."),
             }
         ),
+        Cause::ToolPlace => tool::sentence(s, &fall(s)),
         Cause::JointSign | Cause::Coupling | Cause::JointOffset => format!(
             "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
              {}.{} Check robot.{} against the pendant.",
@@ -371,10 +352,11 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             s.before_m.map_or_else(String::new, mm)
         ),
         Cause::UnexplainedPosture => format!(
-            "{opening}: the points lie {} from the kinematic model, in the other postures {}. No single slip of an \
+            "{opening}: the points lie {} from the kinematic model, in the other postures {}.{} No single slip of an \
              angle or a name explains it: check its angles and readings, or leave it out.",
             s.before_m.map_or_else(String::new, mm),
-            s.after_m.map_or_else(String::new, mm)
+            s.after_m.map_or_else(String::new, mm),
+            copied(s)
         ),
         Cause::UnexplainedModel => format!(
             "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \

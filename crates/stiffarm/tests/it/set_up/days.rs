@@ -59,7 +59,14 @@ pub fn cell(kind: Kind) -> Cell {
         Kind::Lever => {
             let entry = find_in_catalogue("kuka-kr240-2").unwrap();
             cell.setup.robot = entry.robot().unwrap();
-            let bounds = [[-90.0, 90.0], [-120.0, -40.0], [40.0, 130.0], [-170.0, 170.0], [-100.0, 100.0], [-170.0, 170.0]];
+            let bounds = [
+                [-90.0, 90.0],
+                [-120.0, -40.0],
+                [40.0, 130.0],
+                [-170.0, 170.0],
+                [-100.0, 100.0],
+                [-170.0, 170.0],
+            ];
             cell.bounds = bounds.map(|b: [f64; 2]| b.map(f64::to_radians)).to_vec();
             cell.setup.tool.loading_point = Vector3::new(0.35, 0.1, 0.3);
             cell.limits.rope_length = Some([0.8, 4.0]);
@@ -89,7 +96,10 @@ pub fn structure(name: &str) -> Vec<Matrix6<f64>> {
             all[i * (i + 1) / 2 + j]
         })
     };
-    common::list(&data["arms"][name]).iter().map(triangle).collect()
+    common::list(&data["arms"][name])
+        .iter()
+        .map(triangle)
+        .collect()
 }
 
 /// What seven springs beyond the axes add to the points' displacement, base axes.
@@ -117,13 +127,21 @@ pub fn structural(cell: &Cell, arm: &[Matrix6<f64>], q: &[f64], factor: f64) -> 
 
 /// States of a day: two, three without another unloaded reading, or as an engineer does it.
 pub fn load_states(count: usize) -> Vec<ExperimentState> {
-    let all = [("unloaded", 0.0), ("half", 0.5), ("full", 1.0), ("unloaded-2", 0.0)];
+    let all = [
+        ("unloaded", 0.0),
+        ("half", 0.5),
+        ("full", 1.0),
+        ("unloaded-2", 0.0),
+    ];
     let chosen: &[usize] = match count {
         2 => &[0, 2],
         3 => &[0, 1, 2],
         _ => &[0, 1, 2, 3],
     };
-    chosen.iter().map(|i| ExperimentState::new(all[*i].0, all[*i].1)).collect()
+    chosen
+        .iter()
+        .map(|i| ExperimentState::new(all[*i].0, all[*i].1))
+        .collect()
 }
 
 pub fn day(kind: Kind, beyond: Beyond, postures: usize, states: usize, seed: u64) -> Day {
@@ -147,7 +165,10 @@ pub fn day(kind: Kind, beyond: Beyond, postures: usize, states: usize, seed: u64
     match beyond {
         Beyond::Tilts(joints, base) => {
             options.joint_tilt = Some(vec![joints; 6]);
-            options.base_compliance = Some(BaseCompliance { tilt: base, shift: 0.0 });
+            options.base_compliance = Some(BaseCompliance {
+                tilt: base,
+                shift: 0.0,
+            });
         }
         Beyond::LostMotion(minutes) => {
             options.lost_motion = Some(vec![(minutes / 60.0).to_radians(); 6]);
@@ -176,7 +197,11 @@ pub fn move_states(
 ) {
     let turn = tracker().rotation.inverse();
     for posture in &mut table.postures {
-        for state in posture.states.iter_mut().filter(|s| Role::of(&s.state) == role) {
+        for state in posture
+            .states
+            .iter_mut()
+            .filter(|s| Role::of(&s.state) == role)
+        {
             let moved = moved(&posture.posture.q, &state.state);
             for reading in &mut state.readings {
                 if let ReadingTarget::Point(a) = reading.target {
@@ -200,7 +225,9 @@ pub fn add_displacement(
         let terms = PostureTerms::new(&cell.setup, q, wrench(own.wrench()).as_ref()).unwrap();
         let moved = terms.block(&cell.setup.robot) * &compliance;
         let points = 0..terms.measuring_points().len();
-        points.map(|a| moved.fixed_rows::<3>(3 * a).into_owned()).collect()
+        points
+            .map(|a| moved.fixed_rows::<3>(3 * a).into_owned())
+            .collect()
     });
 }
 

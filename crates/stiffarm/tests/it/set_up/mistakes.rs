@@ -62,6 +62,10 @@ const GRAVITY: &[&str] = &["ask for gravity"];
 const BESIDE: &[&str] = &["constant force beside the load"];
 const SHIFT: &[&str] = &["shift common to all loaded readings"];
 const SENSOR: &[&str] = &["ask for the sensor's axes"];
+const OPPOSITE: &[&str] = &["move against the stated load"];
+const OFFSET: &[&str] = &["along the load in every loaded state"];
+const MOVED: &[&str] = &["measuring points moved by"];
+const TOOL: &[&str] = &["measuring points are moved by"];
 const AXES: &[&str] = &["axes of the table of displacements"];
 
 fn point(cell: &mut Cell) -> &mut Vector3<f64> {
@@ -102,7 +106,31 @@ fn each_q(measured: &mut [MeasuredPosture], change: impl Fn(&mut Vec<f64>)) {
 }
 
 fn each_angle(table: &mut ReadingTable, change: impl Fn(&mut Vec<f64>)) {
-    table.postures.iter_mut().for_each(|p| change(&mut p.posture.q));
+    table
+        .postures
+        .iter_mut()
+        .for_each(|p| change(&mut p.posture.q));
+}
+
+/// What the sensor reads, in base axes.
+fn in_base_axes(cell: &Cell, table: &mut ReadingTable) {
+    let sensor = cell.sensor.as_ref().unwrap();
+    for posture in &mut table.postures {
+        let frames = Frames::new(&cell.setup.robot, &posture.posture.q);
+        let axes = frames.flange().rotation * sensor.pose.rotation;
+        for wrench in posture.states.iter_mut().filter_map(|s| s.wrench.as_mut()) {
+            *wrench = wrench.map(|v| axes * v);
+        }
+    }
+}
+
+fn turn_tool(cell: &mut Cell) {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI / 2.0);
+    let tool = &mut cell.setup.tool;
+    tool.loading_point = turn * tool.loading_point;
+    tool.measuring_points
+        .iter_mut()
+        .for_each(|p| p.position = turn * p.position);
 }
 
 /// What hangs on the rope in every loaded state [kg].
@@ -146,7 +174,9 @@ fn couple(cell: &mut Cell, change: impl FnOnce(&mut DMatrix<f64>)) {
 
 fn each_load(table: &mut ReadingTable, change: impl Fn(f64) -> f64) {
     let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
-    states.filter_map(|s| s.load.as_mut()).for_each(|load| *load = change(*load));
+    states
+        .filter_map(|s| s.load.as_mut())
+        .for_each(|load| *load = change(*load));
 }
 
 fn round(table: &mut ReadingTable, step: f64) {
@@ -157,14 +187,18 @@ fn round(table: &mut ReadingTable, step: f64) {
 fn lighter(table: &mut ReadingTable, p: usize, share: f64) {
     let states = &mut table.postures[p].states;
     let unloaded: Vec<Vector3<f64>> = states[0].readings.iter().map(|r| r.position).collect();
-    for state in states.iter_mut().filter(|s| Role::of(&s.state) == Role::Loaded) {
+    for state in states
+        .iter_mut()
+        .filter(|s| Role::of(&s.state) == Role::Loaded)
+    {
         for (reading, before) in state.readings.iter_mut().zip(&unloaded) {
             reading.position = before + (reading.position - before) * share;
         }
     }
 }
 
-/// The table.
+/// The table, a line each.
+#[rustfmt::skip]
 pub const MISTAKES: &[Mistake] = &[
     row("anchor 300 mm too low", Rope, C(|c| rope_anchor(c).z -= 0.3), ANCHOR),
     row("anchor 300 mm too high", Rope, C(|c| rope_anchor(c).z += 0.3), ANCHOR),
@@ -199,7 +233,7 @@ pub const MISTAKES: &[Mistake] = &[
     row("base tilted by 10° under a weight", Weight, C(|c| down(c, [0.174, 0.0, -0.985])), GRAVITY),
     row("base tilted by 3° under a weight", Weight, C(|c| down(c, [0.0, 0.052, -0.9986])), GRAVITY),
     row("wall robot with gravity of a floor", Weight, C(|c| down(c, [1.0, 0.0, 0.0])), GRAVITY),
-    row("gravity upside down", Weight, C(|c| down(c, [0.0, 0.0, 1.0])), GRAVITY),
+    row("gravity upside down", Weight, C(|c| down(c, [0.0, 0.0, 1.0])), OPPOSITE),
     row("base tilted by 10°, displacements", Weight, D(|c| down(c, [0.174, 0.0, -0.985])), GRAVITY),
     row("hook and shackle of 3 kg", Rope, R(|c, t| hook(c, t, 3.0)), BESIDE),
     row("load cell of 1 kg", Rope, R(|c, t| hook(c, t, 1.0)), BESIDE),
@@ -219,13 +253,17 @@ pub const MISTAKES: &[Mistake] = &[
     row("left-handed sensor", BySensor, R(|_, t| each_wrench(t, |w| { w.force.y *= -1.0; w.moment.y *= -1.0; })), SENSOR),
     row("sensor reports the other way", BySensor, C(|c| c.sensor.as_mut().unwrap().reports_by_robot = false), &["sensor.reports"]),
     row("sensor's origin at the other face", BySensor, C(|c| c.sensor.as_mut().unwrap().pose.translation.z += 0.06), &["loading point"]),
+    row("forces in base axes", BySensor, R(in_base_axes), &["given in base axes"]),
+    row("points counted from the spindle's nose, displacements", Rope, D(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position -= Vector3::new(0.1, 0.0, 0.2))), MOVED),
+    row("points in other axes, displacements", Rope, D(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position = Vector3::new(p.position.z, p.position.x, p.position.y))), MOVED),
+    row("tool turned by 90°", Rope, C(turn_tool), &["tool", "90"]),
     row("table with x and y exchanged", Rope, T(|m| each_displacement(m, |v| Vector3::new(v.y, v.x, v.z))), AXES),
     row("table with z flipped", Rope, T(|m| each_displacement(m, |v| Vector3::new(v.x, v.y, -v.z))), AXES),
     row("table turned by 10°", Rope, T(|m| each_displacement(m, |v| about_z(v, 10.0))), AXES),
     row("table turned by 126°", Rope, T(|m| each_displacement(m, |v| about_z(v, 126.0))), AXES),
     row("table turned by 180°", Rope, T(|m| each_displacement(m, |v| about_z(v, 180.0))), AXES),
     row("table turned by 90°, long lever", Lever, T(|m| each_displacement(m, |v| about_z(v, 90.0))), AXES),
-    row("unloaded less loaded in a table", Rope, T(|m| each_displacement(m, |v| -v)), &["opposite sign"]),
+    row("unloaded less loaded in a table", Rope, T(|m| each_displacement(m, |v| -v)), OPPOSITE),
     row("joint 1 counted the other way, displacements", Rope, T(|m| each_q(m, |q| q[0] *= -1.0)), &["joint 1", "other way"]),
     row("joint 4 counted the other way, displacements", Rope, T(|m| each_q(m, |q| q[3] *= -1.0)), &["joint 4", "other way"]),
     row("joint 6 counted the other way, displacements", Rope, T(|m| each_q(m, |q| q[5] *= -1.0)), &["joint 6", "other way"]),
@@ -235,25 +273,25 @@ pub const MISTAKES: &[Mistake] = &[
     row("joint 4 counted the other way", Rope, R(|_, t| each_angle(t, |q| q[3] *= -1.0)), &["joint 4", "other way"]),
     row("joint 6 off by 180°", Rope, R(|_, t| each_angle(t, |q| q[5] += PI)), &["joint 6", "180"]),
     row("joint 3 coupled", Rope, C(|c| couple(c, |m| m[(2, 1)] = 0.0)), &["coupled"]),
-    row("rope still tight, 150 N", Rope, R(|c, t| add_displacement(c, t, Role::Unloaded, |w| Some(w.map(|v| v * 0.3)))), &["zero"]),
+    row("rope still tight, 150 N", Rope, R(|c, t| add_displacement(c, t, Role::Unloaded, |w| Some(w.map(|v| v * 0.3)))), OFFSET),
     row("one wrong weight", Rope, R(|_, t| lighter(t, 3, 0.5)), &["osture 4"]),
-    row("load cell 50 N too much", Rope, R(|_, t| each_load(t, |n| if n > 0.0 { n + 50.0 } else { n })), &["zero"]),
+    row("load cell 50 N too much", Rope, R(|_, t| each_load(t, |n| if n > 0.0 { n + 50.0 } else { n })), OFFSET),
     row("force 20 % too large", Rope, R(|_, t| each_load(t, |n| 1.2 * n)), &[]),
     row("kilograms in load_n", Rope, R(|_, t| each_load(t, |n| n / 9.806_65)), &["kg"]),
-    row("kilonewtons in load_n", Rope, R(|_, t| each_load(t, |n| n / 1e3)), &["kN"]),
+    row("kilonewtons in load_n", Rope, R(|_, t| each_load(t, |n| n / 1e3)), &["kilonewtons"]),
     row("two postures exchanged", Rope, R(|_, t| { let q = t.postures[2].posture.q.clone(); t.postures[2].posture.q = t.postures[5].posture.q.clone(); t.postures[5].posture.q = q; }), &["3 and 6", "exchanged"]),
     row("two points exchanged", Rope, R(|_, t| relabel(t, None, 0, 1)), &["exchanged"]),
     row("two points exchanged in one posture", Rope, R(|_, t| relabel(t, Some(4), 0, 2)), &["osture 5", "exchanged"]),
     two_states(row("loaded and unloaded of one posture exchanged", Rope, R(|_, t| exchange(t, 3)), &["osture 4", "exchanged"])),
-    two_states(row("loaded and unloaded of all exchanged", Rope, R(|_, t| (0..12).for_each(|p| exchange(t, p))), &["against the force"])),
-    row("posture copied", Rope, R(|_, t| { let q = t.postures[3].posture.q.clone(); t.postures[4].posture.q = q; }), &["osture 5"]),
+    two_states(row("loaded and unloaded of all exchanged", Rope, R(|_, t| (0..12).for_each(|p| exchange(t, p))), OPPOSITE)),
+    row("posture copied", Rope, R(|_, t| { let q = t.postures[3].posture.q.clone(); t.postures[4].posture.q = q; }), &["osture 5", "copied"]),
     row("sign of an angle", Rope, R(|_, t| t.postures[2].posture.q[1] *= -1.0), &["osture 3", "joint 2"]),
-    row("reflector in the wrong nest", Rope, C(|c| c.setup.tool.measuring_points[2].position.z += 0.0127), &["12.7"]),
+    row("reflector in the wrong nest", Rope, C(|c| c.setup.tool.measuring_points[2].position.x += 0.0127), &["12.7"]),
     row("mirrored tracker", Rope, R(|_, t| each_position(t, |p| p.x = -p.x)), &["mirrored"]),
     row("metres for millimetres", Rope, R(|_, t| each_position(t, |p| *p *= 1e-3)), &["metres"]),
     row("tool in metres", Rope, C(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position *= 1e-3)), &["tool.measuring_point"]),
-    row("points counted from the spindle's nose", Rope, C(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position -= Vector3::new(0.1, 0.0, 0.35))), &["tool.measuring_point"]),
-    row("points in other axes", Rope, C(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position = Vector3::new(p.position.z, p.position.x, p.position.y))), &["tool.measuring_point"]),
+    row("points counted from the spindle's nose", Rope, C(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position -= Vector3::new(0.1, 0.0, 0.35))), TOOL),
+    row("points in other axes", Rope, C(|c| c.setup.tool.measuring_points.iter_mut().for_each(|p| p.position = Vector3::new(p.position.z, p.position.x, p.position.y))), TOOL),
     row("readings to a millimetre", Rope, R(|_, t| round(t, 1e-3)), &["1 mm"]),
     row("readings to a tenth of a millimetre", Rope, R(|_, t| round(t, 1e-4)), &["0.1 mm"]),
 ];

@@ -19,7 +19,10 @@ const QUIET: JudgeOptions = JudgeOptions {
 
 /// The cell as it is stated, and what was read.
 fn planted(mistake: &Mistake, beyond: Beyond, seed: u64) -> (Cell, Measurements) {
-    let Day { mut cell, mut table } = day(mistake.kind, beyond, 12, mistake.states, seed);
+    let Day {
+        mut cell,
+        mut table,
+    } = day(mistake.kind, beyond, 12, mistake.states, seed);
     match mistake.plant {
         Plant::Cell(plant) => plant(&mut cell),
         Plant::Readings(plant) => plant(&cell, &mut table),
@@ -40,7 +43,13 @@ fn planted(mistake: &Mistake, beyond: Beyond, seed: u64) -> (Cell, Measurements)
 /// All that `measure` says of the readings.
 fn said(cell: &Cell, measurements: Measurements) -> Vec<Finding> {
     let reduce = ReduceOptions::default();
-    match judge((cell, &[]), Ok(measurements), &reduce, (&QUIET, 1), Control::default()) {
+    match judge(
+        (cell, &[]),
+        Ok(measurements),
+        &reduce,
+        (&QUIET, 1),
+        Control::default(),
+    ) {
         Ok(found) => found.readings,
         Err(error) => vec![Finding::serious("error", "", error.to_string())],
     }
@@ -51,10 +60,21 @@ fn outcome(mistake: &Mistake, beyond: Beyond, seed: u64) -> (&'static str, Strin
     let (cell, measurements) = planted(mistake, beyond, seed);
     let found = said(&cell, measurements);
     let is_it = |f: &&Finding| mistake.words.iter().all(|word| f.sentence.contains(word));
-    let mut heard: Vec<&Finding> = found.iter().filter(|f| f.severity > Severity::Note).collect();
+    let mut heard: Vec<&Finding> = found
+        .iter()
+        .filter(|f| f.severity > Severity::Note)
+        .collect();
     heard.sort_by_key(|f| std::cmp::Reverse(f.severity));
-    if let Some(named) = found.iter().find(is_it).filter(|_| !mistake.words.is_empty()) {
-        return ("named", named.sentence.clone());
+    if let Some(named) = found
+        .iter()
+        .find(is_it)
+        .filter(|_| !mistake.words.is_empty())
+    {
+        let other = found.iter().find(|f| f.code == "set-up" && !is_it(f));
+        return match other {
+            Some(other) => ("misled", other.sentence.clone()),
+            None => ("named", named.sentence.clone()),
+        };
     }
     match heard.first() {
         Some(first) => ("noticed", first.sentence.clone()),
@@ -80,7 +100,15 @@ fn explore() {
     rows.par_iter().for_each(|mistake| {
         let now = std::time::Instant::now();
         let (outcome, sentence) = outcome(mistake, beyond, 1);
-        println!("{} | {outcome} | {:.1?} | {sentence}", mistake.name, now.elapsed());
+        if std::env::var("DUMP").is_ok() {
+            let (cell, measurements) = planted(mistake, beyond, 1);
+            println!("{} {:#?}", mistake.name, tested(&cell, measurements));
+        }
+        println!(
+            "{} | {outcome} | {:.1?} | {sentence}",
+            mistake.name,
+            now.elapsed()
+        );
     });
 }
 
@@ -102,20 +130,59 @@ fn sound() {
     let mut rows = Vec::new();
     for seed in 100..100 + runs {
         for (i, beyond) in beyonds.iter().enumerate() {
-            let kinds = [Kind::Rope, Kind::Lever, Kind::Weight, Kind::Sensor, Kind::Forces];
+            let kinds = [
+                Kind::Rope,
+                Kind::Lever,
+                Kind::Weight,
+                Kind::Sensor,
+                Kind::Forces,
+            ];
             let kind = kinds[(seed as usize + i) % 5];
-            let kind = if matches!(beyond, Beyond::Structure(_)) && kind == Kind::Lever { Kind::Rope } else { kind };
-            rows.push((kind, *beyond, seed, [6, 12][(seed as usize / 2 + i) % 2], (seed as usize + i) % 3 == 0));
+            let kind = if matches!(beyond, Beyond::Structure(_)) && kind == Kind::Lever {
+                Kind::Rope
+            } else {
+                kind
+            };
+            rows.push((
+                kind,
+                *beyond,
+                seed,
+                [6, 12][(seed as usize / 2 + i) % 2],
+                (seed as usize + i) % 3 == 0,
+            ));
         }
     }
-    rows.par_iter().for_each(|(kind, beyond, seed, count, is_table)| {
-        let Day { cell, table } = day(*kind, *beyond, *count, if *is_table { 2 } else { 3 }, *seed);
-        let found = if *is_table && !matches!(kind, Kind::Sensor | Kind::Forces) {
-            tested(&cell, displacements(&cell, &table))
-        } else {
-            tested(&cell, table)
-        };
-        let all: Vec<String> = found.freed.iter().map(|f| format!("{} {:.0} ({:.3}→{:.3}) {:.3?}", f.name, f.likelihood_ratio, 1e3 * f.residual_rms_m[0], 1e3 * f.residual_rms_m[1], f.asked)).collect();
-        println!("{kind:?} {beyond:?} {seed} {count} {is_table}{} {}", if found.finding.is_some() { " FALSE" } else { "" }, all.join(" ; "));
-    });
+    rows.par_iter()
+        .for_each(|(kind, beyond, seed, count, is_table)| {
+            let Day { cell, table } =
+                day(*kind, *beyond, *count, if *is_table { 2 } else { 3 }, *seed);
+            let found = if *is_table && !matches!(kind, Kind::Sensor | Kind::Forces) {
+                tested(&cell, displacements(&cell, &table))
+            } else {
+                tested(&cell, table)
+            };
+            let all: Vec<String> = found
+                .freed
+                .iter()
+                .map(|f| {
+                    format!(
+                        "{} {:.0} ({:.3}→{:.3}) {:.3?}",
+                        f.name,
+                        f.likelihood_ratio,
+                        1e3 * f.residual_rms_m[0],
+                        1e3 * f.residual_rms_m[1],
+                        f.asked
+                    )
+                })
+                .collect();
+            println!(
+                "{kind:?} {beyond:?} {seed} {count} {is_table}{} {}",
+                if found.finding.is_some() {
+                    " FALSE"
+                } else {
+                    ""
+                },
+                all.join(" ; ")
+            );
+        });
 }
