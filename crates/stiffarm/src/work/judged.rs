@@ -218,7 +218,6 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let mut estimates = fit.identification()?.estimates.clone();
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
-    let joints = joints.filter(|f| f.code == "negative-compliance");
     let diagnosis = match diagnosed(fit, so_far.mixed()) {
         Ok(diagnosis) => Some(diagnosis),
         Err(error) if error.code() == Code::Interrupted => return Err(error),
@@ -228,6 +227,11 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let is_due = |f: &Finding| {
         f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()))
     };
+    // A joint that yields against its torque follows from a set-up that is rejected.
+    let is_rejected = diagnosis
+        .as_ref()
+        .is_some_and(|own| own.rejected().is_some());
+    let joints = joints.filter(|f| f.code == "negative-compliance" && !is_rejected);
     let of_fit = doubts(fit, diagnosis.as_ref())?;
     Ok(joints.chain(of_fit.into_iter().filter(is_due)).collect())
 }

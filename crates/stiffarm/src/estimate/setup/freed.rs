@@ -34,7 +34,10 @@ pub(super) struct At {
 /// known beforehand: each compliance below zero adds the square of how far, in standard errors.
 pub(super) fn value(fit: &Fit, mixed: Option<&MixedFit>) -> f64 {
     let ratio = mixed.map_or(0.0, MixedFit::likelihood_ratio);
-    fit.restricted_value() - ratio + below_zero(fit, mixed)
+    // In units of the cell's noise, so that fits which determine more joints or fewer can be compared.
+    let free = fit.solution().degrees_of_freedom as f64;
+    let unit = free * ((free * fit.cell().noise.displacement_variance()).ln() - 1.0);
+    fit.restricted_value() - unit - ratio + below_zero(fit, mixed)
 }
 
 /// The squares of the compliances below zero in their standard errors.
@@ -73,13 +76,12 @@ impl At {
 }
 
 impl Frame<'_> {
-    /// The fit with the quantity at `place`; `None` where it cannot be had, or determines other joints.
+    /// The fit with the quantity at `place`; `None` where it cannot be had.
     pub(super) fn at(&self, kind: Kind, place: Place, is_mixed: bool) -> Option<At> {
         let (cell, measured) = self.changed(kind, &place).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
-        let same = fit.solution().undetermined == self.fit.solution().undetermined;
-        let found = At::new(place, fit, is_mixed && same).ok()?;
-        (same && found.value.is_finite()).then_some(found)
+        let found = At::new(place, fit, is_mixed).ok()?;
+        found.value.is_finite().then_some(found)
     }
 
     /// What the displacements and Ψ h differ by, for each number of the quantity: the derivative of Ψ h − Δ.

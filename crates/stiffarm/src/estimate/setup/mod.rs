@@ -27,8 +27,10 @@ use serde::{Deserialize, Serialize};
 
 /// Code of the finding about a quantity that is rejected.
 pub const REJECTS: &str = "set-up";
-/// Fall of −2 ln L from which a quantity is rejected.
-const REJECTED: f64 = 40.0;
+/// Fall of −2 ln L from which a quantity is rejected, and what each of its numbers adds: sound days of arms with springs
+/// beyond the axes, drift and shared shifts stay below.
+const REJECTED: f64 = 22.0;
+const EACH: f64 = 4.0;
 /// Fall of −2 ln L, by derivatives at the stated value, below which nothing is looked for.
 const WORTH: f64 = 15.0;
 /// Residuals this many times the expected noise hold more than noise.
@@ -37,8 +39,6 @@ const MORE_THAN_NOISE: f64 = 1.3;
 const FOLLOWED: usize = 2;
 /// Quantities that are tried beside springs beyond the axes.
 const TRIED: usize = 4;
-/// What a number of a quantity costs when explanations are compared.
-const PRICE: f64 = 4.0;
 /// Explanations whose −2 ln L lies within this of the best explain as well.
 const ALIKE: f64 = 10.0;
 
@@ -98,7 +98,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
         Ok(freed_alone(&frame, *kind, is_more).map(|at| (*kind, at)))
     })?;
     let mut alone: Vec<(Kind, At)> = alone.into_iter().flatten().collect();
-    let price = |(kind, at): &(Kind, At)| at.value + PRICE * frame.dimension(*kind) as f64;
+    let price = |(kind, at): &(Kind, At)| at.value + EACH * frame.dimension(*kind) as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     if alone.is_empty() {
@@ -127,8 +127,9 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     });
     let freed: Vec<Freed> = described.collect();
     let (kind, at) = &beside[0];
+    let least = REJECTED + EACH * frame.dimension(*kind) as f64;
     let is_rejected =
-        freed[0].likelihood_ratio > REJECTED && without_worst(&fit, at, grants)? > 0.5 * REJECTED;
+        freed[0].likelihood_ratio > least && without_worst(&fit, at, grants)? > 0.5 * least;
     let alike = |own: &Freed| freed[0].likelihood_ratio - own.likelihood_ratio < ALIKE;
     let alike = freed
         .iter()
@@ -145,16 +146,16 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
 fn freed_alone(frame: &Frame<'_>, kind: Kind, is_more: bool) -> Option<At> {
     let mut places = frame.starts(kind).into_iter();
     let stated = frame.at(kind, places.next()?, false)?;
-    if !is_more && frame.score(kind, &stated) < WORTH {
-        return None;
-    }
     let before = stated.value;
-    let mut starts: Vec<At> = vec![stated];
+    let score = frame.score(kind, &stated);
+    let mut starts: Vec<At> = Vec::new();
     if is_more {
         starts.extend(places.filter_map(|place| frame.at(kind, place, false)));
+        starts.retain(|at| at.value < before);
+        sort_by_number(&mut starts, |at| at.value);
+        starts.truncate(FOLLOWED);
     }
-    sort_by_number(&mut starts[1..], |at| at.value);
-    starts.truncate(1 + FOLLOWED);
+    starts.extend((score > WORTH).then_some(stated));
     let ends = starts.into_iter().map(|at| frame.refined(kind, at));
     let best = ends.min_by(|a, b| a.value.total_cmp(&b.value))?;
     (before - best.value > WORTH).then_some(best)

@@ -309,7 +309,8 @@ pub(super) fn finding(
             let offset = rad_to_deg(place.values[0]);
             let offset = (offset + 180.0).rem_euclid(360.0) - 180.0;
             let sign = place.turn[(0, 0)] < 0.0;
-            let off = format!("off by {offset:.1}°");
+            let error = COVERAGE * rad_to_deg(errors[0]);
+            let off = format!("off by {offset:.1}° ± {error:.1}°");
             let said = match (sign, offset.abs() < 0.5) {
                 (true, true) => "turning the other way".to_string(),
                 (true, false) => format!("turning the other way and {off}"),

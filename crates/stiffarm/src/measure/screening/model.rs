@@ -279,6 +279,16 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
         let phrase = super::messages::cause(&work.cell, &other.change.suspicion(work));
         suspicion.alternatives.push(phrase);
     }
+    // The last joint turns the tool on the flange.
+    if let Change::Offset(j, offset) = first.change
+        && j + 1 == work.setup().robot.joint_count()
+    {
+        let turned = format!(
+            "the tool sits turned by {:.2}° on the flange",
+            rad_to_deg(offset)
+        );
+        suspicion.alternatives.push(turned);
+    }
     suspicion.certain = suspicion.alternatives.is_empty();
     first.change.apply(work);
     work.found.push(suspicion);
