@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// Most steps of Gauss and Newton, and how often one is tried, each time shorter: of the axes alone, and of the dearer
 /// model with springs beyond them, which begins where the axes end.
 const AXES: (usize, usize) = (15, 4);
-const MIXED: (usize, usize) = (2, 2);
+const MIXED: (usize, usize) = (1, 2);
 /// Longest step \[m; rad\], and of a force \[N\].
 const FAR: f64 = 0.5;
 const FAR_FORCE: f64 = 200.0;
@@ -207,9 +207,11 @@ impl Frame<'_> {
         at
     }
 
-    /// Standard errors of the numbers of a quantity where it is.
-    pub(super) fn errors(&self, kind: Kind, at: &At) -> DVector<f64> {
+    /// Standard errors of the numbers of a quantity where it is; `None` where the readings do not tell one.
+    pub(super) fn errors(&self, kind: Kind, at: &At) -> Vec<Option<f64>> {
         let step = self.step_of(kind, at);
-        step.map_or_else(|| DVector::zeros(at.place.values.len()), |step| step.errors)
+        let errors = step.map(|step| step.errors);
+        let one = |i: usize| Some(errors.as_ref()?[i]).filter(|error| error.is_finite());
+        (0..at.place.values.len()).map(one).collect()
     }
 }

@@ -38,7 +38,9 @@ const MORE_THAN_NOISE: f64 = 1.3;
 /// Starts that are followed for each quantity.
 const FOLLOWED: usize = 2;
 /// Quantities that are tried beside springs beyond the axes.
-const TRIED: usize = 4;
+const TRIED: usize = 3;
+/// Standard uncertainties within which a declared quantity may lie.
+const WIDE: f64 = 3.0;
 /// Explanations whose −2 ln L lies within this of the best explain as well.
 const ALIKE: f64 = 10.0;
 
@@ -54,8 +56,8 @@ pub struct Freed {
     pub stated: Vec<f64>,
     /// What the readings ask for.
     pub asked: Vec<f64>,
-    /// Its standard errors.
-    pub standard_error: Vec<f64>,
+    /// Its standard errors; `null` where the readings do not tell a number.
+    pub standard_error: Vec<Option<f64>>,
     /// Fall of −2 ln L (restricted) of the best model, axes alone or mixed.
     pub likelihood_ratio: f64,
     /// RMS of what the joint axes alone leave of the displacements, as stated and with the quantity freed \[m\].
@@ -121,15 +123,16 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
         name: words::name(*kind).to_string(),
         stated: words::stated(fit.cell(), *kind),
         asked: words::asked(fit.cell(), *kind, &at.place),
-        standard_error: frame.errors(*kind, at).iter().copied().collect(),
+        standard_error: frame.errors(*kind, at),
         likelihood_ratio: before - at.value,
         residual_rms_m: [&fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
     });
     let freed: Vec<Freed> = described.collect();
     let (kind, at) = &beside[0];
     let least = REJECTED + EACH * frame.dimension(*kind) as f64;
-    let is_rejected =
-        freed[0].likelihood_ratio > least && without_worst(&fit, at, grants)? > 0.5 * least;
+    let is_rejected = freed[0].likelihood_ratio > least
+        && !is_within_stated(&fit, *kind, at, &freed[0].standard_error)
+        && without_worst(&fit, at, grants)? > 0.5 * least;
     let alike = |own: &Freed| freed[0].likelihood_ratio - own.likelihood_ratio < ALIKE;
     let alike = freed
         .iter()
@@ -159,6 +162,21 @@ fn freed_alone(frame: &Frame<'_>, kind: Kind, is_more: bool) -> Option<At> {
     let ends = starts.into_iter().map(|at| frame.refined(kind, at));
     let best = ends.min_by(|a, b| a.value.total_cmp(&b.value))?;
     (before - best.value > WORTH).then_some(best)
+}
+
+/// Whether the cell declares the quantity as uncertain as that: then the intervals hold it.
+fn is_within_stated(fit: &Fit, kind: Kind, at: &At, errors: &[Option<f64>]) -> bool {
+    let given = &fit.cell().uncertainty;
+    let declared = match kind {
+        Kind::Anchor(_) => given.anchor,
+        Kind::LoadingPoint(_) => given.loading_point,
+        _ => None,
+    };
+    let is_within = |size: f64| {
+        let mut both = at.place.values.iter().zip(errors);
+        both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
+    };
+    declared.is_some_and(is_within)
 }
 
 /// By how much −2 ln L falls without the posture that gains most: one bad posture is no set-up.

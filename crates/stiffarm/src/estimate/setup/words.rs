@@ -193,7 +193,8 @@ pub(super) fn finding(
     alike: &[Kind],
 ) -> Finding {
     let key = key(cell, kind);
-    let (asked, errors) = (&own.asked, &own.standard_error);
+    let errors: Vec<f64> = own.standard_error.iter().map(|e| e.unwrap_or(0.0)).collect();
+    let (asked, errors) = (&own.asked, &errors);
     let (wanted, remedy) = match kind {
         Kind::Anchor(_) => (
             format!(
@@ -348,9 +349,11 @@ pub(super) fn finding(
         ),
     };
     let [before, after] = own.residual_rms_m.map(length);
-    let sentence = format!(
-        "{wanted}. With that the joint axes alone leave {after} instead of {before} (RMS).{others} {remedy}"
-    );
+    let fits = match kind {
+        Kind::Sign => "With that no joint yields against its torque.".to_string(),
+        _ => format!("With that the joint axes alone leave {after} instead of {before} (RMS)."),
+    };
+    let sentence = format!("{wanted}. {fits}{others} {remedy}");
     match kind {
         // No error of the set-up: it is measured around.
         Kind::LostMotion => Finding::caution("lost-motion-seen", key, sentence + "."),

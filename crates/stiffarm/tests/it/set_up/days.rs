@@ -102,11 +102,15 @@ pub fn structure(name: &str) -> Vec<Matrix6<f64>> {
         .collect()
 }
 
+/// Offsets d along z of the default arm's modified-DH rows: their frames lie there [m].
+const OFFSETS: [f64; 6] = [0.83, 0.0, 0.0, 1.444, 0.0, 0.23];
+
 /// What seven springs beyond the axes add to the points' displacement, base axes.
 pub fn structural(cell: &Cell, arm: &[Matrix6<f64>], q: &[f64], factor: f64) -> Vec<Vector3<f64>> {
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
     let mut frames = vec![Isometry3::identity()];
-    frames.extend(terms.frames().links());
+    let rows = terms.frames().links().iter().zip(OFFSETS);
+    frames.extend(rows.map(|(link, d)| link * Translation3::new(0.0, 0.0, d)));
     let mut out = vec![Vector3::zeros(); terms.measuring_points().len()];
     for (frame, compliance) in frames.iter().zip(arm) {
         let origin = frame.translation.vector;
