@@ -5,8 +5,8 @@ The arm is simulated here, by NumPy and nothing of stiffarm's: the default cell'
 rows, a 6 x 6 spring behind every joint and at the base, and the exact equilibrium under the rope. The command then
 reads each experiment as a table of displacements, and what it says is held against what was put in:
 
-- k: the total +- of each joint's stiffness against the effective one, 1/(compliance of the axis + turn of the spring
-  before it about that axis), see docs/identifying.md; `alone` against that of the axis by itself; `axes' model` for
+- k: the total +- of each joint's stiffness against the one with which joint axes alone best reproduce the arm over 1000
+  postures of the cell (docs/identifying.md); `alone` against that of the axis by itself; `axes' model` for
   the intervals of a fit in which nothing but the axes gives way;
 - bands: the 95 % bands of deflections at postures that took no part, against the exact ones;
 - error: RMS of these predictions.
@@ -150,10 +150,37 @@ def bent(q_deg, arm, force, side=None):
     return at(frames(q_deg, twists, bearings)[1], POINTS)
 
 
-def next_axis(place):
-    """Direction of the axis that follows spring `place`, in the spring's axes."""
-    alpha = math.radians(ROWS[place, 0])
-    return np.array([0.0, -math.sin(alpha), math.cos(alpha)])
+def rope(q, bearings):
+    """Force of the rope at postures where nothing gives way (n, 3), and where it acts."""
+    loaded = at(frames(q, np.zeros((len(q), JOINTS + 1, 6)), bearings)[1], LOADING_POINT[None])[:, 0]
+    way = ANCHOR - loaded
+    return FORCE * way / np.linalg.norm(way, axis=1)[:, None], loaded
+
+
+def linear(q, arm, force, loaded, points):
+    """Displacements (n, k, 3) of points of an arm, springs and bearings, to first order under forces at places (n, 3), and
+    those by each joint's axis alone per unit of compliance (6, n, k, 3)."""
+    springs, bearings = arm
+    of_springs, flange = frames(q, np.zeros((len(q), JOINTS + 1, 6)), bearings)
+    p = at(flange, points)
+    total, by_axis = np.zeros_like(p), []
+    for place, (rotation, origin) in enumerate(of_springs):
+        moment = np.cross(loaded - origin, force)
+        wrench = np.concatenate([np.einsum("nji,nj->ni", rotation, v) for v in (force, moment)], axis=1)
+        twist = wrench @ springs[place].T
+        shift, turn = (np.einsum("nij,nj->ni", rotation, v) for v in (twist[:, :3], twist[:, 3:]))
+        total += shift[:, None] + np.cross(turn[:, None], p - origin[:, None])
+        if place > 0:
+            axis = rotation[:, :, 2] * wrench[:, 5:]
+            by_axis.append(np.cross(axis[:, None], p - origin[:, None]))
+    return total, np.array(by_axis)
+
+
+def reproduced(springs, bearings):
+    """Compliance of joint axes that alone best reproduce the arm over the cell under its rope."""
+    q = postures(np.random.default_rng(12345), 1000)
+    total, by_axis = linear(q, (springs, bearings), *rope(q, bearings), POINTS)
+    return np.linalg.lstsq(by_axis.reshape(JOINTS, -1).T, total.reshape(-1), rcond=None)[0]
 
 
 def zero_mean(rng, size):
@@ -246,13 +273,10 @@ def experiment(folder, args, truth, count, plan, seed):
         # The model's own axis is no random entry where springs scatter around zero.
         springs[j + 1, 5, 5] = springs[j + 1, 5, 5] * (springs_of is semidefinite) + 1 / STIFFNESS[j]
     alone = np.array([springs[j + 1, 5, 5] for j in range(JOINTS)])
-    before = [next_axis(j) @ springs[j, 3:, 3:] @ next_axis(j) for j in range(JOINTS)]
-    # A parallel axis turns with its neighbour: that compliance is the neighbour's own.
-    parallel = [j > 0 and abs(next_axis(j)[2]) > 1 - 1e-9 for j in range(JOINTS)]
-    effective = alone + np.where(parallel, 0.0, before)
     # Towards the torque, drawn joint by joint.
     gaps = np.abs(rng.standard_normal(JOINTS)) * errors.get("gap", 0.0) * ARCMINUTE
     bearings = rng.uniform(size=JOINTS)
+    whole = reproduced(springs, bearings)
     offsets = rng.standard_normal(JOINTS) * errors.get("offset", 0.0)
     force = FORCE * (1 + rng.standard_normal() * errors.get("force", 0.0))
     q, work = postures(rng, count), postures(rng, 10)
@@ -308,9 +332,9 @@ def experiment(folder, args, truth, count, plan, seed):
         if point.get("band"):
             bands.extend(np.abs(error) <= np.array(point["band"]["total_m"]))
     return {
-        "effective": holds(effective),
+        "whole": holds(whole),
         "alone": holds(alone),
-        "axes": holds(effective, by_axes),
+        "axes": holds(whole, by_axes),
         "open": [joint["interval"] is None or joint["interval"][1] is None for joint in joints],
         "width": [joint["half_width"] for joint in joints],
         "bands": float(np.mean(bands)) if bands else None,
@@ -333,12 +357,12 @@ def row(found):
         each = values.reshape(len(values), -1).mean(axis=1)
         return f"{100 * each.mean():.1f} ± {100 * each.std() / math.sqrt(len(each)):.1f}"
 
-    effective = np.array([f["effective"] for f in found])
+    whole = np.array([f["whole"] for f in found])
     widths = np.array([[math.nan if w is None else w for w in f["width"]] for f in found], dtype=float)
-    worst = effective.mean(axis=0)
+    worst = whole.mean(axis=0)
     bands = [f["bands"] for f in found if f["bands"] is not None]
     return [
-        share(effective),
+        share(whole),
         f"{100 * worst.min():.1f} (joint {worst.argmin() + 1})",
         " ".join(f"{100 * w:.0f}" for w in worst),
         share([f["alone"] for f in found]),

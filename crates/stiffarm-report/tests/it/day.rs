@@ -180,7 +180,12 @@ fn a_day_says_what_identify_says_of_the_readings() {
     // The loading point it is; a joint that yields against its torque only follows.
     assert_eq!(rejected.subject, "tool.loading_point_mm");
     let of_joints = found.readings.iter();
-    assert_eq!(of_joints.filter(|f| f.code == "negative-compliance").count(), 0);
+    assert_eq!(
+        of_joints
+            .filter(|f| f.code == "negative-compliance")
+            .count(),
+        0
+    );
     let standing = found.standing.as_ref().unwrap();
     assert!(standing.residual_std_m.unwrap() > 1.5 * standing.expected_std_m);
 

@@ -13,6 +13,8 @@ use std::ops::Range;
 pub struct SizeDoubt {
     /// Unknowns of each class, counted from 0.
     pub classes: Vec<Range<usize>>,
+    /// Those of each class that scatter about a common mean, whose own variance is that of one of them.
+    pub means: Vec<Range<usize>>,
     /// Variance of each unknown before the data; zero for those that are no random
     /// effects.
     #[serde(with = "lists::vector")]
@@ -33,10 +35,16 @@ impl SizeDoubt {
         let f = variance + noise;
         let mut slope = DVector::zeros(1 + self.classes.len());
         slope[0] = f;
-        for (c, class) in self.classes.iter().enumerate() {
-            // ∂(ℓᵀCℓ)/∂ln λ = ℓᵀC diag(1/prior) Cℓ over the class.
-            let parts = class.clone().filter(|i| self.prior[*i] > 0.0);
-            slope[1 + c] = parts.map(|i| with[i] * with[i] / self.prior[i]).sum();
+        for (c, (class, mean)) in self.classes.iter().zip(&self.means).enumerate() {
+            // ∂(ℓᵀCℓ)/∂ln λ = ℓᵀC P⁻¹ Cℓ over the class, with P its prior covariance: diagonal in units of the prior's roots
+            // but for the mean, which adds 1 to every entry of it.
+            let part = |i: usize| match self.prior[i] {
+                prior if prior > 0.0 => with[i] / prior.sqrt(),
+                _ => 0.0,
+            };
+            let sum: f64 = mean.clone().map(part).sum();
+            let squares: f64 = class.clone().map(|i| part(i).powi(2)).sum();
+            slope[1 + c] = squares - sum * sum / (1 + mean.len()) as f64;
         }
         2.0 * f * f / slope.dot(&(&self.covariance * &slope))
     }

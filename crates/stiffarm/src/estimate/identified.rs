@@ -3,7 +3,7 @@
 use crate::error::{Code, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, open_springs};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
-use crate::estimate::diagnose::{Diagnosis, diagnose};
+use crate::estimate::diagnose::{Diagnosis, diagnose_in};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
     Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
@@ -320,7 +320,7 @@ impl Identified {
 /// # Errors
 /// As [`diagnose`].
 pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis> {
-    let mut out = diagnose(fit)?;
+    let mut out = diagnose_in(fit, mixed)?;
     let of_axes = ["residuals-above-noise", "further-term"];
     out.findings
         .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));

@@ -2,8 +2,10 @@
 //! symmetric 6 × 6 compliances, in three classes whose entries scatter alike.
 
 use crate::error::Result;
+use crate::model::kinematics::Frames;
 pub use crate::model::observation::ElasticClass;
-use crate::model::observation::{ExtraTerm, Setup, places};
+use crate::model::observation::{ExtraTerm, RowPart, Setup, places, row_part};
+use crate::model::robot::Robot;
 use crate::model::stiffness::joint_compliance;
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +56,8 @@ impl ElasticSizes {
             ElasticClass::Shift => self.shift,
             ElasticClass::Turn => self.turn,
             ElasticClass::Coupling => self.coupling,
+            // What is drawn or planned with declared sizes has no structure.
+            ElasticClass::Bearing | ElasticClass::Beam => 0.0,
         }
     }
 
@@ -97,33 +101,101 @@ pub(crate) struct Effect {
     pub(crate) scale: f64,
 }
 
+impl Effect {
+    /// True for a compliance that cannot be negative: those of a class scatter about a common mean, which is of their own
+    /// size.
+    pub(crate) fn is_positive(&self) -> bool {
+        match self.term {
+            ExtraTerm::Spring { row, column, .. } => row == column,
+            _ => true,
+        }
+    }
+}
+
 /// The terms of random effects.
 pub(crate) fn terms(effects: &[Effect]) -> Vec<ExtraTerm> {
     effects.iter().map(|effect| effect.term).collect()
 }
 
-/// The random effects that data are held against: those of [`effects`], and ahead of those of a class that has a
-/// diagonal its mean, because real compliances are positive. It scatters as its entries do, which suits matrices
-/// drawn around zero, and semidefinite ones whose mean and scatter are of one size
-/// (`bench/elastic_truths.py` counts both).
-pub(crate) fn fitted(joints: usize) -> Vec<Effect> {
-    let own = effects(joints);
-    let of = |class| {
-        let common = (class != ElasticClass::Coupling).then_some(Effect {
-            term: ExtraTerm::MeanSpring(class),
-            class,
-            scale: 1.0,
-        });
-        let single = own.iter().copied().filter(move |e| e.class == class);
-        common.into_iter().chain(single).collect::<Vec<_>>()
-    };
-    ElasticClass::ALL.into_iter().flat_map(of).collect()
+/// What the entries of a general spring are in proportion to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum ElasticSizing {
+    /// Those of each joint to the compliance of its own axis, those of the base to a tenth of the stiffest joint's.
+    ByJoint,
+    /// Those of all joints and the base are alike.
+    Alike,
 }
+
+impl ElasticSizing {
+    /// All of them: the data choose.
+    pub const ALL: [ElasticSizing; 2] = [ElasticSizing::Alike, ElasticSizing::ByJoint];
+}
+
+/// The random effects that data are held against, class by class, those that cannot be negative first in their class: the
+/// entries of [`effects`], and what an arm is made of: bearings that tilt as their joint gives way (`compliance` of each
+/// joint \[rad/(N·m)\], in units of the geometric mean), a base that tilts a tenth of the stiffest joint, and even
+/// beams along each row of the robot. What they are in units of was counted on arms of a structural code
+/// (bench/structural_arms.py).
+pub(crate) fn fitted(
+    robot: &Robot,
+    compliance: &[Option<f64>],
+    sizing: ElasticSizing,
+) -> Vec<Effect> {
+    let joints = robot.joint_count();
+    let of_joint = relative(joints, compliance);
+    let base = BASE * of_joint.iter().copied().fold(f64::INFINITY, f64::min);
+    let mut all = effects(joints);
+    all.sort_by_key(|effect| (effect.class as usize, !effect.is_positive()));
+    if sizing == ElasticSizing::ByJoint {
+        for effect in &mut all {
+            effect.scale *= effect.term.joint().map_or(base, |j| of_joint[j]);
+        }
+    }
+    let tilts = of_joint.iter().enumerate();
+    let tilts = tilts.map(|(j, size)| (ExtraTerm::JointTilt(j), *size));
+    all.extend(
+        tilts
+            .chain([(ExtraTerm::BaseTilt, base)])
+            .map(|(term, scale)| Effect {
+                term,
+                class: ElasticClass::Bearing,
+                scale,
+            }),
+    );
+    let frames = Frames::new(robot, &vec![0.0; joints]);
+    let parts = (0..joints).flat_map(|joint| [RowPart::Link, RowPart::Axis].map(|p| (joint, p)));
+    for (joint, part) in parts {
+        if row_part(&frames, joint, part)[1].norm() >= SHORTEST_BEAM {
+            all.extend([false, true].map(|twist| Effect {
+                term: ExtraTerm::Beam { joint, part, twist },
+                class: ElasticClass::Beam,
+                scale: 1.0,
+            }));
+        }
+    }
+    all
+}
+
+/// Compliance of each joint over the geometric mean; one where it is not known or not positive.
+fn relative(joints: usize, compliance: &[Option<f64>]) -> Vec<f64> {
+    let known = |j: usize| compliance.get(j).copied().flatten().filter(|h| *h > 0.0);
+    let logarithms: Vec<f64> = (0..joints).filter_map(known).map(f64::ln).collect();
+    let mean = logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64;
+    let size = |j: usize| known(j).map_or(1.0, |h| (h.ln() - mean).exp());
+    (0..joints).map(size).collect()
+}
+
+/// The base's tilt over that of the stiffest joint.
+const BASE: f64 = 0.1;
+/// Parts of a row that are shorter are none \[m\].
+const SHORTEST_BEAM: f64 = 1e-3;
 
 /// All random effects of an arm, class by class.
 pub(crate) fn effects(joints: usize) -> Vec<Effect> {
     let mut all = Vec::new();
-    for class in ElasticClass::ALL {
+    for class in ElasticClass::ENTRIES {
         for joint in places(joints) {
             for row in 0..6 {
                 for column in row..6 {

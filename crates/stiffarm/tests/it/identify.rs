@@ -92,7 +92,7 @@ fn columns_of_further_terms_are_small_turns() {
                 let origin = frames.origins()[0];
                 (Vector3::z(), Vector3::new(origin.x, origin.y, 0.0))
             }
-            ExtraTerm::Spring { .. } | ExtraTerm::MeanSpring(_) => unreachable!("none is parsed"),
+            ExtraTerm::Spring { .. } | ExtraTerm::Beam { .. } => unreachable!("none is parsed"),
         };
         let force = terms.wrench().force;
         let moment = (terms.loading_point() - origin).cross(&force);
@@ -104,7 +104,7 @@ fn columns_of_further_terms_are_small_turns() {
                 (one * one.dot(&moment) + other * other.dot(&moment)) * compliance
             }
             ExtraTerm::LostMotion(j) => axis * terms.torque()[j].signum() * compliance,
-            ExtraTerm::Spring { .. } | ExtraTerm::MeanSpring(_) => unreachable!("none is parsed"),
+            ExtraTerm::Spring { .. } | ExtraTerm::Beam { .. } => unreachable!("none is parsed"),
         };
         let rotation = nalgebra::Rotation3::new(turn);
         let column = term.column(&terms) * compliance;

@@ -125,6 +125,7 @@ fn the_mean_of_the_rails_has_five_degrees_of_freedom() {
     assert!((error - 10.17104).abs() < 1e-4, "{error}");
     let doubt = SizeDoubt {
         classes: std::iter::once(1..7).collect(),
+        means: std::iter::once(1..1).collect(),
         prior: DVector::from_fn(7, |i, _| if i == 0 { 0.0 } else { ratios[0] * variance }),
         covariance: of_sizes,
     };

@@ -4,7 +4,7 @@
 use crate::common::prelude::*;
 use crate::common::{list, matrix, number, numbers, reference};
 use stiffarm::estimate::common::CommonErrors;
-use stiffarm::model::elastic::ElasticClass;
+use stiffarm::model::observation::RowPart;
 use stiffarm::model::stiffness::cartesian_stiffness;
 use stiffarm::work::predict::{LoadPoint, Prediction};
 
@@ -169,8 +169,16 @@ fn sensitivity_is_the_derivative_of_the_shift_by_the_unknowns() {
         ExtraTerm::JointTilt(3),
         ExtraTerm::BaseTilt,
         ExtraTerm::LostMotion(1),
-        ExtraTerm::MeanSpring(ElasticClass::Shift),
-        ExtraTerm::MeanSpring(ElasticClass::Turn),
+        ExtraTerm::Beam {
+            joint: 3,
+            part: RowPart::Axis,
+            twist: false,
+        },
+        ExtraTerm::Beam {
+            joint: 2,
+            part: RowPart::Link,
+            twist: true,
+        },
     ];
     // All entries of all springs, which the arm puts together.
     for joint in std::iter::once(None).chain((0..6).map(Some)) {

@@ -36,14 +36,16 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
                 ElasticClass::Shift => "shifts by forces",
                 ElasticClass::Turn => "turns by moments",
                 ElasticClass::Coupling => "shifts by moments",
+                ElasticClass::Bearing => "bearings and base that tilt",
+                ElasticClass::Beam => "links that bend and twist",
             };
             let std = Number::computed(size.std).significant(2).plus_minus();
             format!("{what} {}", std.unit(size.class.unit()).text())
         });
         let sizes: Vec<String> = sizes.collect();
         let said = Text::new(format!(
-            "Beyond the axes joints and base give way by: {}. k of a joint holds all that turns about its axis between the \
-             joint before and its own link.",
+            "Beyond the axes joints and base give way by: {}. k is the stiffness with which axes alone best reproduce this arm \
+             over the cell under its load: the one for a calculation with joint stiffnesses alone.",
             sizes.join(", ")
         ));
         let both = vec![Block::Table(table), Block::Text(said)];

@@ -40,7 +40,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         )
     };
     let levels = result.groups.iter().flat_map(|group| &group.levels);
-    let sizes = ElasticClass::ALL.map(|class| {
+    let sizes = ElasticClass::ENTRIES.map(|class| {
         let size = Number::computed(result.sizes.of(class));
         size.significant(2).unit(class.unit()).text()
     });

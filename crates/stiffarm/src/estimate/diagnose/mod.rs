@@ -23,6 +23,7 @@ pub use terms::{TermTrial, TermTrials, try_terms};
 
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
+use crate::estimate::mixed::MixedFit;
 use crate::estimate::setup::{REJECTS, SetUp};
 use crate::findings::{Finding, list};
 use serde::{Deserialize, Serialize};
@@ -74,10 +75,18 @@ impl Diagnosis {
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
 pub fn diagnose(fit: &Fit) -> Result<Diagnosis> {
+    diagnose_in(fit, None)
+}
+
+/// The same where the mixed model predicts: what contradicts the rest is judged in it.
+///
+/// # Errors
+/// As [`diagnose`].
+pub(crate) fn diagnose_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis> {
     let result = fit.identification()?;
     let mut findings = Vec::new();
     let noise = noise_test(fit)?;
-    let outliers = outliers(fit)?;
+    let outliers = outliers::outliers_in(fit, mixed)?;
     findings.push(match &noise {
         Some(test) => test.finding(outliers.noise_without.as_ref()),
         None => noise::untested(fit.cell()),

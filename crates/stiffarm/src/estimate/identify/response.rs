@@ -59,16 +59,16 @@ impl<'a> Response<'a> {
         })
     }
 
-    /// The fit with random effects whose whitened columns are `random`, of these
-    /// variances in units of σ², with the ratio `gamma`. The equations of a mixed model
-    /// are those of least squares with one row u/√variance = 0 more for each effect.
+    /// The fit with random effects u whose whitened columns are `random`, with the ratio `gamma`. The equations of a
+    /// mixed model are those of least squares with the rows `roots` u = 0 more, which have the variance σ²; an effect whose
+    /// column there is zero is none.
     ///
     /// # Errors
     /// A decomposition that fails.
     pub(crate) fn with_random(
         fit: &'a Fit,
         random: &DMatrix<f64>,
-        variances: &[f64],
+        roots: &DMatrix<f64>,
         gamma: f64,
     ) -> Result<Self> {
         let whitened = fit.prepared().whitened();
@@ -78,15 +78,11 @@ impl<'a> Response<'a> {
         psi.columns_mut(fixed, random.ncols()).copy_from(random);
         let mut psi = whitened
             .with_shifts(&psi, gamma)
-            .resize_vertically(rows + variances.len(), 0.0);
-        for (i, variance) in variances.iter().enumerate() {
-            if *variance > 0.0 {
-                psi[(rows + i, fixed + i)] = 1.0 / variance.sqrt();
-            }
-        }
+            .resize_vertically(rows + roots.nrows(), 0.0);
+        psi.view_mut((rows, fixed), roots.shape()).copy_from(roots);
         let free: Vec<usize> = (0..count)
             .filter(|j| match j.checked_sub(fixed) {
-                Some(random) => variances[random] > 0.0,
+                Some(random) => roots[(random, random)] != 0.0,
                 None => !fit.solution().undetermined.contains(j),
             })
             .collect();

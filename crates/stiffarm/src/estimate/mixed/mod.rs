@@ -1,11 +1,11 @@
 //! The mixed elastic model: the joint axes give way as ever, and every joint and the
 //! base give way a little in all other directions, too.
 //!
-//! y = Ψ h + Σ_c B_c u_c + ε, with the axis compliances h as fixed effects and the other
-//! entries of a symmetric 6 × 6 compliance at each joint and at the base as random
-//! effects u_c ~ N(0, ω_c²), c being shifts, turns and their coupling. The sizes ω_c come
-//! from the data by restricted likelihood together with σ and τ, h and u from the
-//! mixed-model equations.
+//! y = Ψ h + Σ_c B_c u_c + ε, with the axis compliances h as fixed effects and as random effects u_c ~ N(0, ω_c²) the
+//! other entries of a symmetric 6 × 6 compliance at each joint and at the base (c being shifts, turns and their coupling)
+//! and what an arm is made of: bearings that tilt in proportion to their joint, links that bend and twist as even beams.
+//! Compliances that cannot be negative scatter about a common mean of the same size. The sizes ω_c come from the data by
+//! restricted likelihood together with σ and τ, h and u from the mixed-model equations.
 //!
 //! That real arms give way beyond their axes is known (Pashkevich, Klimchik and Chablat,
 //! Enhanced stiffness modeling of manipulators with passive joints, Mechanism and Machine
@@ -16,8 +16,11 @@
 
 mod doubt;
 mod likelihood;
+mod means;
 mod model;
+mod reproduced;
 mod result;
+mod seen;
 mod sums;
 
 /// What tests hold against dense matrices.
@@ -26,6 +29,7 @@ pub(crate) mod internals {
 }
 
 pub use result::{ElasticSize, GeneralSpring, MixedResult};
+pub(crate) use seen::Seen;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
@@ -33,18 +37,21 @@ use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::identify::{
     Estimator, Fit, IdentifyOptions, MeasuredSystem, NoiseSource, Response, rounding,
 };
-use crate::model::elastic::{Effect, ElasticClass, fitted, terms};
+use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted, terms};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
 use likelihood::{Likelihood, Sizes};
+use means::{gathered, scattered};
 use nalgebra::{DMatrix, DVector};
+use reproduced::projection;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
 use sums::Rows;
 
 /// The mixed model fitted to the displacements of a [`Fit`].
+#[derive(Clone)]
 pub struct MixedFit {
     fit: Fit,
     effects: Vec<Effect>,
@@ -55,6 +62,8 @@ pub struct MixedFit {
     /// −2 ln L_R with the sizes found, and without random effects.
     values: [f64; 2],
     compliance: IdentifiedCompliance,
+    /// From u to what it adds to the axes' compliance where these alone reproduce the arm.
+    projection: DMatrix<f64>,
     /// Without each posture in turn.
     folds: OnceLock<Vec<MixedFold>>,
 }
@@ -118,47 +127,36 @@ impl MixedFit {
                 ),
             ));
         }
-        let joints = fit.cell().setup.robot.joint_count();
-        let effects = fitted(joints);
-        let terms = terms(&effects);
-        let mut random = fit.columns(&terms);
+        let give = joint_give(fit);
+        let robot = &fit.cell().setup.robot;
+        let terms = terms(&fitted(robot, &give, ElasticSizing::Alike));
+        let random = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &random);
-        scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
-        let whitened = fit.prepared().whitened();
-        let shifts = whitened.is_separable() && !solution.independent_rows;
-        let rows = Rows::new(
-            whitened,
-            random,
-            classes(&effects),
-            fit.white(),
-            idle,
-            shifts,
-        );
-        if rows.rest() <= ROUNDING * fit.white().norm() {
-            return Err(too_few("the joint axes leave nothing of the displacements"));
+        let mut best: Option<Found> = None;
+        for sizing in ElasticSizing::ALL {
+            let effects = fitted(robot, &give, sizing);
+            let found = found(fit, &random, effects)?;
+            fit.control().check()?;
+            // As likely with entries that are alike is no reason to take others.
+            let is_better = |best: &Found| found.values[0] < best.values[0] - SAME;
+            if best.as_ref().is_none_or(is_better) {
+                best = Some(found);
+            }
         }
-        let likelihood = Likelihood::new(&rows, &[]);
-        let none = Sizes {
-            gamma: solution.gamma,
-            classes: vec![0.0; rows.classes.len()],
+        let Some(Found {
+            effects,
+            rows,
+            sizes,
+            values,
+        }) = best
+        else {
+            return Err(too_few("nothing was tried"));
         };
-        let (Some((sizes, value)), Some(without)) = (
-            likelihood.best(None, fit.control()),
-            likelihood.solve(&none),
-        ) else {
-            return Err(too_few("there are hardly more displacements than joints"));
-        };
-        fit.control().check()?;
-        // The search may end a hair above what no effects at all give.
-        let (sizes, value) = if without.value <= value {
-            (none, without.value)
-        } else {
-            (sizes, value)
-        };
-        let values = [value, without.value];
-        let compliance = compliance(fit, &rows, &effects, &likelihood, &sizes)
+        let compliance = compliance(fit, &rows, &effects, &Likelihood::new(&rows, &[]), &sizes)
             .ok_or_else(|| too_few("the equations are singular"))?;
+        let projection = projection(fit, &terms)?;
         Ok(MixedFit {
+            projection,
             fit: fit.clone(),
             effects,
             rows,
@@ -198,16 +196,41 @@ impl MixedFit {
     /// # Errors
     /// A decomposition that fails.
     pub(crate) fn response(&self) -> Result<Response<'_>> {
+        let means = means(&self.effects);
         let mut random = self.rows.random_columns();
-        let mut variances = vec![0.0; random.ncols()];
+        // Rows of u that have variance σ²: diag(1/√λ) L⁻¹ diag(1/scale).
+        let mut roots = DMatrix::zeros(random.ncols(), random.ncols());
         for (class, size) in self.rows.classes.iter().zip(&self.sizes.classes) {
-            for i in class.clone() {
-                let scale = self.effects[i].scale;
-                random.column_mut(i).scale_mut(1.0 / scale);
-                variances[i] = size * scale * scale;
-            }
+            let root = if *size > 0.0 { 1.0 / size.sqrt() } else { 0.0 };
+            class.clone().for_each(|i| roots[(i, i)] = root);
         }
-        Response::with_random(&self.fit, &random, &variances, self.sizes.gamma)
+        let scales = self.effects.iter().map(|effect| 1.0 / effect.scale);
+        for columns in [&mut random, &mut roots] {
+            scattered(columns, &means);
+            scale_columns(columns, scales.clone());
+        }
+        Response::with_random(&self.fit, &random, &roots, self.sizes.gamma)
+    }
+
+    /// The compliance with which the joint axes alone best reproduce the arm over its cell \[rad/(N·m)\], from u what it
+    /// adds to that of each joint in the model: h + L u.
+    pub(crate) fn reproduced(&self, change: &DVector<f64>) -> DVector<f64> {
+        let springs = self.projection.nrows();
+        let besides = change.rows(springs, change.len() - springs);
+        change.rows(0, springs) + &self.projection * besides
+    }
+
+    /// Covariance of joint `j`'s reproduced compliance with all unknowns, and its variance.
+    pub(crate) fn reproduced_covariance(&self, spread: &Spread, j: usize) -> (DVector<f64>, f64) {
+        let springs = self.projection.nrows();
+        let mut row = DVector::zeros(spread.covariance.ncols());
+        row[j] = 1.0;
+        let besides = row.len() - springs;
+        row.rows_mut(springs, besides)
+            .copy_from(&self.projection.row(j).transpose());
+        let with = &spread.covariance * &row;
+        let variance = row.dot(&with).max(0.0);
+        (with, variance)
     }
 
     /// Ψ of all unknowns.
@@ -286,6 +309,59 @@ impl MixedFit {
     }
 }
 
+/// A mixed model with its sizes.
+struct Found {
+    effects: Vec<Effect>,
+    rows: Rows,
+    sizes: Sizes,
+    /// −2 ln L_R, and that without random effects.
+    values: [f64; 2],
+}
+
+/// The model of `effects`, whose columns in the terms' units are `columns`.
+///
+/// # Errors
+/// Nothing left of the displacements, or no degree of freedom.
+fn found(fit: &Fit, columns: &DMatrix<f64>, effects: Vec<Effect>) -> Result<Found> {
+    let solution = fit.solution();
+    let mut random = columns.clone();
+    scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
+    gathered(&mut random, &means(&effects));
+    let whitened = fit.prepared().whitened();
+    let shifts = whitened.is_separable() && !solution.independent_rows;
+    let classes = classes(&effects);
+    let idle = solution.undetermined.as_slice();
+    let rows = Rows::new(whitened, random, classes, fit.white(), idle, shifts);
+    if rows.rest() <= ROUNDING * fit.white().norm() {
+        return Err(too_few("the joint axes leave nothing of the displacements"));
+    }
+    let likelihood = Likelihood::new(&rows, &[]);
+    let none = Sizes {
+        gamma: solution.gamma,
+        classes: vec![0.0; rows.classes.len()],
+    };
+    let (Some((sizes, value)), Some(without)) = (
+        likelihood.best(None, fit.control()),
+        likelihood.solve(&none),
+    ) else {
+        return Err(too_few("there are hardly more displacements than joints"));
+    };
+    // The search may end a hair above what no effects at all give.
+    let (sizes, value) = if without.value <= value {
+        (none, without.value)
+    } else {
+        (sizes, value)
+    };
+    Ok(Found {
+        effects,
+        rows,
+        sizes,
+        values: [value, without.value],
+    })
+}
+
+/// Differences of −2 ln L_R below this are none.
+const SAME: f64 = 1e-6;
 /// Residuals below this share of the displacements are rounding.
 const ROUNDING: f64 = 1e-11;
 
@@ -299,6 +375,21 @@ fn too_few(why: &str) -> Error {
 /// True where no displacement depends on unknown `j`: a joint that never carries load.
 fn is_idle(system: &MeasuredSystem, j: usize) -> bool {
     system.psi.column(j).norm() <= rounding(system)
+}
+
+/// Compliance of each joint as the axes alone have it, for what is sized by it; `None` where springs are not joints.
+fn joint_give(fit: &Fit) -> Vec<Option<f64>> {
+    let robot = &fit.cell().setup.robot;
+    let values = &fit.solution().values;
+    let given = |j: usize| robot.spring_mixing().is_none().then(|| values[j]);
+    (0..robot.joint_count()).map(given).collect()
+}
+
+/// Columns of each class that scatter about a mean.
+fn means(effects: &[Effect]) -> Vec<Range<usize>> {
+    let positive = |class: &Range<usize>| effects[class.clone()].iter().filter(|e| e.is_positive());
+    let own = |class: Range<usize>| class.start..class.start + positive(&class).count();
+    classes(effects).into_iter().map(own).collect()
 }
 
 /// Columns of each class.
@@ -348,11 +439,19 @@ fn compliance(
         }
     };
     let solved = likelihood.solve(sizes)?;
-    let mut values = solved.values(rows);
+    let means = moved(means(effects), fixed);
+    let (mut covariance, of_sizes) = doubt::doubt(rows, likelihood, sizes, &solved);
+    // u = L w.
+    let mut values = DMatrix::from_columns(&[solved.values(rows)]).transpose();
+    gathered(&mut values, &means);
+    for _ in 0..2 {
+        gathered(&mut covariance, &means);
+        covariance = covariance.transpose();
+    }
+    let mut values = values.transpose().column(0).into_owned();
     for (i, value) in values.iter_mut().enumerate() {
         *value *= scale(i);
     }
-    let (mut covariance, of_sizes) = doubt::doubt(rows, likelihood, sizes, &solved);
     for j in &rows.idle {
         covariance.row_mut(*j).fill(0.0);
         covariance.column_mut(*j).fill(0.0);
@@ -381,6 +480,12 @@ fn compliance(
     })
 }
 
+/// Columns behind `fixed` others.
+fn moved(columns: Vec<Range<usize>>, fixed: usize) -> Vec<Range<usize>> {
+    let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
+    columns.into_iter().map(own).collect()
+}
+
 /// What is known of the sizes `std` of the classes, with the covariance of their
 /// logarithms.
 fn size_doubt(
@@ -389,9 +494,9 @@ fn size_doubt(
     std: impl Fn(ElasticClass) -> f64,
     covariance: DMatrix<f64>,
 ) -> SizeDoubt {
-    let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
     SizeDoubt {
-        classes: classes(effects).into_iter().map(own).collect(),
+        classes: moved(classes(effects), fixed),
+        means: moved(means(effects), fixed),
         prior: DVector::from_fn(fixed + effects.len(), |i, _| match i.checked_sub(fixed) {
             Some(i) => (std(effects[i].class) * effects[i].scale).powi(2),
             None => 0.0,

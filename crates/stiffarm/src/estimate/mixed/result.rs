@@ -50,7 +50,8 @@ pub struct MixedResult {
 }
 
 impl MixedFit {
-    /// One estimate per joint axis, given all that gives way besides, with the scatter of the readings.
+    /// One estimate per joint: the stiffness with which the axes alone best reproduce the arm over its cell, with the scatter
+    /// of the readings.
     ///
     /// # Errors
     /// No degree of freedom.
@@ -58,20 +59,18 @@ impl MixedFit {
         let found = self.compliance();
         let names = &self.fit().system().unknowns;
         let quantiles = found.spread.as_ref().map(Spread::quantiles).transpose()?;
-        let error = |j: usize| {
-            let variance = found.spread.as_ref()?.covariance[(j, j)];
-            Some(variance.max(0.0).sqrt())
-        };
-        let quantile = |j: usize| {
-            let covariance = &found.spread.as_ref()?.covariance;
-            Some(quantiles.as_ref()?.of_unknown(covariance, j))
-        };
+        let values = self.reproduced(&found.values);
         let joint = |j: usize| {
             if found.undetermined.contains(&j) {
-                estimate(&names[j], None, None, None)
-            } else {
-                estimate(&names[j], Some(found.values[j]), error(j), quantile(j))
+                return estimate(&names[j], None, None, None);
             }
+            let known = found.spread.as_ref().zip(quantiles.as_ref());
+            let known = known.map(|(spread, quantiles)| {
+                let (with, variance) = self.reproduced_covariance(spread, j);
+                (variance.sqrt(), quantiles.of(&with, variance, 0.0))
+            });
+            let (error, quantile) = known.unzip();
+            estimate(&names[j], Some(values[j]), error, quantile)
         };
         Ok((0..names.len()).map(joint).collect())
     }

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 /// Whitened rows of \[Ψ B e\] with their sums over all postures: fixed effects,
 /// scaled random effects, and what least squares on Ψ leaves of the displacements.
+#[derive(Clone)]
 pub(super) struct Rows {
     /// Rows × (fixed + random + 1).
     all: DMatrix<f64>,

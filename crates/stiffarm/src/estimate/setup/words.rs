@@ -193,7 +193,11 @@ pub(super) fn finding(
     alike: &[Kind],
 ) -> Finding {
     let key = key(cell, kind);
-    let errors: Vec<f64> = own.standard_error.iter().map(|e| e.unwrap_or(0.0)).collect();
+    let errors: Vec<f64> = own
+        .standard_error
+        .iter()
+        .map(|e| e.unwrap_or(0.0))
+        .collect();
     let (asked, errors) = (&own.asked, &errors);
     let (wanted, remedy) = match kind {
         Kind::Anchor(_) => (

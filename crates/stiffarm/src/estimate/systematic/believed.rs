@@ -12,6 +12,10 @@ pub(super) struct Believed<'a> {
     pub fit: &'a Fit,
     /// Compliance of each spring, then extra terms.
     pub values: &'a DVector<f64>,
+    /// Compliance of each joint as it is printed \[rad/(N·m)\].
+    pub joints: DVector<f64>,
+    /// The mixed model, where it predicts.
+    mixed: Option<&'a MixedFit>,
     /// The extra terms.
     pub extra: &'a [ExtraTerm],
     /// How the values answer to a change of the displacements.
@@ -45,6 +49,8 @@ impl<'a> Believed<'a> {
         Ok(Believed {
             fit,
             values: &solution.values,
+            joints: solution.values.rows(0, fit.system().springs).into_owned(),
+            mixed: None,
             extra: &fit.system().extra,
             response: Response::new(fit)?,
             sigma: solution.sigma.filter(|_| known),
@@ -76,6 +82,7 @@ impl<'a> Believed<'a> {
         let own = Believed::of_fit(fit)?;
         Ok(Believed {
             values,
+            joints: values.rows(0, fit.system().springs).into_owned(),
             sigma: own.sigma.filter(|_| degrees > 0),
             degrees_of_freedom: Some(degrees),
             half_widths: own.errors.iter().map(|e| Some(t? * (*e)?)).collect(),
@@ -93,28 +100,40 @@ impl<'a> Believed<'a> {
         if let Some(spread) = &found.spread {
             let quantiles = spread.quantiles()?;
             for j in (0..springs).filter(|j| !found.undetermined.contains(j)) {
-                let error = spread.covariance[(j, j)].max(0.0).sqrt();
-                errors[j] = Some(error);
-                half_widths[j] = Some(error * quantiles.of_unknown(&spread.covariance, j));
+                let (with, variance) = mixed.reproduced_covariance(spread, j);
+                errors[j] = Some(variance.sqrt());
+                half_widths[j] = Some(variance.sqrt() * quantiles.of(&with, variance, 0.0));
             }
         }
         Ok(Believed {
             fit: mixed.fit(),
             values: &found.values,
+            joints: mixed.reproduced(&found.values),
+            mixed: Some(mixed),
             extra: &found.extra,
             response: mixed.response()?,
             sigma: found.spread.as_ref().map(|s| s.sigma),
             degrees_of_freedom: found.spread.as_ref().and_then(|s| s.degrees_of_freedom),
             errors,
             half_widths,
-            base_turns: mixed.size(ElasticClass::Turn) > 0.0,
+            base_turns: [ElasticClass::Turn, ElasticClass::Bearing]
+                .iter()
+                .any(|class| mixed.size(*class) > 0.0),
             expected: None,
         })
     }
 
     /// True where joint `j` has a positive stiffness.
     pub(super) fn has_stiffness(&self, j: usize) -> bool {
-        !self.fit.solution().undetermined.contains(&j) && self.values[j] > 0.0
+        !self.fit.solution().undetermined.contains(&j) && self.joints[j] > 0.0
+    }
+
+    /// What a change of the unknowns does to the joints' compliance.
+    pub(super) fn joint_change(&self, change: &DVector<f64>) -> DVector<f64> {
+        match self.mixed {
+            Some(mixed) => mixed.reproduced(change),
+            None => change.rows(0, self.joints.len()).into_owned(),
+        }
     }
 
     /// True where the values account for `term` already. The springs of the mixed model

@@ -216,7 +216,7 @@ fn describe(
     let count = believed.fit.system().springs;
     let part = |(i, part): (usize, &Part)| SystematicPart {
         name: part.name.clone(),
-        change: changes(believed, &all.response.column(from + i).into_owned()),
+        change: changes(believed, &all.joints.column(from + i).into_owned()),
     };
     let parts: Vec<SystematicPart> = source.parts.iter().enumerate().map(part).collect();
     let own = from..from + parts.len();
@@ -249,11 +249,11 @@ fn describe(
     }
 }
 
-/// k'/k − 1 of each joint when the unknowns change by `change`.
+/// k'/k − 1 of each joint when the joints' compliance changes by `change`.
 fn changes(believed: &Believed<'_>, change: &DVector<f64>) -> Vec<Option<f64>> {
     (0..believed.fit.system().springs)
         .map(|j| {
-            let h = believed.values[j];
+            let h = believed.joints[j];
             let moved = h + change[j];
             let known = believed.has_stiffness(j) && moved > 0.0;
             known.then(|| h / moved - 1.0)
@@ -269,19 +269,19 @@ fn bounded(
     j: usize,
 ) -> Option<f64> {
     let (from, count) = (which.start, which.len());
-    let own = all.response.view((j, from), (1, count));
+    let own = all.joints.view((j, from), (1, count));
     let covariance = all.covariance.view((from, from), (count, count));
     let mean = (own * all.mean.rows(from, count))[(0, 0)];
     let square = (own * covariance * own.transpose())[(0, 0)] + mean * mean;
     let has_stiffness = believed.has_stiffness(j);
-    has_stiffness.then(|| square.max(0.0).sqrt() / believed.values[j])
+    has_stiffness.then(|| square.max(0.0).sqrt() / believed.joints[j])
 }
 
 /// σ_H/H, to first order the relative standard error of k.
 fn relative_error(believed: &Believed<'_>, j: usize) -> Option<f64> {
     let error = believed.errors[j]?;
     let has_stiffness = believed.has_stiffness(j);
-    has_stiffness.then(|| error / believed.values[j])
+    has_stiffness.then(|| error / believed.joints[j])
 }
 
 /// Root sum of squares; `None` with any part missing.

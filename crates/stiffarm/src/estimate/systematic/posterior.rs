@@ -41,6 +41,8 @@ const EXACT: f64 = 1e-9;
 pub(super) struct Parts {
     /// Change of the unknowns by each, unknowns × parts.
     pub response: DMatrix<f64>,
+    /// Change of the joints' compliance by each, joints × parts.
+    pub joints: DMatrix<f64>,
     /// Mean of c.
     pub mean: DVector<f64>,
     /// Covariance of c.
@@ -69,7 +71,9 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
     }
     let count = changes.len();
     let unknowns = believed.values.len();
+    let joints: Vec<DVector<f64>> = changes.iter().map(|c| believed.joint_change(c)).collect();
     let mut out = Parts {
+        joints: DMatrix::from_fn(believed.joints.len(), count, |j, i| joints[i][j]),
         response: DMatrix::from_fn(unknowns, count, |j, i| changes[i][j]),
         mean: DVector::zeros(count),
         covariance: DMatrix::identity(count, count),

@@ -41,11 +41,11 @@ pub(super) fn uncertainty(
 ) -> Result<Vec<JointUncertainty>> {
     let level = Level::new(believed.fit.options().confidence)?;
     let of = |j: usize| {
-        let h = believed.values[j];
+        let h = believed.joints[j];
         if believed.fit.solution().undetermined.contains(&j) {
             return JointUncertainty::default();
         }
-        let own = parts.response.row(j);
+        let own = parts.joints.row(j);
         let mean = (own * &parts.mean)[(0, 0)];
         let std = (own * &parts.covariance * own.transpose())[(0, 0)]
             .max(0.0)

@@ -23,11 +23,12 @@
 use super::PostureTerms;
 use super::spring::{LoadedSpring, Motion, on_first_axis};
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-/// Entries of the springs' compliances that share one size.
+/// What gives way beyond the joint axes and scatters alike: entries of general springs, then what an arm is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
@@ -38,11 +39,23 @@ pub enum ElasticClass {
     Turn,
     /// Shifts by moments and turns by forces \[rad/N\].
     Coupling,
+    /// Tilts of the joints' bearings and of the base \[rad/(N·m)\].
+    Bearing,
+    /// Bending and twist of the links along the robot's rows \[rad/(N·m) per m\].
+    Beam,
 }
 
 impl ElasticClass {
     /// All classes, in the order of results.
-    pub const ALL: [ElasticClass; 3] = [
+    pub const ALL: [ElasticClass; 5] = [
+        ElasticClass::Shift,
+        ElasticClass::Turn,
+        ElasticClass::Coupling,
+        ElasticClass::Bearing,
+        ElasticClass::Beam,
+    ];
+    /// Those of the entries of general springs.
+    pub const ENTRIES: [ElasticClass; 3] = [
         ElasticClass::Shift,
         ElasticClass::Turn,
         ElasticClass::Coupling,
@@ -58,12 +71,13 @@ impl ElasticClass {
         }
     }
 
-    /// Unit of the entries.
+    /// Unit of its compliances.
     pub fn unit(self) -> &'static str {
         match self {
             ElasticClass::Shift => "m/N",
-            ElasticClass::Turn => "rad/(N·m)",
+            ElasticClass::Turn | ElasticClass::Bearing => "rad/(N·m)",
             ElasticClass::Coupling => "rad/N",
+            ElasticClass::Beam => "rad/(N·m) per m",
         }
     }
 }
@@ -96,9 +110,27 @@ pub enum ExtraTerm {
         /// Column.
         column: usize,
     },
-    /// What the entries on the diagonal of all general springs have in common, shifts or turns; unknown: their mean
-    /// \[m/N; rad/(N·m)\].
-    MeanSpring(ElasticClass),
+    /// An even beam along a part of row `joint` (counted from 0) of the robot; unknown: its turn per moment and
+    /// length \[rad/(N·m) per m\].
+    Beam {
+        /// The row: the joint at whose origin it ends, or begins the part along the axis.
+        joint: usize,
+        /// Which part of the row.
+        part: RowPart,
+        /// Twist about its own line, or the same bending about all directions across.
+        twist: bool,
+    },
+}
+
+/// A part of the way from the origin of one joint to that of the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum RowPart {
+    /// Across the axis that follows: a of a modified Denavit–Hartenberg row, on the link before the joint.
+    Link,
+    /// Along the axis: d of the row.
+    Axis,
 }
 
 impl ExtraTerm {
@@ -116,7 +148,18 @@ impl ExtraTerm {
                 let [row, column] = [row, column].map(|i| axes.get(i).unwrap_or(&"?"));
                 format!("spring ({row}, {column}) of {place}")
             }
-            ExtraTerm::MeanSpring(class) => format!("mean spring [{}]", class.unit()),
+            ExtraTerm::Beam {
+                joint: row,
+                part,
+                twist,
+            } => {
+                let how = if twist { "twist" } else { "bending" };
+                let part = match part {
+                    RowPart::Link => "before",
+                    RowPart::Axis => "along",
+                };
+                format!("{how} {part} {}", joint(row))
+            }
             ExtraTerm::JointTilt(j) => format!("tilt of {}", joint(j)),
             ExtraTerm::BaseTilt => "tilt of the base".to_string(),
             ExtraTerm::LostMotion(j) => format!("lost motion of {}", joint(j)),
@@ -133,7 +176,8 @@ impl ExtraTerm {
         match self {
             ExtraTerm::JointTilt(j) | ExtraTerm::LostMotion(j) => Some(j),
             ExtraTerm::Spring { joint, .. } => joint,
-            ExtraTerm::BaseTilt | ExtraTerm::MeanSpring(_) => None,
+            ExtraTerm::Beam { joint, .. } => Some(joint),
+            ExtraTerm::BaseTilt => None,
         }
     }
 
@@ -267,11 +311,16 @@ impl<'a> Motions<'a> {
                 let spring = spring.get_or_insert_with(|| LoadedSpring::new(terms, joint));
                 spring.entry(row, column)
             }
-            ExtraTerm::MeanSpring(class) => {
-                let mut sum = Motion::turn(Vector3::zeros(), Vector3::zeros());
-                for (joint, row) in diagonal(class, frames.axes().len()) {
-                    let column = row;
-                    sum.add(&self.of(ExtraTerm::Spring { joint, row, column }));
+            ExtraTerm::Beam { joint, part, twist } => {
+                let [start, way] = row_part(frames, joint, part);
+                let line = way.normalize();
+                let mut sum = Motion::turn(Vector3::zeros(), start);
+                for share in GAUSS {
+                    let at = start + way * share;
+                    let moment = terms.wrench().moved(terms.loading_point(), &at).moment;
+                    let along = line * line.dot(&moment);
+                    let turn = if twist { along } else { moment - along };
+                    sum.add(&Motion::turn(turn * (way.norm() / 2.0), at));
                 }
                 sum
             }
@@ -321,9 +370,6 @@ impl Elements {
         for (term, value) in terms.iter().zip(values) {
             match *term {
                 ExtraTerm::Spring { joint, row, column } => add(joint, row, column, *value),
-                ExtraTerm::MeanSpring(class) => {
-                    diagonal(class, joints).for_each(|(joint, row)| add(joint, row, row, *value));
-                }
                 term => rest.push((term, *value)),
             }
         }
@@ -350,12 +396,21 @@ impl Elements {
     }
 }
 
-/// Place and row of the entries that [`ExtraTerm::MeanSpring`] holds: all of the class on the diagonals of the springs,
-/// base first, but for the axes of the joints themselves.
-fn diagonal(class: ElasticClass, joints: usize) -> impl Iterator<Item = (Option<usize>, usize)> {
-    let all = places(joints).flat_map(|joint| (0..6).map(move |row| (joint, row)));
-    all.filter(move |(joint, row)| {
-        let is_axis = joint.is_some() && *row == 5;
-        !is_axis && ElasticClass::of(*row, *row) == class
-    })
+/// Places at which a polynomial of third degree over [0, 1] is sampled for its mean: half the sum (Gauss). The shift by an
+/// even beam is of second degree along it.
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+/// Start and way of a part of a row: from the origin of the joint before, or the point of axis 1 nearest the base
+/// frame's origin, first across the joint's axis, then along it.
+pub(crate) fn row_part(frames: &Frames, joint: usize, part: RowPart) -> [Vector3<f64>; 2] {
+    let (axis, end) = (frames.axes()[joint], frames.origins()[joint]);
+    let start = match joint {
+        0 => on_first_axis(frames),
+        j => frames.origins()[j - 1],
+    };
+    let along = axis * axis.dot(&(end - start));
+    match part {
+        RowPart::Link => [start, end - start - along],
+        RowPart::Axis => [end - along, along],
+    }
 }

@@ -7,8 +7,8 @@
 mod extra;
 mod spring;
 
-pub use extra::{ElasticClass, ExtraTerm};
-pub(crate) use extra::{Elements, places};
+pub use extra::{ElasticClass, ExtraTerm, RowPart};
+pub(crate) use extra::{Elements, places, row_part};
 pub(crate) use spring::{link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {

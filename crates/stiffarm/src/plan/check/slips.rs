@@ -129,7 +129,7 @@ fn elastic(cell: &Cell, slips: &mut Slips<'_>) {
         "turn_std_rad_per_nm",
         "coupling_std_rad_per_n",
     ];
-    for (class, key) in ElasticClass::ALL.into_iter().zip(keys) {
+    for (class, key) in ElasticClass::ENTRIES.into_iter().zip(keys) {
         let (size, usual) = (own.of(class), typical.of(class));
         if size > ELASTIC * usual {
             slips.add(

@@ -250,7 +250,7 @@ fn what_the_readings_ask_for_is_true() {
             let first = &found.freed[0];
             assert!(found.finding.is_some(), "{name} {seed} {found:#?}");
             for i in 0..3 {
-                let off = (first.asked[i] - truth[i]) / first.standard_error[i];
+                let off = (first.asked[i] - truth[i]) / first.standard_error[i].unwrap();
                 assert!(off.abs() < 5.0, "{name} {seed}: {first:#?}");
                 outside += u64::from(off.abs() > 2.0);
                 all += 1;

@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::estimate::diagnose::tails::f_tail;
 use crate::estimate::identify::{Fit, Whitened};
+use crate::estimate::mixed::Seen;
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// A displacement with less than this share of its information left over is
@@ -31,25 +32,27 @@ impl Deletions {
     /// Every displacement and every point against the prediction from all other
     /// data, with the ratio of the two variances that all data have.
     ///
-    /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹ and q = P Δ, leaving the rows S out takes
+    /// With P = V⁻¹ − V⁻¹Ψ(ΨᵀV⁻¹Ψ)⁻¹ΨᵀV⁻¹, V with the random effects where there are any, and q = P Δ, leaving the rows S out takes
     /// q_Sᵀ P_SS⁻¹ q_S off the squares (Cook & Weisberg 1982, ch. 2.2 for V = I).
-    pub(super) fn of(fit: &Fit) -> Result<Self> {
-        let (system, solution) = (fit.system(), fit.solution());
-        let free = solution.degrees_of_freedom;
+    pub(super) fn of(fit: &Fit, all: &Seen) -> Result<Self> {
+        let system = fit.system();
+        let Seen {
+            basis,
+            residual,
+            size,
+            free,
+            gamma,
+        } = all;
+        let (size, free, gamma) = (*size, *free, *gamma);
         let rows = system.delta.len();
         let whitened = fit.prepared().whitened();
-        let gamma = solution.gamma;
-        let both = whitened.delta_with_shifts(fit.white(), gamma);
-        let basis = solution.factor.basis(rows);
-        let residual = &both - &basis * basis.tr_mul(&both);
-        let size = residual.norm_squared();
         let mut displacements = Vec::with_capacity(rows / 3);
         let of_tool = fit.cell().setup.tool.point_count();
         let mut points = vec![OfPoint::new(basis.ncols()); of_tool];
         for (b, block) in system.blocks.iter().enumerate() {
             fit.control().check()?;
             let (from, count) = (block.rows.start, block.rows.len());
-            // Rows of V^(−1/2) for this block: P = Wᵀ(I − BBᵀ)W, q = P Δ.
+            // Rows of V^(−1/2) of the readings for this block: P = Wᵀ(I − BBᵀ)W, q = P Δ.
             let w = root_inverse(whitened, b, count, gamma);
             let seen = w.tr_mul(&basis.rows(from, count));
             let q = w.tr_mul(&residual.rows(from, count));

@@ -4,11 +4,16 @@
 use super::deletions::Deletions;
 use super::{Outlier, OutlierKind, PointFit, PostureFit};
 use crate::error::Result;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::diagnose::tails::{LEVEL, f_tail};
+use crate::estimate::elastic::carried;
 use crate::estimate::identify::{
-    Estimator, Fit, Fold, RowLabel, Whitened, prediction_error, rms, rounding,
+    Estimator, Fit, Fold, MeasuredSystem, RowLabel, Whitened, missed, prediction_error, rms,
+    rounding,
 };
+use crate::estimate::mixed::{MixedFit, Seen};
 use nalgebra::{DMatrix, DVector};
+use std::borrow::Cow;
 use std::cell::OnceCell;
 
 /// Level of each of the three families: displacements, postures, points.
@@ -22,20 +27,23 @@ const ODD: f64 = 0.05;
 const ROUNDING: f64 = 1e-11;
 
 /// The data at hand with their fit.
-pub(super) struct Kept {
+pub(super) struct Kept<'a> {
     fit: Fit,
+    /// The mixed model, where it predicts.
+    mixed: Option<Cow<'a, MixedFit>>,
     /// True where both variances were estimated.
     shifts: bool,
     postures: OnceCell<Vec<PostureFit>>,
     deletions: OnceCell<Deletions>,
 }
 
-impl Kept {
-    pub(super) fn new(fit: Fit) -> Self {
+impl<'a> Kept<'a> {
+    pub(super) fn new(fit: Fit, mixed: Option<Cow<'a, MixedFit>>) -> Self {
         let two = fit.options().estimator == Estimator::TwoVariance;
         Kept {
             shifts: two && !fit.solution().independent_rows,
             fit,
+            mixed,
             postures: OnceCell::new(),
             deletions: OnceCell::new(),
         }
@@ -46,7 +54,7 @@ impl Kept {
     }
 
     /// The data without what `outlier` names; `None` where nothing is left.
-    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<Self>> {
+    pub(super) fn without(&self, outlier: &Outlier) -> Result<Option<Kept<'a>>> {
         let is = |name: &Option<String>, own: &str| name.as_deref().is_none_or(|n| n == own);
         let named = |label: &RowLabel| {
             let (m, point) = self.fit.experiment().behind(label);
@@ -54,7 +62,17 @@ impl Kept {
                 && is(&outlier.state, &m.state)
                 && is(&outlier.point, &self.point_name(point))
         };
-        Ok(self.fit.filtered(|label| !named(label))?.map(Kept::new))
+        let left = self.fit.filtered(|label| !named(label))?;
+        left.map(|fit| self.of(fit)).transpose()
+    }
+
+    /// The rest of the data, in the same model if they carry it.
+    fn of(&self, fit: Fit) -> Result<Kept<'a>> {
+        let mixed = match self.mixed {
+            Some(_) => carried(&fit)?.ok().map(Cow::Owned),
+            None => None,
+        };
+        Ok(Kept::new(fit, mixed))
     }
 
     /// True where the residuals are more than rounding.
@@ -82,7 +100,7 @@ impl Kept {
             let (m, point) = self.fit.experiment().behind(label);
             let whole = match self.fit.filtered(|l| l != label)? {
                 None => None,
-                Some(rest) => self.whole(Kept::new(rest), &m.posture.name, point)?,
+                Some(rest) => self.whole(self.of(rest)?, &m.posture.name, point)?,
             };
             return Ok(Some(whole.unwrap_or_else(|| {
                 let axis = found.deviation.abs().imax();
@@ -124,12 +142,13 @@ impl Kept {
 
     /// The posture or the point as a whole, where `rest`, the data without one
     /// displacement of them, still contradict it.
-    fn whole(&self, rest: Kept, posture: &str, point: usize) -> Result<Option<Outlier>> {
+    fn whole(&self, rest: Kept<'a>, posture: &str, point: usize) -> Result<Option<Outlier>> {
         if !rest.has_residuals() {
             return Ok(None);
         }
         let blocks = &rest.fit.system().blocks;
         let of_posture = match blocks.iter().position(|b| b.posture == posture) {
+            Some(block) if rest.mixed.is_some() => rest.posture_fits()?[block].p_value,
             Some(block) if blocks.len() > 1 => {
                 let fold = rest.fit.fold_without(vec![block])?;
                 rest.posture_p(block, &fold, rounding(rest.fit.system()))?
@@ -175,13 +194,20 @@ impl Kept {
         if let Some(known) = self.deletions.get() {
             return Ok(known);
         }
-        let found = Deletions::of(&self.fit)?;
+        let found = match self.mixed.as_deref() {
+            Some(mixed) => Deletions::of(&self.fit, &mixed.seen()?)?,
+            None => Deletions::of(&self.fit, &Seen::of(&self.fit))?,
+        };
         Ok(self.deletions.get_or_init(|| found))
     }
 
     pub(super) fn posture_fits(&self) -> Result<&[PostureFit]> {
         if let Some(known) = self.postures.get() {
             return Ok(known);
+        }
+        if let Some(mixed) = self.mixed.as_deref() {
+            let found = self.mixed_fits(mixed)?;
+            return Ok(self.postures.get_or_init(|| found));
         }
         let system = self.fit.system();
         let mut out = Vec::with_capacity(system.blocks.len());
@@ -209,6 +235,78 @@ impl Kept {
             }
         }
         Ok(self.postures.get_or_init(|| out))
+    }
+
+    /// Each posture against the mixed model of the others, its sizes found without it, whose prediction is as sure as its band
+    /// says.
+    fn mixed_fits(&self, mixed: &MixedFit) -> Result<Vec<PostureFit>> {
+        let system = mixed.system();
+        let folds = mixed.folds_of(system.blocks.len())?;
+        let all = folds.iter().zip(&system.blocks).enumerate();
+        let each = all.map(|(b, (fold, block))| {
+            let error = fold
+                .compliance
+                .as_ref()
+                .map(|own| missed(system, b, &own.values));
+            let p_value = match (&fold.compliance, &error) {
+                (Some(own), Some(error)) if self.has_residuals() => {
+                    self.mixed_p(system, b, own, error)?
+                }
+                _ => None,
+            };
+            Ok(PostureFit {
+                posture: block.posture.clone(),
+                prediction_rms_m: error.map(|e| rms(e.as_slice())),
+                p_value,
+            })
+        });
+        each.collect()
+    }
+
+    /// Probability of the error with which `own` predicts block `b`: its square in the covariance of the prediction and of
+    /// the readings, with the degrees of freedom of the combination that it is.
+    fn mixed_p(
+        &self,
+        system: &MeasuredSystem,
+        b: usize,
+        own: &IdentifiedCompliance,
+        error: &DVector<f64>,
+    ) -> Result<Option<f64>> {
+        let Some(spread) = own.spread.as_ref().filter(|spread| spread.sigma > 0.0) else {
+            return Ok(None);
+        };
+        let gamma = (spread.shift / spread.sigma).powi(2);
+        let (whitened, _) = self.fit.prepared().whitened().select(&[b], &system.delta)?;
+        let rows = &system.blocks[b].rows;
+        let mut psi = system.psi.rows(rows.start, rows.len()).into_owned();
+        whitened.whiten_block(0, &mut psi);
+        let psi = whitened.with_shifts(&psi, gamma);
+        let error = independent(&whitened, error, gamma);
+        let with = &spread.covariance * psi.transpose();
+        let mut covariance = &psi * &with;
+        for i in 0..rows.len() {
+            covariance[(i, i)] += spread.sigma.powi(2);
+        }
+        let Some(factor) = covariance.cholesky() else {
+            return Ok(None);
+        };
+        let along = factor.solve(&error);
+        let with = with * &along;
+        let variance = along.dot(&(&psi * &with)).max(0.0);
+        let noise = spread.sigma.powi(2) * along.norm_squared();
+        let most = spread
+            .degrees_of_freedom
+            .map_or(f64::INFINITY, |n| n as f64);
+        let free = match &spread.doubt {
+            Some(doubt) => doubt.degrees_of_freedom(&with, variance, noise).min(most),
+            None => most,
+        };
+        let count = rows.len();
+        Ok(f_tail(
+            error.dot(&along) / count as f64,
+            count,
+            free.max(1.0) as usize,
+        ))
     }
 
     /// Probability of a deviation of block `b` from the fit without it.

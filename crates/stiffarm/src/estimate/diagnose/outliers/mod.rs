@@ -7,7 +7,8 @@
 //! the two variances estimated without it: what its points share against the
 //! variance of such shifts, the rest against that of the readings. A measuring
 //! point is compared with the fit from the other points. What fits worst is set
-//! aside and the rest is looked at again; when a displacement does not fit and
+//! aside and the rest is looked at again; all of this in the model that predicts, so that what the arm does beyond its
+//! axes is no fault of a posture; when a displacement does not fit and
 //! neither does the rest of its posture (or of its point), the posture (or the
 //! point) is named instead.
 
@@ -17,10 +18,12 @@ mod kept;
 use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
+use crate::estimate::mixed::MixedFit;
 use crate::findings::{Finding, length, length_with_error, list, probability};
 use kept::Kept;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Outliers after which the search ends: beyond, the model is at fault.
 const MOST: usize = 5;
@@ -111,6 +114,14 @@ pub struct Outliers {
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
 pub fn outliers(fit: &Fit) -> Result<Outliers> {
+    outliers_in(fit, None)
+}
+
+/// The same in the mixed model, where it predicts.
+///
+/// # Errors
+/// As [`outliers`].
+pub(super) fn outliers_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Outliers> {
     let options = IdentifyOptions {
         estimator: match fit.options().estimator {
             Estimator::Ordinary => Estimator::Ordinary,
@@ -120,7 +131,10 @@ pub fn outliers(fit: &Fit) -> Result<Outliers> {
         noise: NoiseSource::Estimated,
         ..fit.options().clone()
     };
-    let mut kept = Kept::new(fit.with(&options)?);
+    let mut kept = match mixed {
+        Some(mixed) => Kept::new(mixed.fit().clone(), Some(Cow::Borrowed(mixed))),
+        None => Kept::new(fit.with(&options)?, None),
+    };
     let mut out = Outliers {
         found: Vec::new(),
         more: false,

@@ -6,9 +6,9 @@ use crate::estimate::compliance::Spread;
 use crate::estimate::freedom::SpreadQuantiles;
 use crate::estimate::simulate::normal;
 use crate::model::cell::Cell;
-use crate::model::elastic::{ElasticSizes, fitted, terms};
+use crate::model::elastic::{Effect, ElasticSizes, ElasticSizing, fitted, terms};
 use crate::model::measurement::{Displacement, MeasuredPosture};
-use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
 use crate::numerics::information::stacked;
 use crate::plan::index::prediction::work_of;
@@ -30,12 +30,8 @@ impl Truth {
     /// No prior.
     pub(super) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
         let prior = cell.require_prior()?.to_vec();
-        let effects = fitted(cell.setup.robot.joint_count());
-        let deviation = effects.iter().map(|e| match e.term {
-            // Entries scatter around zero.
-            ExtraTerm::MeanSpring(_) => 0.0,
-            _ => e.scale * sizes.of(e.class),
-        });
+        let effects = springs(cell);
+        let deviation = effects.iter().map(|e| e.scale * sizes.of(e.class));
         Ok(Truth {
             axes: DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k)),
             deviations: DVector::from_iterator(effects.len(), deviation),
@@ -51,9 +47,9 @@ impl Truth {
     }
 }
 
-/// The entries of all springs beyond the axes.
-fn springs(cell: &Cell) -> Vec<ExtraTerm> {
-    terms(&fitted(cell.setup.robot.joint_count()))
+/// What the mixed model may find, in its order.
+fn springs(cell: &Cell) -> Vec<Effect> {
+    fitted(&cell.setup.robot, &[], ElasticSizing::Alike)
 }
 
 /// A group of postures on any such arm.
@@ -73,7 +69,7 @@ impl Group {
     pub(super) fn new(cell: &Cell, postures: &[Posture]) -> Result<Self> {
         let points = cell.setup.tool.point_count();
         let rows = 3 * points;
-        let springs = springs(cell);
+        let springs = terms(&springs(cell));
         let mut blocks = Vec::with_capacity(postures.len());
         let mut known = DVector::zeros(rows * postures.len());
         for (p, posture) in postures.iter().enumerate() {
@@ -147,7 +143,7 @@ impl Work {
     /// # Errors
     /// As [`work_of`].
     pub(super) fn new(cell: &Cell) -> Result<Self> {
-        let (work, springs) = (work_of(cell)?, springs(cell));
+        let (work, springs) = (work_of(cell)?, terms(&springs(cell)));
         let robot = &cell.setup.robot;
         let tip = |terms: &PostureTerms| {
             let columns = terms.block_with(robot, &springs);

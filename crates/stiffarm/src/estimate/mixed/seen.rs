@@ -1,0 +1,86 @@
+//! What a fit sees of its displacements, in coordinates in which readings and shifts are independent and alike.
+
+use super::MixedFit;
+use crate::error::{Code, Error, Result};
+use crate::estimate::identify::Fit;
+use nalgebra::{DMatrix, DVector};
+
+/// I − B Bᵀ takes displacements to what the fit leaves of them, P Δ.
+pub(crate) struct Seen {
+    /// B, rows × unknowns: a basis of Ψ, or Ψ and the random effects times the root of the inverse of their equations.
+    pub(crate) basis: DMatrix<f64>,
+    /// P Δ.
+    pub(crate) residual: DVector<f64>,
+    /// Δᵀ P Δ.
+    pub(crate) size: f64,
+    /// Degrees of freedom behind it.
+    pub(crate) free: usize,
+    /// γ = τ²/σ².
+    pub(crate) gamma: f64,
+}
+
+impl Seen {
+    /// What the axes alone see.
+    pub(crate) fn of(fit: &Fit) -> Seen {
+        let solution = fit.solution();
+        let rows = fit.system().delta.len();
+        let basis = solution.factor.basis(rows);
+        Seen::with(fit, basis, solution.degrees_of_freedom, solution.gamma)
+    }
+
+    fn with(fit: &Fit, basis: DMatrix<f64>, free: usize, gamma: f64) -> Seen {
+        let both = fit
+            .prepared()
+            .whitened()
+            .delta_with_shifts(fit.white(), gamma);
+        let residual = &both - &basis * basis.tr_mul(&both);
+        Seen {
+            size: both.dot(&residual),
+            basis,
+            residual,
+            free,
+            gamma,
+        }
+    }
+}
+
+impl MixedFit {
+    /// What the mixed model sees, its sizes held.
+    ///
+    /// # Errors
+    /// Equations that cannot be solved.
+    pub(crate) fn seen(&self) -> Result<Seen> {
+        let whitened = self.fit.prepared().whitened();
+        let rows = &self.rows;
+        let (fixed, random) = (rows.fixed, rows.random_columns());
+        let mut all = whitened
+            .psi()
+            .clone()
+            .resize_horizontally(fixed + random.ncols(), 0.0);
+        all.columns_mut(fixed, random.ncols()).copy_from(&random);
+        for (class, size) in rows.classes.iter().zip(&self.sizes.classes) {
+            let mut own = all.columns_mut(fixed + class.start, class.len());
+            own *= size.sqrt();
+        }
+        let all = whitened.with_shifts(&all, self.sizes.gamma);
+        let mut matrix = all.tr_mul(&all);
+        (fixed..matrix.ncols()).for_each(|i| matrix[(i, i)] += 1.0);
+        rows.idle.iter().for_each(|j| matrix[(*j, *j)] += 1.0);
+        let basis = matrix
+            .cholesky()
+            .and_then(|factor| factor.l().solve_lower_triangular(&all.transpose()));
+        let basis = basis.ok_or_else(|| {
+            Error::new(
+                Code::Numerical,
+                "The equations of the mixed model are singular.",
+            )
+        })?;
+        let free = self.fit.system().delta.len() + rows.idle.len() - fixed;
+        Ok(Seen::with(
+            &self.fit,
+            basis.transpose(),
+            free,
+            self.sizes.gamma,
+        ))
+    }
+}
