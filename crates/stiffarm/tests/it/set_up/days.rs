@@ -88,7 +88,7 @@ pub fn cell(kind: Kind) -> Cell {
 /// Twists of the seven frames of an arm, base first.
 pub fn structure(name: &str) -> Vec<Matrix6<f64>> {
     let data: Value =
-        serde_json::from_str(include_str!("../../golden/structural-arms.json")).unwrap();
+        serde_json::from_str(include_str!("../../golden/structural-springs.json")).unwrap();
     let triangle = |rows: &Value| {
         let all = common::numbers(rows);
         Matrix6::from_fn(|i, j| {

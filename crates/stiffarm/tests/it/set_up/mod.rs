@@ -163,7 +163,7 @@ fn sound_days_reject_nothing() {
             (Kind::Lever, Beyond::Structure(_)) => Kind::Rope,
             (kind, _) => kind,
         };
-        let is_table = i % 3 == 0 && !matches!(kind, Kind::Sensor | Kind::Forces);
+        let is_table = i.is_multiple_of(3) && !matches!(kind, Kind::Sensor | Kind::Forces);
         let states = if is_table { 2 } else { 3 };
         let Day { cell, table } = day(kind, beyond, [6, 12, 9][i % 4 % 3], states, 1000 + run);
         let found = match is_table {
@@ -260,7 +260,7 @@ fn what_the_readings_ask_for_is_true() {
 fn the_structures_are_those_of_the_structural_code() {
     let cell = reference_cell();
     let data: serde_json::Value =
-        serde_json::from_str(include_str!("../../golden/structural-arms.json")).unwrap();
+        serde_json::from_str(include_str!("../../golden/structural-springs.json")).unwrap();
     for check in common::list(&data["check"]) {
         let q: Vec<f64> = common::numbers(&check["q_deg"])
             .iter()
