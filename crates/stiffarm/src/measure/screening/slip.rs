@@ -1,4 +1,4 @@
-//! Slips of the hand in single numbers.
+//! Slips of who types an angle.
 
 /// How an angle was perhaps mistyped.
 pub(super) fn slip(written: f64, likely: f64) -> &'static str {
