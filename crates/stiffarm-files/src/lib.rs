@@ -11,6 +11,7 @@
 //! # Ok::<(), stiffarm::Error>(())
 //! ```
 
+mod binary;
 pub mod builtin;
 pub mod cell;
 pub mod envelope;

@@ -25,6 +25,9 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>> {
     if let Some(units) = bytes.strip_prefix(BIG) {
         return utf16(units, u16::from_be_bytes).map(Cow::Owned);
     }
+    if let Some(error) = crate::binary::refused(bytes) {
+        return Err(error);
+    }
     std::str::from_utf8(bytes)
         .map(Cow::Borrowed)
         .map_err(|error| {

@@ -4,8 +4,10 @@ use crate::cell::{Full, cell_drawing};
 use crate::figure::svg::{escape, render_drawing};
 use std::fmt::Write;
 use stiffarm::Result;
+use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::ReadingTarget;
+use stiffarm::model::posture::Posture;
 use stiffarm::model::robot::{Controller, Robot};
 use stiffarm::units::rad_to_deg;
 use stiffarm_files::table::{Sheet, SheetRow};
@@ -50,10 +52,14 @@ pub fn plan_page(cell: &Cell, sheet: &Sheet) -> Result<String> {
             escape(&posture.name),
             groups.len()
         );
+        if let Some(station) = &rows[0].station {
+            let _ = writeln!(out, "<p>Tracker at station {}</p>", escape(station));
+        }
         angles(&mut out, &cell.setup.robot, &posture.q);
         let drawing = cell_drawing(cell, std::slice::from_ref(posture), Full::Number(0))?;
         out += &render_drawing(&drawing);
         readings(&mut out, rows);
+        hidden(&mut out, cell, posture);
         out += "</section>\n";
     }
     out += "</body>\n</html>\n";
@@ -77,6 +83,20 @@ fn angles(out: &mut String, robot: &Robot, q: &[f64]) {
         let _ = write!(out, "<td class=\"n\">{rounded:.2}</td>");
     }
     *out += "</tr></table>\n";
+}
+
+/// The points that have no box, since the tracker does not see them.
+fn hidden(out: &mut String, cell: &Cell, posture: &Posture) {
+    let points = &cell.setup.tool.measuring_points;
+    let hidden = cell.hidden_points(&posture.q).into_iter();
+    let names: Vec<&str> = hidden.map(|point| points[point].name.as_str()).collect();
+    if !names.is_empty() {
+        let _ = writeln!(
+            out,
+            "<p>Hidden from the tracker: point {}.</p>",
+            escape(&list(&names))
+        );
+    }
 }
 
 /// A line for each state, a box for each point.

@@ -112,6 +112,7 @@ fn wrong_inputs_are_answered_with_place_and_hint() {
         "select builtin:comau --index nowel",
         "select builtin:comau --initial builtin:comau-group1 --output simulated.csv",
         "select no-prior.toml --rounds 2",
+        "select no-prior.toml --index d --rounds 2",
         "select builtin:comau --initial builtin:comau-group1 --rounds 3",
         "select builtin:comau --max-iterations 5",
         "select builtin:comau --count 0",

@@ -156,7 +156,15 @@ fn rows_of_ones_own_get_a_cell_that_works() {
         folder.json(&line)["result"]["postures"][0]["flange"].clone()
     };
     assert_eq!(pose("cell/cell.toml"), pose("catalogue/cell.toml"));
-    folder.ok("init --dh rows.csv --dh-convention standard --output-dir standard");
+    // Rows of the other convention are told by two axes on one line.
+    let wrong = "init --dh rows.csv --dh-convention standard --output-dir standard";
+    assert!(folder.refused(wrong).contains("--dh-convention modified"));
+    folder.write(
+        "data-sheet.csv",
+        "joint,alpha_deg,a_mm,d_mm,offset_deg\n1,90,0,127.3,0\n2,0,-612,0,0\n3,0,-572.3,0,0\n\
+         4,90,0,163.9,0\n5,-90,0,115.7,0\n6,0,0,92.2,0\n",
+    );
+    folder.ok("init --dh data-sheet.csv --dh-convention standard --output-dir standard");
     assert!(
         folder
             .read("standard/cell.toml")

@@ -30,6 +30,7 @@ mod saved;
 mod select;
 mod shapes;
 mod sheets;
+mod stations;
 mod support;
 mod tool_paths;
 mod validate;

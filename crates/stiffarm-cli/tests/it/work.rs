@@ -189,3 +189,24 @@ fn a_tip_that_nobody_gave_is_named() {
             .contains("The tip is")
     );
 }
+
+#[test]
+fn a_free_turn_past_a_fixture_is_compensated_and_written() {
+    let folder = Folder::new();
+    // A circle beside the fixture, 900 mm to the side and 50 mm below the cell's own path.
+    let mut path = "x_mm,y_mm,z_mm,axis_x,axis_y,axis_z\n".to_string();
+    for i in 0..54 {
+        let angle = std::f64::consts::TAU * f64::from(i) / 53.0;
+        let (x, y) = (200.0 * angle.cos(), -550.0 + 200.0 * angle.sin());
+        path += &format!("{x:.3},{y:.3},0,0,0,-1\n");
+    }
+    folder.write("path.csv", path);
+    folder.ok("compensate builtin:comau-shapes prior path.csv --output commanded.csv");
+    assert_eq!(folder.names(), ["commanded.csv", "path.csv"]);
+    let told = folder.ok("predict builtin:comau-shapes prior path.csv --details");
+    let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        told.contains("is forbidden by the cell's bounds, limits or shapes at"),
+        "{told}"
+    );
+}

@@ -10,6 +10,9 @@ use stiffarm::model::load::Load;
 
 const MOUNTS: [(&str, Mount); 2] = [("flange", Mount::Flange), ("base", Mount::Base)];
 
+/// Axes by their numbers.
+const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
+
 const REPORTS: [(&str, bool); 2] = [("on_robot", false), ("by_robot", true)];
 
 /// The force sensor.
@@ -23,6 +26,9 @@ pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Senso
     let hint = "reports = \"on_robot\" (what acts on the robot) or reports = \"by_robot\" (what it exerts)";
     let reports = source.required(table, &raw.reports, "reports", hint)?;
     let reports_by_robot = source.choice(reports, &REPORTS, hint)?;
+    let hint = "mirrored_axis = \"x\", \"y\" or \"z\": the one of a left-handed sensor that counts the other way";
+    let mirrored = raw.mirrored_axis.as_ref();
+    let mirrored = mirrored.map(|axis| source.choice(axis, &AXES, hint));
     let hint = "give the sensor's origin: xyz_mm = [x, y, z] in flange axes or the base frame";
     let xyz = source.required(table, &raw.xyz_mm, "xyz_mm", hint)?;
     let hint =
@@ -32,6 +38,7 @@ pub(super) fn sensor(source: &Source<'_>, table: &At<RawSensor>) -> Result<Senso
         mount,
         pose: pose(source, xyz, rpy)?,
         reports_by_robot,
+        mirrored: mirrored.transpose()?,
     })
 }
 

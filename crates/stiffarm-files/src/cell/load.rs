@@ -22,6 +22,32 @@ const KINDS: [(&str, &[&str]); 6] = [
     ("cases", &["case"]),
 ];
 
+/// What stands instead of a key where no kind has it beside the others that are given; `{}` is the force of the mass.
+const INSTEAD: [(&str, &str); 7] = [
+    (
+        "mass_kg",
+        "a mass on a rope pulls with its weight: magnitude_n = {}",
+    ),
+    (
+        "magnitude_n",
+        "give the force as force_n = [x, y, z] in newtons",
+    ),
+    (
+        "anchor_mm",
+        "remove it; where a rope or cylinder pulls, kind = \"rope\" or kind = \"cylinder\" takes it with magnitude_n",
+    ),
+    (
+        "direction",
+        "remove it: anchor_mm or force_n gives the direction",
+    ),
+    ("acts", "remove it: it is what a cylinder does"),
+    ("force_n", "give the size of the force as magnitude_n"),
+    (
+        "moment_nm",
+        "remove it; a moment belongs to kind = \"wrench\", with force_n",
+    ),
+];
+
 /// The two kinds of axes of a wrench.
 const AXES_HINT: &str = "axes = \"base\" (fixed) or axes = \"tool\" (turning with the flange)";
 
@@ -166,14 +192,25 @@ impl Table<'_> {
     fn refuse_foreign_keys(&self, kind: &str, keys: &[&str], more: &[&str]) -> Result<()> {
         let is_known = |key: &str| key == "kind" || keys.contains(&key) || more.contains(&key);
         self.source.refuse_others(self.at, is_known, |key| {
-            let owners = KINDS.iter().filter(|(_, keys)| keys.contains(&key));
+            // Another kind is a way only where it has what else is given, too.
+            let given = self.source.keys(self.at);
+            let takes = |keys: &[&str]| {
+                let mut given = given.iter().filter(|(_, other)| keys_of_a_load(other));
+                given.all(|(_, other)| keys.contains(other))
+            };
+            let owners = KINDS
+                .iter()
+                .filter(|(_, keys)| keys.contains(&key) && takes(keys));
             let owners: Vec<String> = owners.map(|(name, _)| format!("\"{name}\"")).collect();
-            let hint = match owners[..] {
-                [] if key == "loading_point_mm" => {
-                    "it belongs into [tool], or into one of several [[load.case]]".to_string()
+            let instead = INSTEAD.iter().find(|(own, _)| *own == key);
+            let hint = match (&owners[..], instead) {
+                ([], Some((_, hint))) => {
+                    let mass = self.at.get().mass_kg.as_ref();
+                    let force = mass.and_then(|mass| self.source.positive(mass).ok());
+                    let force = force.map(|kg| format!("{:.1}", kg * STANDARD_GRAVITY));
+                    hint.replace("{}", force.as_deref().unwrap_or("9.80665 · kg"))
                 }
-                [] => "it belongs into [[load.case]], with [load] kind = \"cases\"".to_string(),
-                _ => format!("remove it, or set kind = {}", owners.join(" or ")),
+                (owners, _) => of_owners(key, owners),
             };
             (format!("A load of kind \"{kind}\" has no {key}."), hint)
         })
@@ -274,6 +311,22 @@ impl Table<'_> {
             wrench: Wrench { force, moment },
             axes,
         })
+    }
+}
+
+/// True for a key that says what a load is, not what kind or name it has.
+fn keys_of_a_load(key: &str) -> bool {
+    KINDS.iter().any(|(_, keys)| keys.contains(&key))
+}
+
+/// Where the kinds that have a key stand, to which it belongs.
+fn of_owners(key: &str, owners: &[String]) -> String {
+    match owners {
+        [] if key == "loading_point_mm" => {
+            "it belongs into [tool], or into one of several [[load.case]]".to_string()
+        }
+        [] => "it belongs into [[load.case]], with [load] kind = \"cases\"".to_string(),
+        _ => format!("remove it, or set kind = {}", owners.join(" or ")),
     }
 }
 

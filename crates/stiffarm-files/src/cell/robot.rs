@@ -2,6 +2,7 @@
 
 use super::raw::{At, Deg, Fixed, List, Mm, Number, Placed, RawBounds, RawRobot, Unit};
 use super::source::Source;
+use crate::table::other_convention;
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::robot::{
@@ -100,6 +101,9 @@ fn chain(
         }
     };
     let values = source.each(rows, dh_row)?;
+    if let Some(error) = other_convention(convention, &values) {
+        return source.placed(rows, Err(error));
+    }
     let robot = Robot::from_dh("robot", convention, &values, Isometry3::identity());
     Ok((source.placed(rows, robot)?, None))
 }

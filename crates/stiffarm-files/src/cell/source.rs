@@ -97,24 +97,28 @@ impl<'a> Source<'a> {
         is_known: impl Fn(&str) -> bool,
         refusal: impl Fn(&str) -> (String, String),
     ) -> Result<()> {
-        let path = self.path(table);
-        let all = self
-            .paths
-            .iter()
-            .flat_map(|(span, own)| own.iter().map(move |own| (span, own)));
-        let mut given: Vec<_> = all
-            .filter_map(|(span, own)| Some((span, own.strip_prefix(path)?.strip_prefix('.')?)))
-            .filter(|(_, name)| !name.contains(['.', '[']) && !is_known(name))
-            .collect();
-        given.sort_by_key(|(span, _)| span.start);
-        if let Some((span, name)) = given.first() {
+        let mut given = self.keys(table).into_iter();
+        if let Some((span, name)) = given.find(|(_, name)| !is_known(name)) {
             let (message, hint) = refusal(name);
             let key = self.path_in(table, name);
             return Err(self
-                .error_at(Code::Conflict, &key, (*span).clone(), message)
+                .error_at(Code::Conflict, &key, span.clone(), message)
                 .hint(hint));
         }
         Ok(())
+    }
+
+    /// The keys of `table` with their places, in the order of the file.
+    pub(super) fn keys(&self, table: &impl Placed) -> Vec<(&std::ops::Range<usize>, &str)> {
+        let path = self.path(table);
+        let all = self.paths.iter();
+        let all = all.flat_map(|(span, own)| own.iter().map(move |own| (span, own)));
+        let mut given: Vec<_> = all
+            .filter_map(|(span, own)| Some((span, own.strip_prefix(path)?.strip_prefix('.')?)))
+            .filter(|(_, name)| !name.contains(['.', '[']))
+            .collect();
+        given.sort_by_key(|(span, _)| span.start);
+        given
     }
 
     /// An error at a value.

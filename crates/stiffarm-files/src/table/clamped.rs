@@ -11,6 +11,7 @@ use nalgebra::{Vector3, Vector6};
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::estimate::clamped::ClampedPosture;
 use stiffarm::model::cell::Cell;
+use stiffarm::model::instruments::Mount;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::Role;
@@ -184,6 +185,17 @@ struct State<'r> {
     motion: Option<Vector6<f64>>,
 }
 
+/// Mean of the wrenches of states; zero without any.
+fn mean_wrench(states: &[&State<'_>]) -> Wrench {
+    let mut mean = Wrench::force(Vector3::zeros());
+    let count = states.len() as f64;
+    for wrench in states.iter().filter_map(|state| state.wrench) {
+        mean.force += wrench.force / count;
+        mean.moment += wrench.moment / count;
+    }
+    mean
+}
+
 struct Reader<'a> {
     table: &'a Table<'a>,
     columns: &'a Columns,
@@ -221,6 +233,7 @@ impl Reader<'_> {
         let read = self.wrench(row)?.ok_or_else(|| self.no_wrench(row))?;
         Ok(ClampedPosture {
             wrench: self.on_robot(&q, &read),
+            preload: None,
             posture: Posture {
                 name: name.to_string(),
                 q,
@@ -244,13 +257,25 @@ impl Reader<'_> {
                 let same = |s: &&State<'_>| s.posture == loaded.posture && s.role == role;
                 read.iter().filter(same).collect()
             };
-            let preload = of(Role::Preload);
-            let reference = if preload.is_empty() {
-                of(Role::Unloaded)
+            let (unloaded, preload) = (of(Role::Unloaded), of(Role::Preload));
+            out.push(if preload.is_empty() {
+                self.against(loaded, &unloaded)?
             } else {
-                preload
-            };
-            out.push(self.against(loaded, &reference)?);
+                let mut own = self.against(loaded, &preload)?;
+                let [light, none] = [&preload, &unloaded].map(|states| mean_wrench(states));
+                let read = Wrench {
+                    force: light.force - none.force,
+                    moment: light.moment - none.moment,
+                };
+                // On the flange the weight of the tool is in it, unless it was read unloaded.
+                let on_flange = self.cell.sensor.as_ref().map(|s| s.mount) == Some(Mount::Flange);
+                let is_known = !on_flange || unloaded.iter().any(|state| state.wrench.is_some());
+                own.preload = Some(match is_known {
+                    true => self.on_robot(&own.posture.q, &read),
+                    false => own.wrench,
+                });
+                own
+            });
         }
         if let (true, Some(first)) = (out.is_empty(), read.first()) {
             let message = "The table has no loaded state.";
@@ -313,6 +338,7 @@ impl Reader<'_> {
             / count;
         Ok(ClampedPosture {
             wrench: self.on_robot(&q, &read),
+            preload: None,
             posture: Posture {
                 name: loaded.posture.to_string(),
                 q,

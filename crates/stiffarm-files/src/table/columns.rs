@@ -24,6 +24,7 @@ pub(super) struct MeasurementColumns {
     force: Option<Vec<Column>>,
     moment: Option<Vec<Column>>,
     pub(super) load: Option<Column>,
+    station: Option<Column>,
     time: Option<Column>,
     expanded: Option<Vec<Column>>,
     temperature: Option<Column>,
@@ -108,6 +109,7 @@ impl MeasurementColumns {
             force,
             moment,
             load,
+            station: found.get("station"),
             time: found.get("time"),
             expanded: found.all_or_none(&expanded(), "give all three, or none")?,
             temperature: found.get("temperature"),
@@ -164,6 +166,58 @@ impl MeasurementColumns {
             let named = table.error(row, at, Code::UnknownName, error.message());
             named.hint(hint)
         })
+    }
+
+    /// Name of the tracker's station, where the row has one.
+    pub(super) fn station(&self, table: &Table<'_>, row: &Row) -> Result<Option<String>> {
+        let column = table.filled(row, self.station);
+        let name = column.map(|column| table.name(row, column)).transpose()?;
+        Ok(name.map(String::from))
+    }
+
+    /// Refuses a row of a posture, `of`, that is read from another station than the row `first`, or a table that names
+    /// the station of one and not of the other.
+    pub(super) fn same_station(
+        &self,
+        table: &Table<'_>,
+        [first, row]: [&Row<'_>; 2],
+        of: Option<&str>,
+    ) -> Result<()> {
+        let (Some(column), [before, own]) = (
+            self.station,
+            [self.station(table, first)?, self.station(table, row)?],
+        ) else {
+            return Ok(());
+        };
+        let shown = |name: &Option<String>| match name {
+            Some(name) => format!("from station {name}"),
+            None => "from no station".to_string(),
+        };
+        let (message, hint) = match of {
+            _ if before == own => return Ok(()),
+            Some(posture) if before.is_some() && own.is_some() => (
+                format!(
+                    "Posture \"{posture}\" is read {} here and {} on line {}.",
+                    shown(&own),
+                    shown(&before),
+                    first.line
+                ),
+                "a displacement is the difference of two readings from one station: name the posture otherwise where it is read from another, with unloaded and loaded rows of its own",
+            ),
+            None if before.is_some() == own.is_some() => return Ok(()),
+            _ => (
+                format!(
+                    "This row is read {}, line {} {}.",
+                    shown(&own),
+                    first.line,
+                    shown(&before)
+                ),
+                "name the station of every posture, or leave the column out where the tracker stood in one place",
+            ),
+        };
+        Err(table
+            .error(row, column.at, Code::Conflict, message)
+            .hint(hint))
     }
 
     /// Time \[s\], where the row has one.

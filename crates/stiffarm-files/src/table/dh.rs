@@ -5,7 +5,7 @@ use super::heading::{Found, Known};
 use super::quantity::Quantity;
 use nalgebra::{DMatrix, DVector, Isometry3};
 use std::collections::HashMap;
-use stiffarm::error::{Code, Result};
+use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::Columns;
 use stiffarm::model::robot::{DhConvention, DhRobot, DhRow, MOST_JOINTS};
 use stiffarm::units::rad_to_deg;
@@ -103,7 +103,56 @@ pub fn read_dh_rows(
         signs.push(read_sign(&table, &found, &sign, row)?);
     }
     robot.coupling = DMatrix::from_diagonal(&DVector::from_vec(signs));
-    Ok(robot)
+    match other_convention(convention, &robot.rows) {
+        Some(error) => Err(error.file(file_name)),
+        None => Ok(robot),
+    }
+}
+
+/// Twists and lengths below this are zero \[rad, m\].
+const ZERO: f64 = 1e-6;
+
+/// The first two neighbouring axes, counted from 0, that lie on one line: no arm has such.
+fn on_one_line(convention: DhConvention, rows: &[DhRow]) -> Option<usize> {
+    let plain = |row: &DhRow| row.alpha.sin().abs() < ZERO && row.a.abs() < ZERO;
+    // What lies between two axes stands in the row of the second, or of the first.
+    let between = match convention {
+        DhConvention::Modified => rows.get(1..),
+        DhConvention::Standard => rows.split_last().map(|(_, before)| before),
+    };
+    between.unwrap_or_default().iter().position(plain)
+}
+
+/// The refusal of rows that have two axes on one line in this convention, and none in the other.
+pub(crate) fn other_convention(convention: DhConvention, rows: &[DhRow]) -> Option<Error> {
+    let (own, other, names) = match convention {
+        DhConvention::Modified => (
+            "modified",
+            DhConvention::Standard,
+            ["standard", "dh_standard"],
+        ),
+        DhConvention::Standard => (
+            "standard",
+            DhConvention::Modified,
+            ["modified", "dh_modified"],
+        ),
+    };
+    let at = on_one_line(convention, rows)?;
+    if rows.len() < 3 || on_one_line(other, rows).is_some() {
+        return None;
+    }
+    let message = format!(
+        "Read as {own} rows, axes {} and {} lie on one line, which no arm has; read as {} rows no two do.",
+        at + 1,
+        at + 2,
+        names[0]
+    );
+    Some(Error::new(Code::Conflict, message).hint(format!(
+        "give the rows as {}, or --dh-convention {}: there alpha and a of a row lie {} the joint's turn",
+        names[1],
+        names[0],
+        if other == DhConvention::Standard { "behind" } else { "before" }
+    )))
 }
 
 /// 1 or −1; 1 without a column.

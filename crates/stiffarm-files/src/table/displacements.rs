@@ -62,6 +62,7 @@ pub(super) fn displacements(
                 posture: Posture { name, q },
                 state: state.to_string(),
                 wrench,
+                preload: None,
                 common_readings: [0.0; 2],
                 servo_deflection: None,
                 displacements: vec![Displacement {

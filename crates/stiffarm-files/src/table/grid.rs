@@ -2,6 +2,7 @@
 
 use super::foreign::own_unit;
 use super::naming::{DATE, NAME, normal};
+use super::place::{by_place, left_out_by_place};
 use super::quantity::Unit;
 pub(super) use super::rows::{Field, Row, Rows};
 use crate::names::fault_of;
@@ -78,11 +79,16 @@ impl<'a> Table<'a> {
         let named = named.map_or(0, |last| last + 1);
         // Columns without a heading do not matter where the cell file says so, or nothing stands in them.
         let nameless = foreign.ignore.iter().any(String::is_empty);
-        let widest = rows.below().map(|row| row.fields.len()).max();
-        let width = if nameless {
-            named.max(widest.unwrap_or(0))
-        } else {
-            named
+        let widest = rows.below().map(|row| row.fields.len()).max().unwrap_or(0);
+        let first = match (style, heading.fields.first()) {
+            (Style::Sheet, Some(field)) => field.column as usize,
+            _ => 1,
+        };
+        let by_place = by_place(&heading, first, foreign);
+        let of_places = by_place.iter().filter(|at| **at < widest).max();
+        let width = match of_places {
+            _ if nameless => named.max(widest),
+            last => named.max(last.map_or(0, |last| last + 1)),
         };
         let filled: Vec<bool> = (0..width)
             .map(|at| {
@@ -113,7 +119,9 @@ impl<'a> Table<'a> {
                         .map(|_| DATE.into())
                 };
                 Heading {
-                    ignored: foreign.ignore.iter().any(same) || (given.is_empty() && !filled[at]),
+                    ignored: foreign.ignore.iter().any(same)
+                        || by_place.contains(&at)
+                        || (given.is_empty() && !filled[at]),
                     name: ours
                         .or_else(name)
                         .or_else(date)
@@ -124,9 +132,15 @@ impl<'a> Table<'a> {
                 }
             })
             .collect();
-        if nameless {
+        if width > named {
             rows.fill_up(width);
         }
+        let left_out = headings.iter().enumerate();
+        let left_out = left_out.filter(|(at, _)| by_place.contains(at));
+        let left_out: Vec<(usize, &str)> = left_out
+            .map(|(at, heading)| (at, heading.shown.as_str()))
+            .collect();
+        let remarks = left_out_by_place(&left_out, file);
         rows.drop_empty_ends(headings.len());
         Table {
             files: vec![file],
@@ -143,7 +157,7 @@ impl<'a> Table<'a> {
             delimiter: ',',
             has_quoted_decimals: false,
             by_order: false,
-            remarks: Vec::new(),
+            remarks: remarks.into_iter().collect(),
         }
     }
 

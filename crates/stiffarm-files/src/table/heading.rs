@@ -1,9 +1,9 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::foreign::{own_unit, suggestion};
+use super::foreign::{counts, own_unit, suggestion};
 use super::grid::{Column, Table};
-use super::naming::normal;
+use super::naming::{joint_number, normal};
 use super::quantity::{Quantity, Unit};
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
@@ -52,6 +52,11 @@ impl Known {
         let bare = self.quantity.units().is_empty().then(|| self.stem.clone());
         bare.into_iter()
             .chain(units.map(|unit| format!("{}_{}", self.stem, unit.suffix)))
+    }
+
+    /// True for forces, moments and angles, whose names other programs have as well as ours.
+    fn is_told_by_name(&self) -> bool {
+        [Quantity::Force, Quantity::Moment, Quantity::Angle].contains(&self.quantity)
     }
 
     /// The column that a heading of this name is, at `at`.
@@ -221,6 +226,9 @@ impl<'a> Table<'a> {
         }
         let is_known = |name: &str| known.iter().any(|k| k.column(name, 0).is_some());
         let foreign = is_foreign(known);
+        if let Some(hint) = counts(&self.headings[column..=column]).filter(|_| foreign) {
+            return error.hint(hint);
+        }
         let others = self.headings.iter().filter(|heading| !heading.ignored);
         let others = others.filter(|heading| !is_known(&heading.name)).count();
         let keys = suggestion(&self.headings, is_known).filter(|_| foreign);
@@ -232,6 +240,10 @@ impl<'a> Table<'a> {
         // A heading of ours with a unit of its own is a matter of that unit.
         let has_unit = |k: &Known| k.stem == stem(name) && !k.quantity.units().is_empty();
         let own = known.iter().any(has_unit) && stem(name) != name;
+        // Names of ours without their unit are a matter of that unit, too.
+        let bare = |name: &str| known.iter().any(|k| k.stem == name && k.is_told_by_name());
+        let mut theirs = self.headings.iter().map(|heading| heading.name.as_str());
+        let own = own || theirs.all(|name| is_known(name) || bare(name));
         if let Some(hint) = suggested.clone().filter(|_| others > 1 && !own) {
             return error.hint(hint);
         }
@@ -362,19 +374,6 @@ fn or<S: AsRef<str>>(names: &[S]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => names.concat(),
     }
-}
-
-/// k and the unit of `q3`, `q3_rad`, `joint 3`, `theta3`, `a3`, `axis_3`, …
-fn joint_number(name: &str) -> Option<(usize, &str)> {
-    let letters = name.split(|c: char| !c.is_alphabetic()).next()?;
-    if !["q", "j", "a", "joint", "axis", "theta", "angle"].contains(&letters) {
-        return None;
-    }
-    let rest = name[letters.len()..].trim_start_matches(|c: char| !c.is_alphanumeric());
-    let end = rest
-        .find(|c: char| !c.is_ascii_digit())
-        .unwrap_or(rest.len());
-    Some((rest[..end].parse().ok()?, &rest[end..]))
 }
 
 /// The known heading that `name` is, in one of its units, as it is written here.

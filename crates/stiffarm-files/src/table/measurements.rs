@@ -61,7 +61,7 @@ fn read_of(
     postures: Option<&[Posture]>,
     growing: bool,
 ) -> Result<Measurements> {
-    let table = Table::read_all(files, &cell.columns, &names(cell, postures))?;
+    let table = Table::read_all(files, &cell.columns, &names(cell, postures), growing)?;
     let read = || match Values::of(&table, cell.setup.robot.joint_count())? {
         Values::Positions => readings(&table, cell, postures, growing).map(Measurements::Readings),
         Values::Displacements => {
@@ -91,6 +91,11 @@ fn names<'n>(cell: &'n Cell, postures: Option<&'n [Posture]>) -> Names<'n> {
 /// # Errors
 /// Not a table.
 pub fn holds_measurements(bytes: &[u8], file_name: &str, cell: &Cell) -> Result<bool> {
-    let table = Table::read_all(&[(bytes, file_name)], &cell.columns, &names(cell, None))?;
+    let table = Table::read_all(
+        &[(bytes, file_name)],
+        &cell.columns,
+        &names(cell, None),
+        false,
+    )?;
     Ok(Values::of(&table, cell.setup.robot.joint_count()).is_ok())
 }

@@ -39,6 +39,7 @@ mod naming;
 mod number;
 mod pairs;
 mod path;
+mod place;
 mod poses;
 mod postures;
 mod quantity;
@@ -53,6 +54,7 @@ mod workbook;
 mod write;
 
 pub use clamped::{read_clamped, write_clamped};
+pub(crate) use dh::other_convention;
 pub use dh::read_dh_rows;
 pub use log::read_log;
 pub use measurements::{

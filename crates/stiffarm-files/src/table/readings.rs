@@ -1,4 +1,4 @@
-//! `posture,state,point,x_mm,y_mm,z_mm[,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
+//! `posture,state,point,x_mm,y_mm,z_mm[,station][,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
 
 use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
@@ -78,6 +78,11 @@ pub(super) fn readings(
                 pending: Vec::new(),
             });
         }
+        let of = [groups[number].row, row];
+        reader.columns.same_station(table, of, Some(name))?;
+        reader
+            .columns
+            .same_station(table, [groups[0].row, row], None)?;
         reader.add(&mut groups[number], row)?;
     }
     unread::check(table, &reader.columns, &rows)?;
@@ -101,12 +106,12 @@ pub(super) fn readings(
         reader.named_loads(&mut group, &mut named);
         let name = group.row.fields[reader.columns.posture.at].text.to_string();
         match reader.check_states(&group, &name) {
-            Err(_) if waiting => out.incomplete.push(reader.close(group, name)),
+            Err(_) if waiting => out.incomplete.push(reader.close(group, name)?),
             Err(error) => return Err(error),
-            Ok(()) if is_at_work => out.incomplete.push(reader.close(group, name)),
+            Ok(()) if is_at_work => out.incomplete.push(reader.close(group, name)?),
             Ok(()) => {
                 reader.check_loads(&group, &pending, &name)?;
-                out.postures.push(reader.close(group, name));
+                out.postures.push(reader.close(group, name)?);
             }
         }
     }
@@ -184,6 +189,7 @@ impl Reader<'_, '_> {
                 posture: row.fields[columns.posture.at].text.to_string(),
                 state: name.to_string(),
                 point: row.fields[columns.point.at].text.to_string(),
+                station: columns.station(table, row)?,
                 line: row.line,
             });
             return Ok(());
@@ -321,15 +327,17 @@ impl Reader<'_, '_> {
     }
 
     /// The posture, once all its rows are read.
-    fn close(&self, group: Group<'_>, name: String) -> PostureReadings {
+    fn close(&self, group: Group<'_>, name: String) -> Result<PostureReadings> {
         let reference = group.of(&[Role::Unloaded]).chain(&group.states).next();
         let own = reference.and_then(|(_, state)| state.angles.clone());
         let planned = || Some(group.planned?.q.clone());
         let q = own.or_else(planned).unwrap_or_default();
-        PostureReadings {
+        Ok(PostureReadings {
             posture: Posture { name, q },
+            station: self.columns.station(self.table, group.row)?,
             states: group.states.into_iter().map(|(_, state)| state).collect(),
-        }
+            axes: Default::default(),
+        })
     }
 
     /// Some point must have been read both with and without the load.

@@ -24,6 +24,7 @@ impl<'a> Table<'a> {
         files: &[(&[u8], &'a str)],
         columns: &Columns,
         names: &Names<'_>,
+        growing: bool,
     ) -> Result<Self> {
         let tables = files.iter();
         let tables = tables.map(|(bytes, file)| {
@@ -42,7 +43,7 @@ impl<'a> Table<'a> {
             foreign::join(&mut table, other)?;
         }
         if let Some(sheet) = sheet {
-            foreign::put(&mut table, &sheet)?;
+            foreign::put(&mut table, &sheet, growing)?;
         }
         foreign::finish(&mut table, columns, names)?;
         tidy::carry_down(&mut table);
@@ -54,8 +55,11 @@ impl<'a> Table<'a> {
             return workbook::read(bytes, file, columns);
         }
         let text = match decode(bytes) {
-            Err(_) if columns.is_latin_1 => bytes.iter().copied().map(char::from).collect(),
+            Err(error) if columns.is_latin_1 && error.code() == Code::Encoding => bytes.iter().copied().map(char::from).collect(),
             read => read.map_err(|error| {
+                if error.code() != Code::Encoding {
+                    return error.file(file);
+                }
                 let hint = "save the file as UTF-8 (in Excel: \"CSV UTF-8\"), or write encoding = \"latin-1\" into [columns] of the cell file";
                 error.file(file).hint(hint)
             })?,

@@ -185,6 +185,7 @@ pub(super) fn carry_down(table: &mut Table<'_>) {
     for (set, level) in [
         (wrench, state),
         (columns(table, &["load"]), state),
+        (columns(table, &["station"]), 1),
         (joints.clone(), 1),
         (joints, state),
     ] {

@@ -39,7 +39,7 @@ impl Values {
         known.extend(force());
         known.extend(moment());
         if self == Values::Positions {
-            known.push(load());
+            known.extend([Known::name("station"), load()]);
         }
         known.push(time());
         if self == Values::Positions {

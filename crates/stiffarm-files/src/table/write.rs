@@ -46,6 +46,7 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
         values: Values::Displacements,
         forces: wrenches.is_some(),
         moments: has_moments,
+        stations: false,
         loads: false,
         times: has_times,
         expanded: false,
@@ -105,6 +106,8 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
         values: Values::Positions,
         forces: table.wrench_columns != WrenchColumns::None,
         moments: table.wrench_columns == WrenchColumns::ForceAndMoment,
+        stations: postures().any(|posture| posture.station.is_some())
+            || table.pending.iter().any(|row| row.station.is_some()),
         loads: states().any(|state| state.load.is_some()),
         times: readings.clone().any(|reading| reading.time.is_some()),
         expanded: readings.clone().any(|reading| reading.expanded.is_some()),
@@ -119,6 +122,9 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
                 let lengths = reading.position.map(m_to_shortest_mm);
                 let mut fields: Vec<String> = names.map(String::clone).into();
                 fields.extend(lengths.iter().map(f64::to_string));
+                if layout.stations {
+                    fields.push(posture.station.clone().unwrap_or_default());
+                }
                 fields.extend(layout.optional(state.wrench, state.load, reading.time));
                 if layout.expanded {
                     let expanded = reading.expanded.map(|u| u.map(m_to_shortest_mm));
@@ -142,6 +148,10 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     let others = others.filter(|row| postures().all(|p| p.posture.name != row.posture));
     for row in begun.into_iter().chain(others) {
         let mut fields = vec![row.posture.clone(), row.state.clone(), row.point.clone()];
+        if layout.stations {
+            fields.extend([""; 3].map(String::from));
+            fields.push(row.station.clone().unwrap_or_default());
+        }
         fields.resize(layout.heading(cell).len(), String::new());
         text += &line(&fields);
     }
@@ -166,6 +176,7 @@ pub(super) struct Layout {
     pub(super) values: Values,
     pub(super) forces: bool,
     pub(super) moments: bool,
+    pub(super) stations: bool,
     pub(super) loads: bool,
     pub(super) times: bool,
     pub(super) expanded: bool,
@@ -179,7 +190,8 @@ impl Layout {
             Values::Positions => ["x_mm", "y_mm", "z_mm"],
             Values::Displacements => ["dx_mm", "dy_mm", "dz_mm"],
         });
-        let optional: [(bool, &[&str]); 6] = [
+        let optional: [(bool, &[&str]); 7] = [
+            (self.stations, &["station"]),
             (self.forces, &["fx_n", "fy_n", "fz_n"]),
             (self.moments, &["mx_nm", "my_nm", "mz_nm"]),
             (self.loads, &["load_n"]),

@@ -45,7 +45,7 @@ pub use shapes::CollisionShape;
 pub use tips::doubted_axes;
 
 use super::check_name;
-use robot::Robot;
+use robot::{Joint, JointKind, Robot};
 use source::Source;
 use stiffarm::error::{Code, Result};
 use stiffarm::findings::Finding;
@@ -114,13 +114,16 @@ pub fn read_urdf(text: &str, file_name: &str, options: &UrdfOptions) -> Result<U
         Ok(()) => robot.name.clone(),
         Err(_) => "robot".to_string(),
     };
+    let has_ends = |drive: &&Joint| drive.kind != JointKind::Continuous;
+    let drives_have_ends = chain.drives.iter().any(has_ends);
     let dh = DhRobot {
         name,
         convention: DhConvention::Modified,
         rows: rows.rows,
         tilts: rows.tilts,
         joint_names,
-        limits: Some(chain.limits),
+        // Joints without end say nothing of the machine.
+        limits: drives_have_ends.then_some(chain.limits),
         coupling: chain.coupling,
         base: rows.base,
         flange: rows.flange,

@@ -12,8 +12,9 @@ const ROOM = [34, 30];
 
 /** A camera that turns around a place. `turn` and `tilt` [rad] as in the printed pictures: from the side at 0, 0. */
 class Orbit {
-  /** `points` are what must be seen. */
-  constructor(points) {
+  /** `points` are what must be seen; `turn` [rad] is that of the perspective, where the usual one has something before the arm. */
+  constructor(points, turn = VIEWS.perspective.turn) {
+    this.perspectiveTurn = turn;
     this.camera = new THREE.PerspectiveCamera(30, 1, 0.1, 100);
     this.points = points;
     this.centre = points.reduce((sum, p) => sum.add(p), new Vector3()).divideScalar(points.length || 1);
@@ -25,6 +26,7 @@ class Orbit {
 
   look(view) {
     Object.assign(this, VIEWS[view]);
+    if (view === 'perspective') this.turn = this.perspectiveTurn;
     this.view = view;
     this.isFitted = true;
     this.fit();

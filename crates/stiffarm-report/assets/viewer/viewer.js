@@ -39,7 +39,7 @@ class View {
       make('div', { className: 'scene-picture' }, this.stage, this.legend()), this.panel.info, this.panel.controls, ...notes);
     container.append(this.body);
     container.classList.add('scene-live');
-    this.orbit = new Orbit(seenPoints(this.picture));
+    this.orbit = new Orbit(seenPoints(this.picture), data.first_turn);
     this.listen();
     this.resize();
     this.set({});

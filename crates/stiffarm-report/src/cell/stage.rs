@@ -218,7 +218,7 @@ pub(crate) fn stands(part: &Part) -> bool {
 }
 
 /// From the base over the joints to the flange.
-pub(super) fn arm(terms: &PostureTerms) -> Vec<Vector3<f64>> {
+pub(crate) fn arm(terms: &PostureTerms) -> Vec<Vector3<f64>> {
     let frames = terms.frames();
     let mut points = vec![Vector3::zeros()];
     points.extend(frames.origins());

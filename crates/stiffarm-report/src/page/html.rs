@@ -7,7 +7,7 @@ use crate::figure::svg::{escape, render_drawing};
 use crate::figure::{Axis, Figure, Series};
 use crate::page::chart::chart;
 use crate::scene::{VIEWER_SCRIPT, VIEWER_STYLE, scene_html};
-use crate::tell::{Block, Number, Outcome, SEEN_AT_ONCE, Section, Text, Told};
+use crate::tell::{Block, DataTable, Number, Outcome, SEEN_AT_ONCE, Section, Text, Told};
 use askama::Template;
 use stiffarm::findings::{Finding, Severity};
 
@@ -118,7 +118,7 @@ impl<'a> PartTemplate<'a> {
                 )
             },
             serious: findings(&of(Severity::Serious)),
-            cautions: folded(&of(Severity::Caution)),
+            cautions: cautions(&of(Severity::Caution), part.key.as_ref()),
             key: part.key.as_ref().map_or_else(String::new, table),
             sections: sections(&part.sections, &prefix, level),
             contents: ids
@@ -322,6 +322,22 @@ fn beside(series: &Series, i: usize) -> String {
         let shown = Number::new("", Some(*value)).significant(4);
         escape(&shown.text())
     })
+}
+
+/// Letters of a caution on a line beside a table.
+const LETTERS: usize = 34;
+
+/// The cautions, of which the first ones are seen at once: beside the table, or below it where they are longer.
+fn cautions(list: &[Finding], key: Option<&DataTable>) -> String {
+    let seen = list.iter().take(SEEN_AT_ONCE);
+    let lines = seen.map(|finding| finding.sentence.chars().count() / LETTERS + 2);
+    let rows = key.map_or(0, |key| key.rows.len() + 2);
+    let out = folded(list);
+    if lines.sum::<usize>() > rows + rows / 2 {
+        out.replacen("class=\"findings\"", "class=\"findings long\"", 1)
+    } else {
+        out
+    }
 }
 
 /// Findings of which the first ones are seen at once.

@@ -45,6 +45,9 @@ pub struct Scene {
     pub limits: SceneLimits,
     /// Smallest and largest corner of what must be seen.
     pub extent: [Triple; 2],
+    /// From where it is looked at first \[rad\], where the usual perspective has something before the arm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_turn: Option<f64>,
     /// How long a force is drawn.
     pub force_length: f64,
     /// How deflections were calculated: `linear` or `equilibrium`; `None` where no stiffness is known.

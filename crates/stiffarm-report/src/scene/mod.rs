@@ -6,6 +6,7 @@
 mod bodies;
 mod data;
 mod extras;
+mod first_look;
 mod html;
 mod numbers;
 mod postures;
@@ -21,7 +22,7 @@ pub use numbers::Triple;
 
 use crate::cell::stage::Stage;
 use crate::series_colour;
-use numbers::{length, place, pose, vector};
+use numbers::{length, place, pose, share, vector};
 use postures::Looks;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
@@ -120,6 +121,7 @@ pub fn scene(cell: &Cell, groups: &[SceneGroup<'_>], options: &SceneOptions<'_>)
             .collect(),
         limits: limits(cell, &stage),
         extent: [place(&corners[0]), place(&corners[7])],
+        first_turn: first_look::first_look(cell, &all).map(share),
         force_length: length(stage.force_length()),
         model: stiffness.map(|_| options.model.as_str()),
         loaded: None,

@@ -66,7 +66,9 @@ fn done(context: &Given<'_>, found: &Validation) -> Text {
     let postures = in_order(found.points.iter().map(|p| p.posture.as_str())).len();
     let how = match (found.folds, found.model) {
         (Some(folds), _) => {
-            format!("each predicted by a fit without it, in {folds} folds of postures")
+            format!(
+                "each predicted by a fit without it, in {folds} folds of postures under the loads that were measured"
+            )
         }
         (None, Model::Linear) => {
             "calculated from the saved stiffness with the linear model".to_string()

@@ -258,3 +258,18 @@ fn script_and_style_can_stand_in_a_page() {
         }
     }
 }
+
+#[test]
+fn the_first_look_is_past_what_stands_before_the_arm() {
+    let open = stiffarm_files::builtin::cell("comau-shapes").unwrap();
+    let postures = stiffarm_files::builtin::postures("comau-group1", &open.setup.robot).unwrap();
+    assert_eq!(shown(&open, &postures, Model::Linear).first_turn, None);
+    // A pillar between the arm and who looks.
+    let text = stiffarm_files::builtin::cell_text("comau-shapes").unwrap();
+    let pillar = "[[obstacle]]\nname = \"pillar\"\nkind = \"box\"\ncenter_mm = [1700, -1900, 1500]\nsize_mm = [1600, 200, 3000]\n\n[clearance]";
+    let text = text.replace("[clearance]", pillar);
+    let behind = stiffarm_files::cell::parse_cell(&text, "cell.toml").unwrap();
+    let turn = shown(&behind, &postures, Model::Linear).first_turn;
+    let turn = turn.expect("another turn").to_degrees();
+    assert!((turn - 32.0).abs() > 10.0, "{turn}");
+}

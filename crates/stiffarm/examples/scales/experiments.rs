@@ -182,6 +182,7 @@ fn cell_of(robot: usize, kind: Kind, dice: &mut Dice) -> Cell {
         mount: Mount::Flange,
         pose: Isometry3::new(Vector3::new(0.0, 0.01, 0.06) * size, dice.vector(0.6)),
         reports_by_robot: false,
+        mirrored: None,
     });
     cell
 }

@@ -8,8 +8,8 @@ use crate::findings::{length, percent};
 use serde::{Deserialize, Serialize};
 
 /// Twice the difference of the restricted log-likelihoods beyond which the axes alone
-/// are rejected. Three variances at the edge of what they can be: chance goes beyond this
-/// in fewer than 5 of 100 experiments (counted in docs/identifying.md).
+/// are rejected. Five variances at the edge of what they can be, the likelier of two sizings: chance goes beyond this
+/// in fewer than 5 of 100 experiments (counted in docs/elastic.md).
 const LIKELIHOOD_RATIO: f64 = 6.0;
 /// Fewest postures that show what gives way beyond the joint axes.
 pub(crate) const FEWEST_POSTURES: usize = 4;

@@ -124,10 +124,4 @@ impl SpreadQuantiles {
             _ => self.plain,
         }
     }
-
-    /// Of unknown `j` alone, of all unknowns' `covariance`.
-    pub(crate) fn of_unknown(&self, covariance: &DMatrix<f64>, j: usize) -> f64 {
-        let with = covariance.column(j).into_owned();
-        self.of(&with, with[j], 0.0)
-    }
 }

@@ -9,8 +9,10 @@ use crate::measure::screening::{
     Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
 };
 use crate::measure::series::PostureSeries;
+use crate::measure::stations;
 use crate::model::cell::{Cell, Noise};
-use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter};
+use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter, Role};
+use crate::model::observation::ExtraTerm;
 
 /// Readings behind a displacement that was reduced from raw readings: a loaded
 /// and a reference one.
@@ -25,6 +27,9 @@ const READINGS: u32 = 2;
 pub struct Measured {
     /// The displacements, posture by posture and state by state.
     pub postures: Vec<MeasuredPosture>,
+    /// Those against the other reference where postures have a preload: here against no load, the way to the preload
+    /// among them, which shows what it took up; where `postures` are these, against the preload. Nothing without one.
+    pub against_unloaded: Vec<MeasuredPosture>,
     /// Readings behind one displacement, where the reduction knows it: 2 for a
     /// loaded and a reference reading. `None` leaves it to the cell's noise.
     pub readings_per_displacement: Option<u32>,
@@ -53,7 +58,29 @@ impl Measured {
 
     /// Keeps the postures for whose name `keep` holds.
     pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
-        self.postures.retain(|m| keep(&m.posture.name));
+        for postures in [&mut self.postures, &mut self.against_unloaded] {
+            postures.retain(|m| keep(&m.posture.name));
+        }
+    }
+
+    /// The displacements from which an experiment with these extra terms is identified, where they are not at hand:
+    /// with lost motion among the unknowns those against no load, otherwise those against the preload.
+    pub(crate) fn showing(&self, extra: &[ExtraTerm]) -> Option<Measured> {
+        let is_wanted = extra.iter().any(|term| !term.is_spring());
+        let is_way = |m: &MeasuredPosture| Role::of(&m.state) == Role::Preload;
+        let has = |postures: &[MeasuredPosture]| postures.iter().any(is_way);
+        let differs = is_wanted != has(&self.postures) && is_wanted == has(&self.against_unloaded);
+        (differs && !self.against_unloaded.is_empty()).then(|| Measured {
+            postures: self.against_unloaded.clone(),
+            against_unloaded: self.postures.clone(),
+            ..self.clone()
+        })
+    }
+
+    /// True where every displacement is against a preload.
+    pub fn is_against_preload(&self) -> bool {
+        let mut postures = self.postures.iter().filter(|m| !m.displacements.is_empty());
+        self.postures.iter().any(|m| m.preload.is_some()) && postures.all(|m| m.preload.is_some())
     }
 
     /// Keeps the postures with these names.
@@ -194,12 +221,21 @@ pub fn prepare(
     if let Some(error) = nothing_measured(&table) {
         return Err(error);
     }
-    let table = table.in_order_of_time();
+    let mut table = table.in_order_of_time();
     let resolution = Resolution::of(cell, &table);
     let cell = resolution.as_ref().map_or(cell, |rounded| &rounded.cell);
-    let series = PostureSeries::all(&table);
     let given = options.base_from_tracker.as_ref();
-    let screening = screen_series(cell, &table, &series, given)?;
+    let doubtful = stations::in_one_frame(cell, &mut table, given)?;
+    let series = PostureSeries::all(&table);
+    let screening = match doubtful {
+        // Frames say nothing where the model fits from no station: one by itself tells why.
+        Some(station) => stations::screened_alone(cell, &table, &series, &station)?,
+        None => None,
+    };
+    let screening = match screening {
+        Some(found) => found,
+        None => screen_series(cell, &table, &series, given)?,
+    };
     let mut reduction = reduce_series(cell, &table, &series, options).map_err(|error| {
         let mut findings = screening.findings.iter();
         match findings.find(|f| f.severity == Severity::Serious) {
@@ -219,6 +255,7 @@ pub fn prepare(
     reduction.findings.extend(table.remarks);
     Ok(Measured {
         postures: std::mem::take(&mut reduction.measured),
+        against_unloaded: std::mem::take(&mut reduction.against_unloaded),
         readings_per_displacement: Some(READINGS),
         resolution_variance: resolution.as_ref().map_or(0.0, |rounded| rounded.variance),
         scatter: reduction
@@ -238,6 +275,9 @@ fn follows(screening: &Screening, finding: &Finding) -> bool {
     let any = |of: &dyn Fn(&Suspicion) -> bool| screening.suspicions.iter().any(of);
     match finding.code.as_str() {
         "force-magnitude" => any(&|s| matches!(s.cause, Cause::LoadUnits | Cause::LoadEntry)),
+        "registration-outlier" | "registration-residual" | "given-registration" => {
+            any(&|s| s.cause == Cause::MovedTracker)
+        }
         "loading-point" | "unexplained-moment" => any(&|s| {
             s.cause == Cause::MomentUnits
                 || s.cause == Cause::LoadEntry

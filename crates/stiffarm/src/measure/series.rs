@@ -337,6 +337,27 @@ impl<'a> PostureSeries<'a> {
         table.postures.iter().map(PostureSeries::new).collect()
     }
 
+    /// The same with differences taken against no load: a preload is then a load like others. Drift stays what it is.
+    pub(super) fn against_unloaded(&self) -> Self {
+        PostureSeries {
+            reference: Role::Unloaded,
+            ..self.clone()
+        }
+    }
+
+    /// Numbers of the states that have displacements against the reference, in the order taken.
+    pub(super) fn loaded(&self) -> impl Iterator<Item = usize> + '_ {
+        let roles = [Role::Preload, Role::Loaded];
+        let states = self.readings.states.iter().enumerate();
+        states
+            .filter(move |(_, s)| {
+                let role = Role::of(&s.state);
+                role != self.reference && roles.contains(&role)
+            })
+            .filter(|(i, _)| self.state_clocks[*i].is_some())
+            .map(|(i, _)| i)
+    }
+
     /// The readings of measuring point `index`.
     pub(super) fn point(&self, index: usize) -> Option<&Series<'a>> {
         let place = self.points.binary_search_by_key(&index, |(i, _)| *i);

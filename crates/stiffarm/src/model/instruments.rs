@@ -24,6 +24,8 @@ pub struct Sensor {
     /// True where it reports the wrench *by* the robot on its surroundings;
     /// false where it reports the wrench *on* the robot.
     pub reports_by_robot: bool,
+    /// The axis (0 to 2) along and about which it counts the other way, where its axes are left-handed.
+    pub mirrored: Option<usize>,
 }
 
 impl Sensor {
@@ -35,8 +37,16 @@ impl Sensor {
             Mount::Base => self.pose,
         };
         let sign = if self.reports_by_robot { -1.0 } else { 1.0 };
-        let turned = reading.map(|v| pose.rotation * v * sign);
+        let turned = reading.map(|v| pose.rotation * self.right_handed(*v) * sign);
         turned.moved(&pose.translation.vector, at)
+    }
+
+    /// A force or moment as the sensor counts it in right-handed axes, and back.
+    pub(crate) fn right_handed(&self, mut vector: Vector3<f64>) -> Vector3<f64> {
+        if let Some(axis) = self.mirrored {
+            vector[axis] = -vector[axis];
+        }
+        vector
     }
 }
 

@@ -1,5 +1,6 @@
-//! What forbids a posture at work: the cell's limits on points, but for the rope, and its shapes.
-//! Rope, beams and the torque of the experiment's load belong to the experiment.
+//! What forbids a posture at work: the cell's limits on points, but for the rope, and its shapes;
+//! where postures are chosen, the cell's bounds as well. Rope, beams and the torque of the
+//! experiment's load belong to the experiment.
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length};
@@ -7,15 +8,20 @@ use crate::model::cell::{Cell, LimitKind, LimitMargin, Limits, Margins};
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::path::LoadedPosture;
+use crate::model::robot::Robot;
 use crate::model::scene::Scene;
 use crate::model::tool::NamedPoint;
 use crate::numerics::jobs::in_order;
+use crate::units::rad_to_deg;
 use nalgebra::{Isometry3, Vector3};
 
 /// Limits of a cell at work.
+#[derive(Debug, Clone)]
 pub(super) struct AtWork {
     /// The cell's tool points with the tip among them.
     setup: Setup,
+    /// The robot with the cell's bounds as limits.
+    robot: Robot,
     limits: Limits,
     scene: Scene,
 }
@@ -32,6 +38,7 @@ impl AtWork {
         }
         AtWork {
             setup,
+            robot: cell.robot_within_bounds(),
             limits: Limits {
                 rope_length: None,
                 ..cell.limits.clone()
@@ -55,6 +62,60 @@ impl AtWork {
         Ok(margins.smallest(&terms).filter(LimitMargin::is_violated))
     }
 
+    /// The robot with the cell's bounds as limits.
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// How far limits and shapes are from allowing `q`, whatever the full turns of its joints: whole
+    /// micrometres, since rounding must not choose between postures; 0 where they allow it.
+    pub fn lacks_room(&self, q: &[f64]) -> Result<f64> {
+        let violated = self.violated(q)?.map_or(0.0, |violated| -violated.margin);
+        Ok((1e6 * violated).ceil())
+    }
+
+    /// The same of the bounds, in whole millionths of a radian.
+    pub fn beyond_bounds(&self, q: &[f64]) -> f64 {
+        let outside = self.outside(q).map_or(0.0, |(_, excess)| excess);
+        (1e6 * outside).ceil()
+    }
+
+    /// The joint that leaves the bounds most, and by how much \[rad\].
+    pub fn outside(&self, q: &[f64]) -> Option<(usize, f64)> {
+        self.robot.outside_limits(q)?;
+        let joints = self.robot.joints().iter().zip(q).enumerate();
+        let excess = joints.map(|(j, (joint, q))| {
+            let [low, high] = joint.limits;
+            (j, (low - q).max(q - high))
+        });
+        excess.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// What [`AtWork::outside`] says: `joint 4 would leave the cell's bounds by 3.1°`.
+    pub fn outside_words(&self, (joint, excess): (usize, f64)) -> String {
+        let (bounded, machine) = (
+            &self.robot.joints()[joint],
+            &self.setup.robot.joints()[joint],
+        );
+        let of = if bounded.limits == machine.limits {
+            "its limits"
+        } else {
+            "the cell's bounds"
+        };
+        format!(
+            "{} would leave {of} by {:.1}°",
+            bounded.name,
+            rad_to_deg(excess)
+        )
+    }
+
+    /// Why `q` is not allowed, as a clause, if it is not.
+    pub fn why_not(&self, q: &[f64]) -> Result<Option<String>> {
+        let violated = self.violated(q)?.map(|violated| AtWork::words(&violated));
+        let outside = || self.outside(q).map(|outside| self.outside_words(outside));
+        Ok(violated.or_else(outside))
+    }
+
     /// What a violated limit says of a posture: `its tip violates the floor by 12 mm`.
     pub fn words(violated: &LimitMargin) -> String {
         match violated.kind {
@@ -74,17 +135,11 @@ impl AtWork {
 ///
 /// # Errors
 /// Angles of the wrong number or not finite.
-pub(super) fn forbidden<'a>(
-    cell: &Cell,
-    tip: &Isometry3<f64>,
-    postures: impl Iterator<Item = (&'a LoadedPosture, &'a [f64])>,
-) -> Result<Option<Finding>> {
-    let at_work = AtWork::new(cell, tip);
-    let postures: Vec<_> = postures.collect();
-    let violated = in_order(&postures, |(_, (_, q))| at_work.violated(q))?;
+pub(super) fn forbidden(at_work: &AtWork, postures: &[LoadedPosture]) -> Result<Option<Finding>> {
+    let violated = in_order(postures, |(_, posture)| at_work.violated(&posture.q))?;
     let (mut count, of, mut worst) = (0, postures.len(), Severity::Caution);
     let mut first = None;
-    for ((posture, _), violated) in postures.iter().zip(violated) {
+    for (posture, violated) in postures.iter().zip(violated) {
         let Some(violated) = violated else {
             continue;
         };

@@ -246,3 +246,28 @@ fn a_start_inside_something_is_told_once_by_all_commands() {
         "{findings:#?}"
     );
 }
+
+#[test]
+fn moves_that_are_blocked_alike_are_one_sentence_with_their_names() {
+    // A wall through the middle of the cell.
+    let cell = with_lines(
+        "comau-shapes",
+        &[(
+            "[clearance]",
+            "[[obstacle]]\nname = \"wall\"\nkind = \"box\"\ncenter_mm = [1700, 0, 1500]\nsize_mm = [3000, 60, 6000]\n\n[clearance]",
+        )],
+        "",
+    );
+    let side = |turn: f64| vec![turn, -0.2, -1.9, 0.2, 0.9, 0.3];
+    let plan = [side(-0.9), side(0.9), side(-0.85)];
+    let options = with(|o: &mut RouteOptions| o.keep_order = true);
+    let found = route(&cell, &plan, &options, Control::default()).unwrap();
+    let stops = PostureGroup::from_angles("plan", plan.to_vec()).postures;
+    let findings = route_findings(&cell, &stops, &found).unwrap();
+    let [blocked] = findings.as_slice() else {
+        panic!("{findings:#?}")
+    };
+    assert_eq!(blocked.code, MOVE_BLOCKED);
+    let named = "for the moves 1 to 2 and 2 to 3: on the straight joint move";
+    assert!(blocked.sentence.contains(named), "{}", blocked.sentence);
+}

@@ -445,3 +445,31 @@ fn a_cell_whose_bounds_do_not_fit_the_robot_is_an_error() {
     cell.bounds.pop();
     assert!(check(&cell).is_err());
 }
+
+#[test]
+fn limits_of_a_full_turn_that_are_given_are_no_unknown_ones() {
+    let rows = "dh_modified = [[0, 0, 300, 0], [-90, 0, 0, 0], [0, 500, 0, 0], [-90, 0, 450, 0], [90, 0, 0, 0], [-90, 0, 80, 0]]\n";
+    let from = "catalogue = \"comau-nj165-3.0\"\n";
+    let unknown = comau_with(from, rows);
+    the(&check(&unknown).unwrap(), "unknown-limits", "-360°");
+    let limits = format!("{rows}limits_deg = [{}]\n", ["[-360, 360]"; 6].join(", "));
+    let known = comau_with(from, &limits);
+    assert!(found(&check(&known).unwrap(), "unknown-limits").is_empty());
+}
+
+#[test]
+fn two_stories_of_one_noise_are_told() {
+    let tracker = |range: f64, angle: f64| {
+        let own = format!("[tracker]\nrange_um = {range}\nangle_urad = {angle}\n\n[noise]\n");
+        check(&comau_with("[noise]\n", &own)).unwrap()
+    };
+    for (range, angle) in [(10.0, 3.0), (5.0, 1.0), (7.0, 5.0)] {
+        assert!(found(&tracker(range, angle), "two-noises").is_empty());
+    }
+    the(
+        &tracker(40.0, 20.0),
+        "two-noises",
+        "[tracker] by 0.040 mm at 2 m",
+    );
+    the(&tracker(0.5, 0.2), "two-noises", "0.4 µm at 2 m");
+}

@@ -77,6 +77,7 @@ fn readings_of_a_push_raise_no_alarm_and_a_reversed_one_does() {
             mount: Mount::Flange,
             pose: common::readings::pose(0.0, 0.0, 0.05, [0.1, 0.2, 0.3]),
             reports_by_robot: false,
+            mirrored: None,
         });
         let done = Experiment {
             base_reflectors: vec![named("base", [0.4, 0.3, 0.1])],

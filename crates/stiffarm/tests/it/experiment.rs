@@ -11,6 +11,7 @@ fn cell_with_sensor() -> Cell {
             mount: Mount::Flange,
             pose: Dice::new(3).pose(),
             reports_by_robot: true,
+            mirrored: None,
         });
     })
 }
@@ -385,6 +386,7 @@ fn the_force_is_written_as_asked() {
         mount: Mount::Base,
         pose: Isometry3::translation(anchor.x, anchor.y, anchor.z),
         reports_by_robot: true,
+        mirrored: None,
     });
     let options = Experiment {
         force: ForceRecord::Force,
@@ -414,4 +416,31 @@ fn what_cannot_be_simulated_is_refused() {
         refused(&cell, |e| e.drift = Vector3::new(0.0, f64::NAN, 0.0)),
     ];
     insta::assert_snapshot!("experiment_refusals", messages.join("\n"));
+}
+
+#[test]
+fn a_cell_with_a_tracker_does_not_doubt_its_own_rehearsal() {
+    // A tracker that stands elsewhere than the rehearsal's own, and reads worse than [noise] says.
+    let mut cell = default_cell();
+    cell.tracker.base_from_tracker = Some(Isometry3::from_parts(
+        Translation3::new(3.5, -1.2, 0.9),
+        UnitQuaternion::from_euler_angles(0.0, 0.0, 2.6),
+    ));
+    cell.tracker.accuracy = Some(TrackerAccuracy {
+        station: Vector3::zeros(),
+        range: 16e-6,
+        range_per_metre: 0.8e-6,
+        angle: 6e-6,
+    });
+    let done = Experiment::as_measured(&cell);
+    let postures = numbered(group1());
+    let truth = cell.require_prior().unwrap().to_vec();
+    let table = experiment(&cell, &postures, &truth, &done, 3, 0).unwrap();
+    let measured = prepare(&cell, table, &ReduceOptions::default()).unwrap();
+    let reduction = measured.reduction.as_ref().unwrap();
+    let screening = measured.screening.as_ref().unwrap();
+    for doubt in reduction.findings.iter().chain(&screening.findings) {
+        assert!(doubt.severity < Severity::Serious, "{doubt:?}");
+        assert_ne!(doubt.code, "repeats-worse-than-noise", "{doubt:?}");
+    }
 }

@@ -11,6 +11,14 @@ fn arm(cell: &Cell) -> LoadedArm {
     LoadedArm::from_stiffness(cell, cell.require_prior().unwrap()).unwrap()
 }
 
+/// The default cell, whose bounds are the machine's limits.
+fn unbounded() -> Cell {
+    let mut cell = default_cell();
+    let joints = cell.setup.robot.joints().iter();
+    cell.bounds = joints.map(|joint| joint.limits).collect();
+    cell
+}
+
 fn point(i: usize, target: PathTarget) -> PathPoint {
     PathPoint {
         line: Some(i + 2),
@@ -82,7 +90,7 @@ fn assert_continuous(cell: &Cell, found: &[LoadedPosture], step: f64) {
 
 #[test]
 fn poses_are_held_on_one_branch() {
-    let cell = default_cell();
+    let cell = unbounded();
     let circle = circle(90);
     let options = with(|o: &mut PosturePathOptions| o.process = milling());
     let (found, summary) = run(&cell, &poses(&circle), &options).unwrap();
@@ -270,4 +278,160 @@ fn arms_without_closed_form_follow_and_turn_as_well() {
     assert!(worst_gap(&cell, &found, &circle, true) < 1e-9);
     assert_continuous(&cell, &found, free.largest_step);
     assert!(turned.deflection_rms_m < fixed.deflection_rms_m);
+}
+
+/// A circle beside the fixture of the cell with shapes, with the tool axis down.
+fn beside_the_fixture(y: f64) -> Vec<PathPoint> {
+    let at = |i: u32| {
+        let angle = std::f64::consts::TAU * f64::from(i) / 53.0;
+        Vector3::new(1.7 + 0.2 * angle.cos(), y + 0.2 * angle.sin(), 0.8)
+    };
+    let axis = UnitVector3::new_unchecked(-Vector3::z());
+    let targets = (0..54).map(|i| PathTarget::Axis {
+        position: at(i),
+        axis,
+    });
+    targets.enumerate().map(|(i, t)| point(i, t)).collect()
+}
+
+fn is_forbidden(cell: &Cell, found: &[LoadedPosture]) -> bool {
+    let predicted = predict(
+        cell,
+        &prior(cell),
+        found,
+        &PredictOptions::default(),
+        Control::default(),
+    );
+    let findings = predicted.unwrap().findings;
+    findings.iter().any(|finding| finding.code == "forbidden")
+}
+
+fn said<'a>(summary: &'a PosturePathSummary, code: &str) -> &'a str {
+    let mut found = summary.findings.iter().filter(|f| f.code == code);
+    let finding = found
+        .next()
+        .unwrap_or_else(|| panic!("{code}: {summary:?}"));
+    assert!(found.next().is_none());
+    &finding.sentence
+}
+
+#[test]
+fn a_free_turn_keeps_shapes_and_says_what_that_costs() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    let points = beside_the_fixture(-0.75);
+    let options = with(|o: &mut PosturePathOptions| o.process = milling());
+    let (found, summary) = run(&cell, &points, &options).unwrap();
+    assert!(!is_forbidden(&cell, &found));
+    assert_continuous(&cell, &found, options.largest_step);
+    let unkept = summary.unkept_rms_m.unwrap();
+    assert!(unkept < summary.deflection_rms_m && summary.deflection_rms_m < 1.3 * unkept);
+    let sentence = said(&summary, "limits-kept");
+    assert!(sentence.contains("of 54 points"), "{sentence}");
+    // Where nothing is in the way the same way is the one that bends least.
+    let mut empty = cell.clone();
+    empty.scene = Default::default();
+    let (free, without) = run(&empty, &points, &options).unwrap();
+    assert!((without.deflection_rms_m / unkept - 1.0).abs() < 1e-9);
+    assert_eq!(without.unkept_rms_m, None);
+    assert!(without.findings.iter().all(|f| f.code != "limits-kept"));
+    assert!(is_forbidden(&cell, &free));
+}
+
+#[test]
+fn the_worst_point_is_named_where_nothing_is_free() {
+    let cell = builtin::cell("comau-shapes").unwrap();
+    // Into the fixture.
+    let points = beside_the_fixture(-1.0);
+    let options = with(|o: &mut PosturePathOptions| o.process = milling());
+    let (found, summary) = run(&cell, &points, &options).unwrap();
+    assert!(is_forbidden(&cell, &found));
+    let sentence = said(&summary, "nothing-free");
+    assert!(sentence.starts_with("At point "), "{sentence}");
+    assert!(sentence.contains("fixture"), "{sentence}");
+}
+
+#[test]
+fn of_the_branches_of_given_poses_one_that_is_free_is_taken() {
+    let mut cell = unbounded();
+    let circle = poses(&circle(40));
+    let options = with(|o: &mut PosturePathOptions| o.process = milling());
+    let (found, before) = run(&cell, &circle, &options).unwrap();
+    // The bounds leave out the side of the wrist that was taken.
+    let wrist = found.iter().map(|posture| posture.q[4]).sum::<f64>();
+    let [low, high] = cell.bounds[4];
+    cell.bounds[4] = if wrist > 0.0 {
+        [low, -0.01]
+    } else {
+        [0.01, high]
+    };
+    let (other, after) = run(&cell, &circle, &options).unwrap();
+    let inside = |posture: &LoadedPosture| cell.outside_bounds(&posture.q).next().is_none();
+    assert!(other.iter().all(inside));
+    // Flipped wrists bend alike: nothing is lost, and nothing to be said.
+    assert!((after.deflection_rms_m / before.deflection_rms_m - 1.0).abs() < 1e-9);
+    assert!(after.findings.is_empty(), "{:?}", after.findings);
+    // The branch that is asked for is kept.
+    let near = changed(options, |o| o.start = Some(found[0].q.clone()));
+    let (asked, summary) = run(&cell, &circle, &near).unwrap();
+    assert!(!asked.iter().any(inside));
+    let sentence = said(&summary, "nothing-free");
+    assert!(sentence.contains("bounds"), "{sentence}");
+}
+
+/// Who counts the tool axis into the tool, or has turned the workpiece, is told what would make the path reachable.
+#[test]
+fn an_axis_the_other_way_round_is_named() {
+    let cell = reference_cell();
+    let hint = |poses: &[Isometry3<f64>], workpiece: Isometry3<f64>| {
+        let options = with(|o: &mut PosturePathOptions| o.workpiece = workpiece);
+        let error = run(&cell, &self::poses(poses), &options).unwrap_err();
+        error.hint_text().unwrap_or_default().to_string()
+    };
+    let moved = |by: [f64; 3]| -> Vec<Isometry3<f64>> {
+        let by = Isometry3::translation(by[0], by[1], by[2]);
+        circle(9).iter().map(|pose| by * pose).collect()
+    };
+    let works =
+        |poses: &[Isometry3<f64>]| run(&cell, &self::poses(poses), &Default::default()).is_ok();
+    let half = |axis| UnitQuaternion::from_axis_angle(&axis, PI);
+    // So low that the arm reaches it from above alone.
+    let round = |poses: Vec<Isometry3<f64>>| -> Vec<_> {
+        poses
+            .iter()
+            .map(|pose| pose * half(Vector3::x_axis()))
+            .collect()
+    };
+    let low = (0..30).map(|i| moved([0.0, 0.0, -0.1 * f64::from(i)]));
+    let low = low
+        .filter(|poses| works(poses))
+        .map(round)
+        .rfind(|poses| !works(poses));
+    let said = hint(&low.unwrap(), Isometry3::identity());
+    assert!(
+        said.contains("tool axis of every pose the other way round"),
+        "{said}"
+    );
+    // Beyond the workpiece, on the side of it where the arm does not reach.
+    let workpiece = Isometry3::translation(1.9, 0.0, 0.8);
+    let turned = |poses: &Vec<Isometry3<f64>>| -> Vec<_> {
+        let turn = workpiece * half(Vector3::z_axis()) * workpiece.inverse();
+        poses.iter().map(|pose| turn * pose).collect()
+    };
+    let beyond = (0..30).map(|i| moved([0.1 * f64::from(i), 0.0, 0.0]));
+    let beyond = beyond
+        .filter(|poses| works(&turned(poses)))
+        .rfind(|poses| !works(poses));
+    let said = hint(&beyond.unwrap(), workpiece);
+    assert!(
+        said.contains("workpiece turned by 180° about its z"),
+        "{said}"
+    );
+    // Nor is one point beyond the reach a path that is turned.
+    let mut one = moved([0.0; 3]);
+    one[4].translation.x += 1.6;
+    let said = hint(&one, workpiece);
+    assert!(!said.contains("180°"), "{said}");
+    // What nothing of this explains says nothing of it.
+    let said = hint(&moved([9.0, 0.0, 0.0]), workpiece);
+    assert!(!said.contains("180°") && !said.contains("round"), "{said}");
 }

@@ -218,6 +218,7 @@ fn measured_wrenches_have_the_sources_that_made_them() {
         mount: Mount::Flange,
         pose: Isometry3::identity(),
         reports_by_robot: false,
+        mirrored: None,
     });
     let mut moments = along.clone();
     for m in &mut moments {

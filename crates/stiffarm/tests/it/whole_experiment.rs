@@ -40,6 +40,7 @@ fn stiffness_lies_in_its_intervals() {
             },
             pose: pose(&mut dice, 0.1),
             reports_by_robot: run % 2 == 0,
+            mirrored: None,
         });
         let postures = postures(&cell, 8);
         let done = Experiment {

@@ -18,6 +18,9 @@ tables! {
         /// "on_robot": it reports force and moment that act on the robot. "by_robot": those that
         /// the robot exerts on its surroundings, the opposite sign.
         reports: Text [required, extend("enum" = ["on_robot", "by_robot"])],
+        /// "x", "y" or "z": the axis along and about which a sensor with left-handed axes counts the other
+        /// way (default: its axes are right-handed).
+        mirrored_axis: Text [extend("enum" = ["x", "y", "z"])],
     }
 
     /// The laser tracker: where its readings' axes are, and how exact it is.

@@ -36,15 +36,21 @@ fn columns_where(headings: &[Heading], wanted: impl Fn(&Heading) -> bool) -> Vec
     found.map(|(at, _)| at).collect()
 }
 
-/// Puts what the sheet says beside the readings, row by row, and leaves a remark.
+/// Puts what the sheet says beside the readings, row by row, and leaves a remark. Of readings that are `growing` the
+/// rows at the end of the sheet are still to come.
 ///
 /// # Errors
 /// Another number of rows; a row that does not fit the heading.
-pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Result<()> {
+pub(in crate::table) fn put<'a>(
+    table: &mut Table<'a>,
+    sheet: &Table<'a>,
+    growing: bool,
+) -> Result<()> {
     let (readings, rows) = (table.rows()?, sheet.rows()?);
-    order::check(table, sheet, &readings, &rows)?;
+    order::check(table, sheet, &readings, &rows, growing)?;
     let (files, name) = (table.files.join(", "), sheet.files[0]);
-    if readings.len() != rows.len() {
+    let some_to_come = growing && readings.len() < rows.len();
+    if readings.len() != rows.len() && !some_to_come {
         let message = format!(
             "{} readings without names stand beside {} rows of {name}, which say in which order they were taken.",
             readings.len(),
@@ -81,6 +87,10 @@ pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Res
         let fields = reading.fields.iter().cloned().chain(beside(row));
         out.push_as(reading, reading.source, fields);
     }
+    for row in &rows[readings.len()..] {
+        let empty = (0..columns).map(|_| Field::empty());
+        out.push_as(row, table.files.len(), empty.chain(beside(row)));
+    }
     let sentence = format!(
         "{files} has no names: {name} says row by row what its {} readings are of.",
         readings.len()
@@ -89,6 +99,7 @@ pub(in crate::table) fn put<'a>(table: &mut Table<'a>, sheet: &Table<'a>) -> Res
     let remark = Finding::note(NAMES_BY_SHEET, "readings", sentence);
     table.remarks.push(remark);
     table.rows = out;
+    table.files.push(name);
     let headings = added.iter().map(|at| sheet.headings[*at].clone());
     table.headings.extend(headings.collect::<Vec<_>>());
     Ok(())

@@ -1,6 +1,7 @@
 //! Which row of a file is the heading, and units in brackets.
 
 use crate::table::naming::{DATE, NAME, normal};
+use crate::table::place::place_of;
 use crate::table::quantity::Quantity;
 use stiffarm::model::cell::Columns;
 
@@ -36,7 +37,10 @@ fn is_known(field: &str, foreign: &Columns) -> bool {
     if name.is_empty() {
         return false;
     }
-    let theirs = foreign.names.values().chain(&foreign.ignore);
+    // A number is the place of a column.
+    let is_name = |own: &&String| own.parse::<usize>().is_err();
+    let theirs = foreign.ignore.iter().filter(is_name);
+    let theirs = foreign.names.values().chain(theirs);
     let mut theirs = theirs.chain(&foreign.name).chain(&foreign.date);
     theirs.any(|other| normal(other) == name) || is_own(&name) || own_unit(&name).is_some()
 }
@@ -84,6 +88,10 @@ const AROUND_UNIT: [char; 14] = [
 pub(in crate::table) fn own_unit(name: &str) -> Option<String> {
     let end = name.find(|c: char| !c.is_ascii_alphanumeric())?;
     let (base, unit) = name.split_at(end);
+    // Torques about x, y and z; with a unit of length they are something else.
+    let torques = [("tx", "mx"), ("ty", "my"), ("tz", "mz")];
+    let torque = torques.iter().find(|(theirs, _)| *theirs == base);
+    let base = torque.map_or(base, |(_, ours)| ours);
     let unit = unit.trim_matches(AROUND_UNIT);
     let unit = match unit
         .strip_prefix("in ")
@@ -92,7 +100,7 @@ pub(in crate::table) fn own_unit(name: &str) -> Option<String> {
     {
         "°" => "deg".to_string(),
         unit => unit
-            .replace(['·', '*', ' ', '°'], "")
+            .replace(['·', '*', ' ', '°', '-'], "")
             .replace('/', "_per_")
             .to_lowercase(),
     };
@@ -129,7 +137,8 @@ where
     let heading = rows.map(names).find(is_sheet)?;
     let is_ours = |theirs: &String| heading.contains(&normal(theirs));
     let mut own = foreign.clone();
-    own.ignore.retain(|theirs| !is_ours(theirs));
+    own.ignore
+        .retain(|theirs| !is_ours(theirs) && place_of(theirs).is_none());
     own.names.retain(|_, theirs| !is_ours(theirs));
     own.name.take_if(|theirs| is_ours(theirs));
     own.date.take_if(|theirs| is_ours(theirs));

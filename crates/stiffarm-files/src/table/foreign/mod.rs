@@ -11,12 +11,13 @@ mod names;
 mod order;
 mod suggest;
 mod times;
+mod words;
 
 pub(super) use by_sheet::{put, take};
 pub(super) use heading::{find, of_own_sheet, own_unit};
 pub(super) use join::join;
 pub(super) use names::Names;
-pub(super) use suggest::suggestion;
+pub(super) use suggest::{counts, suggestion};
 pub(super) use times::DATED;
 
 use super::grid::Table;

@@ -44,10 +44,17 @@ pub(super) fn check(
     sheet: &Table<'_>,
     readings: &[Row<'_>],
     rows: &[Row<'_>],
+    growing: bool,
 ) -> Result<()> {
-    let Some(order) = Order::new(table, sheet, readings, rows) else {
+    // The rows that have come, and one reading more or less among them.
+    let come = |more: usize| &rows[..(readings.len() + more).min(rows.len())];
+    let Some(order) = Order::new(table, sheet, readings, if growing { come(0) } else { rows })
+    else {
         return Ok(());
     };
+    if growing && readings.len() < rows.len() {
+        return order.so_far(come(1));
+    }
     match readings.len() as i64 - rows.len() as i64 {
         0 => order.shifted(),
         1 => order.twice(),
@@ -191,6 +198,32 @@ impl<'o> Order<'o> {
         Err(self.error(first, message).hint(hint))
     }
 
+    /// Readings that are still being taken; `rows` has one more than there are.
+    fn so_far(self, rows: &'o [Row<'o>]) -> Result<()> {
+        // Of a shift that has just begun two readings lie elsewhere, of a bad reading one.
+        if self.stray(None, None) < MOST_STRAY {
+            return Ok(());
+        }
+        let Order {
+            table,
+            sheet,
+            readings,
+            rows: come,
+            ..
+        } = self;
+        let with = |rows| {
+            Order::new(table, sheet, readings, rows).map_or(Ok(()), |order| {
+                if rows.len() < readings.len() {
+                    order.twice()
+                } else {
+                    order.missing()
+                }
+            })
+        };
+        with(&come[..come.len().saturating_sub(1)])?;
+        with(rows)
+    }
+
     /// One reading more than rows.
     fn twice(&self) -> Result<()> {
         let repeated = self.repeated();
@@ -199,7 +232,7 @@ impl<'o> Order<'o> {
             return Ok(());
         };
         let message = format!(
-            "There is one reading more than rows of {}, and line {} is that of line {} once more.",
+            "There is one reading too many for the rows of {}: line {} is that of line {} once more.",
             self.sheet.files[0],
             self.line(*twice),
             self.line(twice - 1)
@@ -215,7 +248,7 @@ impl<'o> Order<'o> {
             return Ok(());
         };
         let message = format!(
-            "There is one reading less than rows of {}: {} has none.",
+            "There is one reading too few for the rows of {}: {} has none.",
             self.sheet.files[0],
             self.rows(&fitting)
         );

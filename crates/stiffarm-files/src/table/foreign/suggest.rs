@@ -1,7 +1,9 @@
 //! What to write into `[columns]` for the headings of a file.
 
+use super::words::{Said, said, stem, words};
 use crate::table::grid::Heading;
-use crate::table::naming::NAME;
+use crate::table::naming::{NAME, joint_number};
+use crate::table::quantity::Quantity;
 
 /// Headings that a hint lists before it is cut.
 const MOST: usize = 12;
@@ -15,23 +17,25 @@ pub(in crate::table) fn suggestion(
     headings: &[Heading],
     is_known: impl Fn(&str) -> bool,
 ) -> Option<String> {
-    let mut keys: Vec<(&'static str, &str)> = Vec::new();
-    let mut taken: Vec<&'static str> = Vec::new();
+    let mut keys: Vec<(String, &str)> = Vec::new();
+    let mut taken: Vec<String> = Vec::new();
     let mut rest: Vec<String> = Vec::new();
     for heading in headings.iter().filter(|heading| !heading.ignored) {
         if is_known(&heading.name) || heading.shown.is_empty() {
-            taken.extend(OURS.iter().find(|own| **own == heading.name));
+            let own = OURS.iter().find(|own| **own == heading.name);
+            taken.extend(own.map(|own| own.to_string()));
             continue;
         }
         let there = |key: &str| {
-            taken.contains(&key)
+            taken.iter().any(|own| own == key)
                 || headings
                     .iter()
                     .any(|h| h.name == key && h.name != heading.name)
         };
-        match key(&heading.name).filter(|key| !there(key)) {
+        match key(&heading.name).filter(|key| (is_known(key) || !key.contains('_')) && !there(key))
+        {
             Some(key) => {
-                taken.push(key);
+                taken.push(key.clone());
                 keys.push((key, heading.shown.as_str()));
             }
             None => rest.push(format!("\"{}\"", heading.shown)),
@@ -41,13 +45,14 @@ pub(in crate::table) fn suggestion(
         return None;
     }
     // Where posture and state have columns, a name is that of the point.
-    let apart = ["posture", "state"].iter().all(|own| taken.contains(own));
+    let has = |own: &str| taken.iter().any(|key| key == own);
+    let apart = ["posture", "state"].into_iter().all(has);
     let mut out: Vec<String> = Vec::new();
     for (key, shown) in keys {
-        let key = if apart && key == NAME { "point" } else { key };
+        let key = if apart && key == NAME { "point" } else { &key };
         out.push(format!("{key} = \"{shown}\""));
         if key == NAME {
-            let pattern = match ["posture", "state", "point"].map(|own| taken.contains(&own)) {
+            let pattern = match ["posture", "state", "point"].map(has) {
                 [false, true, true] => "{posture}",
                 [false, false, true] => "{posture}::{state}",
                 [true, _, _] => "{state}::{point}",
@@ -63,43 +68,65 @@ pub(in crate::table) fn suggestion(
 }
 
 /// The key that a heading's words point to.
-fn key(name: &str) -> Option<&'static str> {
-    let words: Vec<&str> = name
-        .split(|c: char| !c.is_alphanumeric())
-        .filter(|word| !word.is_empty())
-        .collect();
-    let has = |wanted: &[&str]| words.iter().any(|word| wanted.contains(word));
-    let unit = match () {
-        () if has(&["m", "metres", "meters"]) => 1,
-        () if has(&["um", "microns"]) => 2,
-        () if has(&["in", "inch", "inches"]) => 3,
-        // No unit of ours: nothing to map it to.
-        () if has(&["cm", "dm", "km", "ft", "feet"]) => return None,
-        () => 0,
-    };
-    let deviation = has(&[
-        "nominal",
-        "dev",
-        "deviation",
-        "delta",
-        "error",
-        "rms",
-        "sigma",
-        "i",
-        "j",
-        "k",
-    ]);
-    match () {
-        () if deviation => None,
-        () if has(&["x", "x1"]) => Some(["x_mm", "x_m", "x_um", "x_in"][unit]),
-        () if has(&["y", "y1"]) => Some(["y_mm", "y_m", "y_um", "y_in"][unit]),
-        () if has(&["z", "z1"]) => Some(["z_mm", "z_m", "z_um", "z_in"][unit]),
-        () if has(&["time", "timestamp", "datetime", "zeit", "heure"]) => Some("time_s"),
-        () if has(&["date", "datum"]) => Some("date"),
-        () if has(&["collection", "pose", "workpiece"]) => Some("posture"),
-        () if has(&["group", "load"]) => Some("state"),
-        () if has(&["target", "reflector", "smr", "point"]) && !has(&["name"]) => Some("point"),
-        () if has(&["name", "label", "feature", "object", "id"]) => Some(NAME),
-        () => None,
+fn key(name: &str) -> Option<String> {
+    let words = words(name);
+    let has = |wanted: &[&str]| words.iter().any(|word| wanted.contains(&word.as_str()));
+    if let Some((joint, unit)) = joint_number(name) {
+        let letters: String = unit.chars().filter(|c| c.is_alphanumeric()).collect();
+        let suffix = match letters.as_str() {
+            "" | "deg" | "degrees" => "deg",
+            "rad" => "rad",
+            _ => return None,
+        };
+        return Some(format!("q{joint}_{suffix}"));
     }
+    let named = match said(&words) {
+        Said::Measured(quantity, axis, unit) => {
+            return stem(quantity, axis).map(|stem| format!("{stem}_{unit}"));
+        }
+        Said::Counts(..) | Said::Other => return None,
+        Said::Nothing
+            if has(&[
+                "nominal",
+                "dev",
+                "deviation",
+                "delta",
+                "error",
+                "rms",
+                "sigma",
+            ]) =>
+        {
+            return None;
+        }
+        Said::Nothing => match () {
+            () if has(&["station", "instrument"]) => "station",
+            () if has(&["time", "timestamp", "datetime", "zeit", "heure"]) => "time_s",
+            () if has(&["date", "datum"]) => "date",
+            () if has(&["collection", "pose", "workpiece"]) => "posture",
+            () if has(&["group", "load"]) => "state",
+            () if has(&["target", "reflector", "smr", "point"]) && !has(&["name"]) => "point",
+            () if has(&["name", "label", "feature", "object", "id"]) => NAME,
+            () => return None,
+        },
+    };
+    Some(named.to_string())
+}
+
+/// Headings whose numbers are counts of a sensor, with the column that the forces behind them would have.
+pub(in crate::table) fn counts(headings: &[Heading]) -> Option<String> {
+    let of = |heading: &&Heading| match said(&words(&heading.name)) {
+        Said::Counts(quantity, axis) => stem(quantity, axis).map(|stem| (quantity, stem)),
+        _ => None,
+    };
+    let mut all = headings.iter().filter(|heading| !heading.ignored);
+    let (heading, (quantity, stem)) = all.find_map(|heading| Some((heading, of(&heading)?)))?;
+    let unit = match quantity {
+        Quantity::Moment => ["N·m", "nm"],
+        _ => ["N", "n"],
+    };
+    Some(format!(
+        "\"{}\" holds counts, whose size only the sensor's calibration tells: divide them by its counts per {}, and name \
+         the column {stem}_{}",
+        heading.shown, unit[0], unit[1]
+    ))
 }

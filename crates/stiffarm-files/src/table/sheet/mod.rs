@@ -12,6 +12,7 @@ use super::write::{Layout, degrees, line};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::model::measurement::Role;
+use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
 
 /// What a sheet for raw readings asks for.
@@ -84,13 +85,15 @@ pub struct SheetRow {
     pub state: String,
     /// Name of the measuring point, or of the reflector on the base.
     pub point: String,
+    /// Name of the tracker's station, where the cell has several.
+    pub station: Option<String>,
     /// Force of rope, cylinder or weight in this state \[N\], where the cell or the
     /// state's name gives it.
     pub load: Option<f64>,
 }
 
 impl Sheet {
-    /// Makes a row for each posture, state and point.
+    /// Makes a row for each posture, state and point that the tracker sees.
     fn new(
         layout: Layout,
         postures: &[Posture],
@@ -106,14 +109,19 @@ impl Sheet {
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {
             let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
+            let station = layout.stations.then(|| station_at(cell, posture)).flatten();
             if is_turned(cell, states, number) {
                 own.reverse();
             }
+            let hidden = cell.hidden_points(&posture.q);
             for (state, load) in own {
-                rows.extend(points.iter().map(|point| SheetRow {
+                let seen = points.iter().enumerate();
+                let seen = seen.filter(|(number, _)| !hidden.contains(number));
+                rows.extend(seen.map(|(_, point)| SheetRow {
                     posture: posture.clone(),
                     state: state.clone(),
                     point: (*point).to_string(),
+                    station: station.clone(),
                     load: *load,
                 }));
             }
@@ -133,19 +141,33 @@ impl Sheet {
             row.point.clone(),
         ];
         fields.extend([""; 3].map(String::from));
+        if self.layout.stations {
+            fields.push(row.station.clone().unwrap_or_default());
+        }
         fields.extend(self.layout.optional(None, row.load, None));
         fields.extend(degrees(&row.posture.q));
         fields
     }
 
-    /// The names in the column of postures (0), states (1) or points (2), each once, in their order.
+    /// The rows of one posture and state after the other.
+    pub(super) fn states(&self) -> impl Iterator<Item = &[SheetRow]> {
+        let is_same =
+            |a: &SheetRow, b: &SheetRow| a.posture.name == b.posture.name && a.state == b.state;
+        self.rows.chunk_by(is_same)
+    }
+
+    /// The names of postures (0), states (1), points (2) or stations (3), each once, in their order.
     fn names(&self, column: u16) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for row in &self.rows {
             let name = match column {
                 0 => &row.posture.name,
                 1 => &row.state,
-                _ => &row.point,
+                2 => &row.point,
+                _ => match &row.station {
+                    Some(station) => station,
+                    None => continue,
+                },
             };
             // Postures come in blocks; there are few states and points.
             let known = match column {
@@ -167,7 +189,8 @@ impl Sheet {
 }
 
 /// A sheet for raw readings: the rows of [`read_measurements`](super::read_measurements)
-/// for each posture, load state and point, with empty fields for what is to be
+/// for each posture, load state and point (but those that the tracker does not see,
+/// [`Cell::hidden_points`]), with empty fields for what is to be
 /// read. It has columns of force where the cell has a sensor or its load is
 /// measured, else `load_n` where the load is a rope, cylinder or weight, and the
 /// angles of the posture, to be replaced by those that the controller shows.
@@ -175,6 +198,9 @@ impl Sheet {
 /// `load_n` is filled in where it is certain: with the cell's own force where a load has
 /// one state, or with the one number in the state's name (`up-250`, `500N`) where it is a
 /// force that the cell's load can have.
+///
+/// Where the cell has several stations of the tracker, the column `station` says from which the posture is read: the one
+/// that sees most of its points.
 ///
 /// Rows stand in measuring order; where the load stays on between postures, every second posture
 /// is measured from the last state to the first.
@@ -185,6 +211,10 @@ pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) 
         values: Values::Positions,
         forces,
         moments: cell.sensor.is_some(),
+        stations: cell
+            .scene
+            .sight()
+            .is_some_and(|sight| sight.stations.len() > 1),
         loads: !forces && cell.setup.load.each().any(|load| load.size().is_some()),
         times: true,
         expanded: false,
@@ -210,6 +240,7 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
         values: Values::Displacements,
         forces: asks_for_forces(cell),
         moments: false,
+        stations: false,
         loads: false,
         times: false,
         expanded: false,
@@ -218,6 +249,12 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
     let points = cell.setup.tool.measuring_points.iter();
     let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     Sheet::new(layout, postures, &states, &points, cell)
+}
+
+/// The station from which a posture is read, where the cell has several.
+fn station_at(cell: &Cell, posture: &Posture) -> Option<String> {
+    let terms = PostureTerms::new(&cell.setup.cases()[0], &posture.q, None).ok()?;
+    cell.scene.station_at(&terms).map(|own| own.name.clone())
 }
 
 /// Whether the states of posture `number`, counted from 0, are taken in the reverse order: where the load

@@ -10,6 +10,9 @@ use stiffarm::units::rad_to_deg;
 /// A4 in the format's list of papers (ECMA-376 Part 1, 18.3.1.63, paperSize 9).
 pub(super) const PAPER_A4: u8 = 9;
 
+/// Stands for the box of a point that the tracker does not see.
+const UNSEEN: &str = "–";
+
 type Done = std::result::Result<(), XlsxError>;
 
 /// Fills the worksheet to print, A4 upright.
@@ -68,6 +71,8 @@ impl Page<'_> {
     fn postures(&mut self, sheet: &Sheet, cell: &Cell) -> Done {
         let joints = cell.setup.robot.joint_count();
         let mut headings = vec!["posture".to_string()];
+        let has_stations = sheet.rows.iter().any(|row| row.station.is_some());
+        headings.extend(has_stations.then(|| "station".to_string()));
         headings.extend((1..=joints).map(|joint| format!("q{joint}_deg")));
         self.headings(&headings)?;
         let angle = self.boxed.clone().set_num_format("0.00");
@@ -83,7 +88,13 @@ impl Page<'_> {
                 &row.posture.name,
                 &self.boxed,
             )?;
-            for (at, q) in (1..).zip(&row.posture.q) {
+            if has_stations {
+                let station = row.station.as_deref().unwrap_or_default();
+                self.worksheet
+                    .write_string_with_format(self.line, 1, station, &self.boxed)?;
+            }
+            let first = 1 + u16::from(has_stations);
+            for (at, q) in (first..).zip(&row.posture.q) {
                 self.worksheet
                     .write_number_with_format(self.line, at, rad_to_deg(*q), &angle)?;
             }
@@ -93,7 +104,7 @@ impl Page<'_> {
         Ok(())
     }
 
-    /// A line for each posture and state in measuring order, with a box per point.
+    /// A line for each posture and state in measuring order, with a box per point that is seen.
     fn readings(&mut self, sheet: &Sheet) -> Done {
         let points = sheet.names(2);
         let loads = sheet.headings.iter().any(|heading| heading == "load_n");
@@ -111,8 +122,7 @@ impl Page<'_> {
         }));
         self.headings(&headings)?;
         let tick = self.boxed.clone().set_align(FormatAlign::Center);
-        let per_state = points.len().max(1);
-        for rows in sheet.rows.chunks(per_state) {
+        for rows in sheet.states() {
             let row = &rows[0];
             for (at, text) in (0..).zip([&row.posture.name, &row.state]) {
                 self.worksheet
@@ -131,9 +141,13 @@ impl Page<'_> {
                         .write_blank(self.line, first - 1, &self.boxed)?,
                 };
             }
-            for at in (first..).take(rows.len()) {
+            for (at, point) in (first..).zip(&points) {
+                let sign = rows
+                    .iter()
+                    .find(|row| row.point == **point)
+                    .map_or(UNSEEN, |_| "☐");
                 self.worksheet
-                    .write_string_with_format(self.line, at, "☐", &tick)?;
+                    .write_string_with_format(self.line, at, sign, &tick)?;
             }
             self.line += 1;
         }

@@ -17,6 +17,10 @@ const MORE_ROWS: u32 = 1000;
 /// Columns of names: posture, state, point.
 const NAMES: u16 = 3;
 
+/// The heading of stations, which stands further right, and the column of their names among the choices.
+const STATION: &str = "station";
+const STATIONS: u16 = NAMES;
+
 /// Rows of a worksheet, by the format.
 const MOST_ROWS: usize = 1_048_576 - MORE_ROWS as usize - 1;
 
@@ -83,6 +87,8 @@ fn table(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), Xl
         worksheet.write_string_with_format(0, at, text, &heading)?;
         let validation = if at < NAMES {
             choice(sheet, at)
+        } else if text == STATION {
+            choice(sheet, STATIONS)
         } else {
             numbers(text)
         };
@@ -97,6 +103,10 @@ fn table(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), Xl
         for (at, text) in sheet.headings.iter().enumerate().skip(usize::from(NAMES)) {
             let format = boxed().set_unlocked().set_background_color(TO_FILL);
             let format = number_format(format, text);
+            if let Some(station) = row.station.as_ref().filter(|_| text == STATION) {
+                worksheet.write_string_with_format(line, at as u16, station, &format)?;
+                continue;
+            }
             let planned = match at.checked_sub(angles) {
                 Some(joint) => Some(rad_to_shortest_deg(row.posture.q[joint])),
                 None if text == "load_n" => row.load,
@@ -149,7 +159,7 @@ fn width(sheet: &Sheet, column: u16, heading: &str) -> f64 {
 
 /// One of the names of the plan; another is possible, with a warning.
 fn choice(sheet: &Sheet, column: u16) -> std::result::Result<DataValidation, XlsxError> {
-    let letter = ["A", "B", "C"][usize::from(column)];
+    let letter = ["A", "B", "C", "D"][usize::from(column)];
     let count = sheet.names(column).len().max(1);
     let list = format!("={CHOICES}!${letter}$1:${letter}${count}");
     DataValidation::new()
@@ -174,7 +184,7 @@ fn numbers(heading: &str) -> std::result::Result<DataValidation, XlsxError> {
 
 /// What the drop-downs offer.
 fn choices(worksheet: &mut Worksheet, sheet: &Sheet) -> std::result::Result<(), XlsxError> {
-    for column in 0..NAMES {
+    for column in 0..=STATIONS {
         for (line, name) in (0..).zip(sheet.names(column)) {
             worksheet.write_string(line, column, name)?;
         }

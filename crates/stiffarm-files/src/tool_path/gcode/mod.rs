@@ -8,6 +8,7 @@
 mod circle;
 mod cycle;
 mod effect;
+mod inches;
 mod modes;
 mod pieces;
 mod rows;
@@ -20,6 +21,7 @@ use super::{FAR_AWAY, FARTHEST};
 use crate::program::{ProgramFile, lines};
 use cycle::Cycle;
 use effect::{Feeds, Mode};
+use inches::Clues;
 use nalgebra::{UnitVector3, Vector3};
 use stiffarm::error::Result;
 use stiffarm::findings::Severity;
@@ -48,6 +50,7 @@ struct State<'b, 'c> {
     /// S is the speed of the cutting edge (G96), and not that of the spindle.
     is_cutting_speed: bool,
     cycle: Cycle,
+    clues: Clues,
 }
 
 /// The words of a block and what stands around them.
@@ -74,6 +77,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         feeds: Feeds::Minute,
         is_cutting_speed: false,
         cycle: Cycle::default(),
+        clues: Clues::default(),
     };
     let mut words = Vec::new();
     let (mut has_begun, mut has_ended) = (false, false);
@@ -97,6 +101,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         }
         words.clear();
         let beside = words_of(&mut line, state.builder, &mut words)?;
+        state.clues.remarks(&beside.comments);
         if words.iter().all(|word| matches!(word.letter, b'N' | b'O')) {
             // A comment with a line of its own names what follows, and one behind the program's number.
             let comment = |c: char| c.is_whitespace() || matches!(c, ';' | '(' | ')');
@@ -111,6 +116,7 @@ pub(super) fn read(file: &ProgramFile, builder: &mut Builder<'_>) -> Result<()> 
         has_ended = state.block(&block)? || beside.is_mark && has_begun;
         has_begun = true;
     }
+    state.doubt_unit();
     Ok(())
 }
 
@@ -184,7 +190,10 @@ impl State<'_, '_> {
         if let Some(value) = block.value(b'F') {
             let own = value * self.builder.form.unit;
             match self.feeds {
-                Feeds::Minute => self.builder.feed = Some(Feed::Second(own / 60.0)),
+                Feeds::Minute => {
+                    self.clues.feed = self.clues.feed.max(value);
+                    self.builder.feed = Some(Feed::Second(own / 60.0));
+                }
                 Feeds::Turn => self.builder.feed = Some(Feed::Turn(own)),
                 Feeds::Inverse => {}
             }
@@ -192,6 +201,7 @@ impl State<'_, '_> {
         let mut words = block.words.iter();
         let speed = words.find(|word| word.letter == b'S' && word.index < 2);
         if let Some(word) = speed.filter(|_| !self.is_cutting_speed) {
+            self.clues.spindle = self.clues.spindle.max(word.number.value);
             self.builder.spindle = Some(word.number.value / 60.0);
         }
     }
@@ -220,6 +230,7 @@ impl State<'_, '_> {
         self.turn(block.words, mode)?;
         for word in block.words {
             if let Some(axis @ 0..3) = word.axis() {
+                self.clues.coordinate(word.text(&block.file.text));
                 self.position[axis] = self.moved(self.position[axis], word.number.value);
             }
         }

@@ -81,6 +81,7 @@ impl State<'_, '_> {
                     );
                 }
                 Effect::Inches(inches) => {
+                    self.clues.is_stated = true;
                     if !self.builder.measures(inches) {
                         return Err(word.place.wrong("The units change within the path."));
                     }

@@ -5,7 +5,7 @@ use crate::tell::Given;
 use crate::tell::Text;
 use stiffarm::Termination;
 use stiffarm::findings::{Severity, visible};
-use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
+use stiffarm::plan::feasibility::{HIDDEN_POINTS, NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
 use stiffarm::plan::planned::Plan;
 use stiffarm::plan::select::different;
 
@@ -34,9 +34,8 @@ pub(super) fn counted(plan: &Plan) -> String {
 /// What of the plan sits on a limit.
 fn on_limits(context: &Given<'_>) -> String {
     let findings = context.saved.findings();
-    let own = findings
-        .iter()
-        .filter(|f| [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE].contains(&f.code.as_str()));
+    let codes = [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE, HIDDEN_POINTS];
+    let own = findings.iter().filter(|f| codes.contains(&f.code.as_str()));
     own.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 

@@ -63,6 +63,8 @@ pub struct ClampedPosture {
     /// Wrench of the fixture *on the robot* at the loading point, which is the
     /// clamp, base axes, loaded minus reference.
     pub wrench: Wrench,
+    /// The wrench that the robot had in the reference already, likewise: a preload; `None` where it was unloaded.
+    pub preload: Option<Wrench>,
     /// Δq_m: controller angles loaded minus reference \[rad\].
     pub motor: Vec<f64>,
     /// Number of the reference reading: states of one posture with the same
@@ -236,7 +238,10 @@ fn rows_of(
     give: &DMatrix<f64>,
 ) -> Result<(DMatrix<f64>, DVector<f64>)> {
     let setup = &cell.setup;
-    let terms = PostureTerms::new(setup, &clamped.posture.q, Some(&clamped.wrench))?;
+    let mut terms = PostureTerms::new(setup, &clamped.posture.q, Some(&clamped.wrench))?;
+    if let Some(preload) = &clamped.preload {
+        terms = terms.against(preload);
+    }
     let clamp = *terms.loading_point();
     let loads = terms.spring_loads(&setup.robot);
     let springs = loads.len();

@@ -109,6 +109,7 @@ pub fn simulate_clamped(
                     force: read.fixed_rows::<3>(0).into_owned(),
                     moment: read.fixed_rows::<3>(3).into_owned(),
                 },
+                preload: None,
                 motor,
                 reference: None,
                 fixture_motion: simulation.records_fixture_motion.then_some(motion),

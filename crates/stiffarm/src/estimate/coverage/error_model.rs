@@ -160,6 +160,7 @@ impl<'a> Scene<'a> {
                     posture: posture.clone(),
                     state: format!("loaded-{}", s + 1),
                     wrench: Some(wrench),
+                    preload: None,
                     common_readings: [0.0; 2],
                     servo_deflection: None,
                     displacements,

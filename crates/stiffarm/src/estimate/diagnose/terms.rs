@@ -69,8 +69,8 @@ pub fn try_terms(fit: &Fit) -> Result<TermTrials> {
     let rms_m = fit.leave_one_out()?.rms_m;
     let base = fit.identification()?;
     let tilts = (0..n).map(ExtraTerm::JointTilt);
-    // Of postures reached from the side of their load no reading shows it.
-    let is_shown = fit.cell().route.approach.is_none();
+    // Of postures reached from the side of their load no reading shows it, nor does one against a preload.
+    let is_shown = fit.cell().route.approach.is_none() && !fit.measured().is_against_preload();
     let lost = (0..n).filter(|_| is_shown).map(ExtraTerm::LostMotion);
     let terms: Vec<ExtraTerm> = [ExtraTerm::BaseTilt]
         .into_iter()

@@ -85,13 +85,21 @@ impl Experiment {
         }
         let mut cell = cell.clone();
         cell.noise = measured.noise(&cell);
+        Experiment::of(cell, measured)
+    }
+
+    /// The same where the noise of `cell` is that of the readings already.
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub(crate) fn of(cell: Cell, measured: Measured) -> Result<Self> {
         let states = states_by_posture(&measured.postures);
         let mut terms = vec![None; measured.postures.len()];
         for &m in states.iter().flatten() {
             let posture = &measured.postures[m];
             let wrench = posture.wrench.as_ref();
             let setup = cell.setup.of_state(&posture.state)?;
-            terms[m] = Some(PostureTerms::new(&setup, &posture.posture.q, wrench)?);
+            terms[m] = Some(posture.terms(&setup, wrench)?);
         }
         let experiment = Experiment {
             cell,
@@ -103,6 +111,19 @@ impl Experiment {
         };
         experiment.note(|| "terms".to_string());
         Ok(experiment)
+    }
+
+    /// The experiment with the displacements that show these extra terms, where it does not have them
+    /// ([`Measured::showing`]).
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub(crate) fn showing(&self, extra: &[ExtraTerm]) -> Result<Option<Self>> {
+        let other = self.measured.showing(extra);
+        let made = other.map(|measured| Experiment::of(self.cell.clone(), measured));
+        Ok(made
+            .transpose()?
+            .map(|made| made.watched(self.watch.clone())))
     }
 
     /// The same, stopped as `watch` says.

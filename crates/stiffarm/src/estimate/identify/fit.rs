@@ -15,6 +15,7 @@ use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::control::{Control, Watch};
+use crate::numerics::jobs::in_order_watched;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -100,7 +101,13 @@ impl Fit {
                 .hint("leave the term out; or take [route] approach_deg out, if they were not"));
         }
         let experiment = Experiment::new(cell, measured.into())?.watched(watch);
-        let experiment = Arc::new(experiment);
+        let other = experiment.showing(&options.extra)?;
+        let experiment = Arc::new(other.unwrap_or(experiment));
+        if experiment.measured.is_against_preload() && options.extra.iter().any(is_lost) {
+            let message = "Every displacement is against a preload, and nothing was read unloaded before it: no reading shows lost motion.";
+            return Err(Error::new(Code::Conflict, message.to_string())
+                .hint("leave the term out; or give the readings of the state unloaded too"));
+        }
         let system = Arc::new(experiment.system(&options.extra, options.weights)?);
         let prepared = Arc::new(Prepared::new(&system, options.estimator)?);
         Fit::of(experiment, options, BTreeSet::new(), system, prepared)
@@ -172,8 +179,13 @@ impl Fit {
     fn refitted(&self, options: &IdentifyOptions) -> Result<Self> {
         let inner = &*self.inner;
         check(options)?;
-        let experiment = inner.experiment.clone();
         let left_out = inner.left_out.clone();
+        // What is left out is known by its number among the displacements.
+        let other = match left_out.is_empty() {
+            true => inner.experiment.showing(&options.extra)?,
+            false => None,
+        };
+        let experiment = other.map_or_else(|| inner.experiment.clone(), Arc::new);
         let before = &inner.options;
         if options.extra == before.extra && options.weights == before.weights {
             let plain = |o: &IdentifyOptions| o.estimator == Estimator::Ordinary;
@@ -325,6 +337,16 @@ impl Fit {
             &inner.prepared,
             &inner.white,
             &inner.assumed,
+        )
+    }
+
+    /// The fits without each of `lists` of postures (indices of blocks, ascending).
+    pub(crate) fn folds_without(&self, lists: &[Vec<usize>]) -> Result<Vec<Fold>> {
+        in_order_watched(
+            lists,
+            "leaving postures out",
+            self.control(),
+            |(_, list)| self.fold_without(list.clone()),
         )
     }
 

@@ -102,6 +102,11 @@ impl<'a> Response<'a> {
         &self.delta
     }
 
+    /// γ = τ²/σ².
+    pub(crate) fn gamma(&self) -> f64 {
+        self.gamma
+    }
+
     /// A change of the displacements (rows as in the system, m) as the fit weighs
     /// them; the rows of a prior and of random effects do not change.
     ///

@@ -20,6 +20,8 @@ use nalgebra::{DMatrix, DVector};
 /// Shares of the noise's variance, as exponents of e, that an effect's class may give to
 /// a row: below the first it is nothing, beyond the last there is no noise.
 const SHARES: [f64; 2] = [-16.0, 16.0];
+/// How far above the lower end of the bounds a search near known sizes starts.
+const LITTLE: f64 = 8.0;
 /// Where the search starts.
 const STARTS: [f64; 3] = [-3.0, 0.0, 3.0];
 /// ln γ of the variance that a posture's readings share.
@@ -281,8 +283,10 @@ impl Search<'_, '_> {
         let all = ratio
             .into_iter()
             .chain(classes.map(|(size, unit)| size.ln() - unit));
+        // A class that was nothing starts as little, where its derivative is not nothing.
         let kept = all.zip(&self.bounds);
-        kept.map(|(x, [low, high])| x.clamp(*low, *high)).collect()
+        kept.map(|(x, [low, high])| x.clamp(low + LITTLE, *high))
+            .collect()
     }
 }
 

@@ -15,6 +15,7 @@
 //! the place of the origin hardly matters.
 
 mod doubt;
+mod found;
 mod likelihood;
 mod means;
 mod model;
@@ -28,23 +29,25 @@ pub(crate) mod internals {
     pub use super::model::MixedModel;
 }
 
-pub use result::{ElasticSize, GeneralSpring, MixedResult};
+pub(crate) use reproduced::Reproduced;
+pub use result::{ElasticElement, ElasticSize, GeneralSpring, MixedResult};
 pub(crate) use seen::Seen;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::identify::{
-    Estimator, Fit, IdentifyOptions, MeasuredSystem, NoiseSource, Response, rounding,
+    Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, NoiseSource, Response, rounding,
 };
 use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted, terms};
-use crate::model::observation::ExtraTerm;
+use crate::model::load::Load;
+use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
+use found::{Found, classes, found, joint_give, means, moved};
 use likelihood::{Likelihood, Sizes};
 use means::{gathered, scattered};
 use nalgebra::{DMatrix, DVector};
-use reproduced::projection;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -54,6 +57,7 @@ use sums::Rows;
 #[derive(Clone)]
 pub struct MixedFit {
     fit: Fit,
+    sizing: ElasticSizing,
     effects: Vec<Effect>,
     rows: Rows,
     /// Ψ of all unknowns, fixed effects first, in the effects' own units.
@@ -62,8 +66,7 @@ pub struct MixedFit {
     /// −2 ln L_R with the sizes found, and without random effects.
     values: [f64; 2],
     compliance: IdentifiedCompliance,
-    /// From u to what it adds to the axes' compliance where these alone reproduce the arm.
-    projection: DMatrix<f64>,
+    reproduced: OnceLock<Reproduced>,
     /// Without each posture in turn.
     folds: OnceLock<Vec<MixedFold>>,
 }
@@ -132,31 +135,32 @@ impl MixedFit {
         let terms = terms(&fitted(robot, &give, ElasticSizing::Alike));
         let random = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &random);
-        let mut best: Option<Found> = None;
+        let mut best: Option<(ElasticSizing, Found)> = None;
         for sizing in ElasticSizing::ALL {
             let effects = fitted(robot, &give, sizing);
-            let found = found(fit, &random, effects)?;
+            let near = best.as_ref().map(|(_, other)| &other.sizes);
+            let found = found(fit, &random, effects, near)?;
             fit.control().check()?;
             // As likely with entries that are alike is no reason to take others.
             let is_better = |best: &Found| found.values[0] < best.values[0] - SAME;
-            if best.as_ref().is_none_or(is_better) {
-                best = Some(found);
+            if best.as_ref().is_none_or(|(_, best)| is_better(best)) {
+                best = Some((sizing, found));
             }
         }
-        let Some(Found {
+        let Some((sizing, found)) = best else {
+            return Err(too_few("nothing was tried"));
+        };
+        let Found {
             effects,
             rows,
             sizes,
             values,
-        }) = best
-        else {
-            return Err(too_few("nothing was tried"));
-        };
+        } = found;
         let compliance = compliance(fit, &rows, &effects, &Likelihood::new(&rows, &[]), &sizes)
             .ok_or_else(|| too_few("the equations are singular"))?;
-        let projection = projection(fit, &terms)?;
         Ok(MixedFit {
-            projection,
+            reproduced: OnceLock::new(),
+            sizing,
             fit: fit.clone(),
             effects,
             rows,
@@ -212,25 +216,24 @@ impl MixedFit {
         Response::with_random(&self.fit, &random, &roots, self.sizes.gamma)
     }
 
-    /// The compliance with which the joint axes alone best reproduce the arm over its cell \[rad/(N·m)\], from u what it
-    /// adds to that of each joint in the model: h + L u.
-    pub(crate) fn reproduced(&self, change: &DVector<f64>) -> DVector<f64> {
-        let springs = self.projection.nrows();
-        let besides = change.rows(springs, change.len() - springs);
-        change.rows(0, springs) + &self.projection * besides
-    }
-
-    /// Covariance of joint `j`'s reproduced compliance with all unknowns, and its variance.
-    pub(crate) fn reproduced_covariance(&self, spread: &Spread, j: usize) -> (DVector<f64>, f64) {
-        let springs = self.projection.nrows();
-        let mut row = DVector::zeros(spread.covariance.ncols());
-        row[j] = 1.0;
-        let besides = row.len() - springs;
-        row.rows_mut(springs, besides)
-            .copy_from(&self.projection.row(j).transpose());
-        let with = &spread.covariance * &row;
-        let variance = row.dot(&with).max(0.0);
-        (with, variance)
+    /// What turns the unknowns into the compliance with which the joint axes alone best reproduce the arm over its cell.
+    ///
+    /// # Errors
+    /// As [`Reproduced::over_cell`].
+    pub(crate) fn reproduced(&self) -> Result<&Reproduced> {
+        if let Some(known) = self.reproduced.get() {
+            return Ok(known);
+        }
+        let (cell, terms, control) = (self.fit.cell(), &self.compliance.extra, self.fit.control());
+        let found = match cell.setup.load {
+            Load::Measured => {
+                let measured = self.fit.experiment().with_terms();
+                let measured: Vec<&PostureTerms> = measured.map(|(_, own)| own).collect();
+                Reproduced::over(&cell.setup.robot, &measured, terms, control)?
+            }
+            _ => Reproduced::over_cell(cell, terms, control)?,
+        };
+        Ok(self.reproduced.get_or_init(|| found))
     }
 
     /// Ψ of all unknowns.
@@ -287,83 +290,36 @@ impl MixedFit {
     }
 
     fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
-        let plain = self.fit.folds_of(count)?;
-        in_order_watched(
-            &plain,
-            "leaving postures out",
-            self.fit.control(),
-            |(_, fold)| {
-                let likelihood = Likelihood::new(&self.rows, &fold.left_out);
-                let control = self.fit.control();
-                let determined = fold.solution.undetermined == self.rows.idle;
-                let found = determined
-                    .then(|| likelihood.best(Some(&self.sizes), control))
-                    .flatten()
-                    .and_then(|(sizes, _)| self.compliance_of(&likelihood, &sizes));
-                Ok(MixedFold {
-                    left_out: fold.left_out.clone(),
-                    compliance: found,
-                })
-            },
-        )
+        self.folds_from(&self.fit.folds_of(count)?)
     }
-}
 
-/// A mixed model with its sizes.
-struct Found {
-    effects: Vec<Effect>,
-    rows: Rows,
-    sizes: Sizes,
-    /// −2 ln L_R, and that without random effects.
-    values: [f64; 2],
-}
-
-/// The model of `effects`, whose columns in the terms' units are `columns`.
-///
-/// # Errors
-/// Nothing left of the displacements, or no degree of freedom.
-fn found(fit: &Fit, columns: &DMatrix<f64>, effects: Vec<Effect>) -> Result<Found> {
-    let solution = fit.solution();
-    let mut random = columns.clone();
-    scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
-    gathered(&mut random, &means(&effects));
-    let whitened = fit.prepared().whitened();
-    let shifts = whitened.is_separable() && !solution.independent_rows;
-    let classes = classes(&effects);
-    let idle = solution.undetermined.as_slice();
-    let rows = Rows::new(whitened, random, classes, fit.white(), idle, shifts);
-    if rows.rest() <= ROUNDING * fit.white().norm() {
-        return Err(too_few("the joint axes leave nothing of the displacements"));
+    /// The model without each of `lists` of postures (indices of blocks, ascending).
+    ///
+    /// # Errors
+    /// A fit that fails; interrupted.
+    pub(crate) fn folds_without(&self, lists: &[Vec<usize>]) -> Result<Vec<MixedFold>> {
+        self.folds_from(&self.fit.folds_without(lists)?)
     }
-    let likelihood = Likelihood::new(&rows, &[]);
-    let none = Sizes {
-        gamma: solution.gamma,
-        classes: vec![0.0; rows.classes.len()],
-    };
-    let (Some((sizes, value)), Some(without)) = (
-        likelihood.best(None, fit.control()),
-        likelihood.solve(&none),
-    ) else {
-        return Err(too_few("there are hardly more displacements than joints"));
-    };
-    // The search may end a hair above what no effects at all give.
-    let (sizes, value) = if without.value <= value {
-        (none, without.value)
-    } else {
-        (sizes, value)
-    };
-    Ok(Found {
-        effects,
-        rows,
-        sizes,
-        values: [value, without.value],
-    })
+
+    fn folds_from(&self, plain: &[Fold]) -> Result<Vec<MixedFold>> {
+        let control = self.fit.control();
+        in_order_watched(plain, "leaving postures out", control, |(_, fold)| {
+            let likelihood = Likelihood::new(&self.rows, &fold.left_out);
+            let determined = fold.solution.undetermined == self.rows.idle;
+            let found = determined
+                .then(|| likelihood.best(Some(&self.sizes), control))
+                .flatten()
+                .and_then(|(sizes, _)| self.compliance_of(&likelihood, &sizes));
+            Ok(MixedFold {
+                left_out: fold.left_out.clone(),
+                compliance: found,
+            })
+        })
+    }
 }
 
 /// Differences of −2 ln L_R below this are none.
 const SAME: f64 = 1e-6;
-/// Residuals below this share of the displacements are rounding.
-const ROUNDING: f64 = 1e-11;
 
 fn too_few(why: &str) -> Error {
     Error::new(
@@ -375,30 +331,6 @@ fn too_few(why: &str) -> Error {
 /// True where no displacement depends on unknown `j`: a joint that never carries load.
 fn is_idle(system: &MeasuredSystem, j: usize) -> bool {
     system.psi.column(j).norm() <= rounding(system)
-}
-
-/// Compliance of each joint as the axes alone have it, for what is sized by it; `None` where springs are not joints.
-fn joint_give(fit: &Fit) -> Vec<Option<f64>> {
-    let robot = &fit.cell().setup.robot;
-    let values = &fit.solution().values;
-    let given = |j: usize| robot.spring_mixing().is_none().then(|| values[j]);
-    (0..robot.joint_count()).map(given).collect()
-}
-
-/// Columns of each class that scatter about a mean.
-fn means(effects: &[Effect]) -> Vec<Range<usize>> {
-    let positive = |class: &Range<usize>| effects[class.clone()].iter().filter(|e| e.is_positive());
-    let own = |class: Range<usize>| class.start..class.start + positive(&class).count();
-    classes(effects).into_iter().map(own).collect()
-}
-
-/// Columns of each class.
-fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
-    let of = |class| {
-        let start = effects.iter().position(|e| e.class == class).unwrap_or(0);
-        start..start + effects.iter().filter(|e| e.class == class).count()
-    };
-    ElasticClass::ALL.map(of).to_vec()
 }
 
 /// The system with the columns of extra terms.
@@ -478,12 +410,6 @@ fn compliance(
         common: Default::default(),
         doubts: Vec::new(),
     })
-}
-
-/// Columns behind `fixed` others.
-fn moved(columns: Vec<Range<usize>>, fixed: usize) -> Vec<Range<usize>> {
-    let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
-    columns.into_iter().map(own).collect()
 }
 
 /// What is known of the sizes `std` of the classes, with the covariance of their

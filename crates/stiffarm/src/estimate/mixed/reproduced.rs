@@ -3,16 +3,20 @@
 //! What a joint gives way about its own axis cannot be told from what links and bearings beside it do, by no posture and
 //! no load. What can be told is h* = h + L u with L = (ΨᵀΨ)⁻¹ΨᵀZ over many postures of the cell, Ψ the columns of
 //! the axes there and Z those of all that gives way besides: the projection of what the model predicts on the axes. It is
-//! what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load.
+//! what a calculation with joint stiffnesses alone should use, and it depends on the cell and its load. A load that is
+//! measured is known at the measured postures alone: these are the cell then, and with noise that is alike h* is what least
+//! squares with the axes alone find.
 
 use crate::error::Result;
-use crate::estimate::identify::Fit;
+use crate::estimate::compliance::Spread;
 use crate::model::cell::Cell;
-use crate::model::load::{Load, Wrench};
 use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::robot::Robot;
+use crate::numerics::control::Control;
 use crate::numerics::jobs::in_order_watched;
 use crate::numerics::streams::spread;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use std::borrow::Borrow;
 
 /// Postures over which the arm is reproduced: another thousand moves h* by less than a percent.
 const POSTURES: usize = 1000;
@@ -23,48 +27,79 @@ const FEWEST: usize = 100;
 /// Postures of one job.
 const PORTION: usize = 50;
 
-/// L, springs × terms; zero beside springs that the load of the cell never bends.
-///
-/// # Errors
-/// As [`PostureTerms::new`]; interrupted.
-pub(super) fn projection(fit: &Fit, terms: &[ExtraTerm]) -> Result<DMatrix<f64>> {
-    let cell = fit.cell();
-    let robot = &cell.setup.robot;
-    let springs = robot.spring_count();
-    let wrenches: Vec<Wrench> = match cell.setup.load {
-        Load::Measured => fit
-            .experiment()
-            .with_terms()
-            .map(|(_, terms)| *terms.wrench())
-            .collect(),
-        _ => Vec::new(),
-    };
-    let setups = cell.setup.cases();
-    let postures: Vec<(usize, Vec<f64>)> = postures(cell)?.into_iter().enumerate().collect();
-    let portions: Vec<_> = postures.chunks(PORTION).collect();
-    let sums = in_order_watched(
-        &portions,
-        "the axes over the cell",
-        fit.control(),
-        |(_, portion)| {
+/// From what a mixed model has found to the compliance of joint axes that alone reproduce it.
+#[derive(Debug, Clone)]
+pub(crate) struct Reproduced {
+    /// L, springs × terms; zero beside springs that the load of the cell never bends.
+    projection: DMatrix<f64>,
+}
+
+impl Reproduced {
+    /// Over postures of `cell` under its own load, with what `terms` give beside the axes.
+    ///
+    /// # Errors
+    /// No postures to be looked at; interrupted.
+    pub(crate) fn over_cell(
+        cell: &Cell,
+        terms: &[ExtraTerm],
+        control: Control<'_>,
+    ) -> Result<Self> {
+        let (setups, postures) = (cell.setup.cases(), postures(cell)?);
+        let each = postures
+            .iter()
+            .flat_map(|q| setups.iter().map(move |setup| (setup, q)));
+        // A rope without direction bends nothing.
+        let all = each.filter_map(|(setup, q)| PostureTerms::new(setup, q, None).ok());
+        Reproduced::over(&cell.setup.robot, &all.collect::<Vec<_>>(), terms, control)
+    }
+
+    /// Over the postures and loads of `all`.
+    ///
+    /// # Errors
+    /// Interrupted.
+    pub(crate) fn over<T: Borrow<PostureTerms> + Sync>(
+        robot: &Robot,
+        all: &[T],
+        terms: &[ExtraTerm],
+        control: Control<'_>,
+    ) -> Result<Self> {
+        let springs = robot.spring_count();
+        let portions: Vec<_> = all.chunks(PORTION).collect();
+        let what = "the axes over the cell";
+        let sums = in_order_watched(&portions, what, control, |(_, portion)| {
             let mut sum = DMatrix::zeros(springs, springs + terms.len());
-            for (i, q) in *portion {
-                for setup in &setups {
-                    // Measured forces in turn.
-                    let wrench = wrenches.get(i % wrenches.len().max(1));
-                    let Ok(own) = PostureTerms::new(setup, q, wrench) else {
-                        continue;
-                    };
-                    let block = own.block_with(robot, terms);
-                    sum += block.columns(0, springs).tr_mul(&block);
-                }
+            for own in *portion {
+                let block = own.borrow().block_with(robot, terms);
+                sum += block.columns(0, springs).tr_mul(&block);
             }
             Ok(sum)
-        },
-    )?;
-    let mut sum = DMatrix::zeros(springs, springs + terms.len());
-    sums.iter().for_each(|own| sum += own);
-    Ok(solved(&sum, springs))
+        })?;
+        let mut sum = DMatrix::zeros(springs, springs + terms.len());
+        sums.iter().for_each(|own| sum += own);
+        Ok(Reproduced {
+            projection: solved(&sum, springs),
+        })
+    }
+
+    /// h + L u of values, or of their change \[rad/(N·m)\].
+    pub(crate) fn of(&self, values: &DVector<f64>) -> DVector<f64> {
+        let springs = self.projection.nrows();
+        let besides = values.rows(springs, values.len() - springs);
+        values.rows(0, springs) + &self.projection * besides
+    }
+
+    /// Covariance of joint `j`'s compliance with all unknowns, and its variance.
+    pub(crate) fn covariance(&self, spread: &Spread, j: usize) -> (DVector<f64>, f64) {
+        let springs = self.projection.nrows();
+        let mut row = DVector::zeros(spread.covariance.ncols());
+        row[j] = 1.0;
+        let besides = row.len() - springs;
+        row.rows_mut(springs, besides)
+            .copy_from(&self.projection.row(j).transpose());
+        let with = &spread.covariance * &row;
+        let variance = row.dot(&with).max(0.0);
+        (with, variance)
+    }
 }
 
 /// (ΨᵀΨ)⁻¹ΨᵀZ from Ψᵀ\[Ψ Z\].

@@ -4,19 +4,31 @@ use super::MixedFit;
 use crate::error::Result;
 use crate::estimate::compliance::Spread;
 use crate::estimate::identify::{JointEstimate, estimate};
-use crate::model::elastic::ElasticClass;
+use crate::model::elastic::{ElasticClass, ElasticSizing};
 use crate::model::observation::Elements;
 use serde::{Deserialize, Serialize};
 
-/// How much entries of one class scatter.
+/// How much the compliances of one class scatter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElasticSize {
     /// The class.
     pub class: ElasticClass,
-    /// Standard deviation ω of an entry on the diagonal; entries beside it have ω/√2
-    /// \[m/N; rad/(N·m); rad/N\].
+    /// Standard deviation ω of one of them, of a joint whose stiffness is the geometric mean where they go by their joint;
+    /// entries beside a diagonal have ω/√2 \[m/N; rad/(N·m); rad/N; rad/(N·m) per m\].
     pub std: f64,
+}
+
+/// What a bearing, a beam of a link or the base gives way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct ElasticElement {
+    /// Which it is.
+    pub name: String,
+    /// Its class.
+    pub class: ElasticClass,
+    /// Its compliance \[rad/(N·m); rad/(N·m) per m\].
+    pub compliance: f64,
 }
 
 /// The compliance of a joint or of the base beyond the joint's axis.
@@ -45,7 +57,11 @@ pub struct MixedResult {
     pub total_std_m: f64,
     /// Degrees of freedom behind quantiles; `None` for normal ones.
     pub interval_degrees_of_freedom: Option<usize>,
-    /// Base first, then joint by joint.
+    /// What the entries of `springs` are in proportion to: the likelier.
+    pub sizing: ElasticSizing,
+    /// Bearings, the base and the links.
+    pub elements: Vec<ElasticElement>,
+    /// What joints and base give beside `elements`; base first, then joint by joint.
     pub springs: Vec<GeneralSpring>,
 }
 
@@ -59,14 +75,15 @@ impl MixedFit {
         let found = self.compliance();
         let names = &self.fit().system().unknowns;
         let quantiles = found.spread.as_ref().map(Spread::quantiles).transpose()?;
-        let values = self.reproduced(&found.values);
+        let reproduced = self.reproduced()?;
+        let values = reproduced.of(&found.values);
         let joint = |j: usize| {
             if found.undetermined.contains(&j) {
                 return estimate(&names[j], None, None, None);
             }
             let known = found.spread.as_ref().zip(quantiles.as_ref());
             let known = known.map(|(spread, quantiles)| {
-                let (with, variance) = self.reproduced_covariance(spread, j);
+                let (with, variance) = reproduced.covariance(spread, j);
                 (variance.sqrt(), quantiles.of(&with, variance, 0.0))
             });
             let (error, quantile) = known.unzip();
@@ -89,7 +106,18 @@ impl MixedFit {
             compliance: compliance.data.0,
         });
         let spread = found.spread.as_ref();
+        let robot = &self.fit().cell().setup.robot;
+        let elements = self.effects.iter().zip(values);
+        let elements =
+            elements.filter(|(effect, _)| !ElasticClass::ENTRIES.contains(&effect.class));
+        let elements = elements.map(|(effect, value)| ElasticElement {
+            name: effect.term.name(robot),
+            class: effect.class,
+            compliance: *value,
+        });
         MixedResult {
+            sizing: self.sizing,
+            elements: elements.collect(),
             sizes: ElasticClass::ALL
                 .map(|class| ElasticSize {
                     class,

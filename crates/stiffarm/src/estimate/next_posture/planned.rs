@@ -82,6 +82,11 @@ pub(in crate::estimate) fn measured_alike<Q: AsRef<[f64]>>(
                     // Where a sensor measures the moment, its scatter says so.
                     moment: terms.wrench().moment * share + wrench.moment,
                 };
+                // The preload is as large a part of the load as it was there.
+                let part = like.preload.zip(like.wrench).map(|(light, whole)| {
+                    light.force.dot(&whole.force) / whole.force.norm_squared()
+                });
+                new.preload = part.map(|part| Wrench::force(wrench.force * part));
             }
             new.posture = Posture {
                 name: format!("planned {number}"),

@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::estimate::identify::{Fit, Response, interval_quantile, quantile};
-use crate::estimate::mixed::MixedFit;
+use crate::estimate::mixed::{MixedFit, Reproduced};
 use crate::model::elastic::ElasticClass;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
@@ -14,8 +14,8 @@ pub(super) struct Believed<'a> {
     pub values: &'a DVector<f64>,
     /// Compliance of each joint as it is printed \[rad/(N·m)\].
     pub joints: DVector<f64>,
-    /// The mixed model, where it predicts.
-    mixed: Option<&'a MixedFit>,
+    /// What makes them of the values, where the mixed model predicts.
+    reproduced: Option<&'a Reproduced>,
     /// The extra terms.
     pub extra: &'a [ExtraTerm],
     /// How the values answer to a change of the displacements.
@@ -50,7 +50,7 @@ impl<'a> Believed<'a> {
             fit,
             values: &solution.values,
             joints: solution.values.rows(0, fit.system().springs).into_owned(),
-            mixed: None,
+            reproduced: None,
             extra: &fit.system().extra,
             response: Response::new(fit)?,
             sigma: solution.sigma.filter(|_| known),
@@ -94,13 +94,13 @@ impl<'a> Believed<'a> {
     /// # Errors
     /// As [`of_fit`](Self::of_fit).
     pub(super) fn of_mixed(mixed: &'a MixedFit) -> Result<Self> {
-        let found = mixed.compliance();
+        let (found, reproduced) = (mixed.compliance(), mixed.reproduced()?);
         let springs = mixed.fit().system().springs;
         let (mut errors, mut half_widths) = (vec![None; springs], vec![None; springs]);
         if let Some(spread) = &found.spread {
             let quantiles = spread.quantiles()?;
             for j in (0..springs).filter(|j| !found.undetermined.contains(j)) {
-                let (with, variance) = mixed.reproduced_covariance(spread, j);
+                let (with, variance) = reproduced.covariance(spread, j);
                 errors[j] = Some(variance.sqrt());
                 half_widths[j] = Some(variance.sqrt() * quantiles.of(&with, variance, 0.0));
             }
@@ -108,8 +108,8 @@ impl<'a> Believed<'a> {
         Ok(Believed {
             fit: mixed.fit(),
             values: &found.values,
-            joints: mixed.reproduced(&found.values),
-            mixed: Some(mixed),
+            joints: reproduced.of(&found.values),
+            reproduced: Some(reproduced),
             extra: &found.extra,
             response: mixed.response()?,
             sigma: found.spread.as_ref().map(|s| s.sigma),
@@ -130,8 +130,8 @@ impl<'a> Believed<'a> {
 
     /// What a change of the unknowns does to the joints' compliance.
     pub(super) fn joint_change(&self, change: &DVector<f64>) -> DVector<f64> {
-        match self.mixed {
-            Some(mixed) => mixed.reproduced(change),
+        match self.reproduced {
+            Some(reproduced) => reproduced.of(change),
             None => change.rows(0, self.joints.len()).into_owned(),
         }
     }

@@ -11,7 +11,7 @@ const CONTRADICTED: f64 = 1.5;
 
 /// What reflectors on the base have shown of its motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum BaseSeen {
+enum BaseSeen {
     /// Nothing.
     No,
     /// Its shift.
@@ -20,9 +20,27 @@ pub(super) enum BaseSeen {
     Turn,
 }
 
+/// What the readings are against which a source stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Seen {
+    base: BaseSeen,
+    /// True where every displacement is against a preload.
+    against_preload: bool,
+}
+
+impl Seen {
+    /// Of these readings.
+    pub fn of(measured: &Measured) -> Self {
+        Seen {
+            base: BaseSeen::of(measured),
+            against_preload: measured.is_against_preload(),
+        }
+    }
+}
+
 impl BaseSeen {
     /// What they have shown of these readings.
-    pub fn of(measured: &Measured) -> Self {
+    fn of(measured: &Measured) -> Self {
         let motion = measured
             .reduction
             .as_ref()
@@ -70,8 +88,12 @@ impl SystematicSource {
     }
 
     /// What would make it smaller.
-    fn remedy(&self, base: BaseSeen) -> &'static str {
-        match (self.name.as_str(), base) {
+    fn remedy(&self, seen: Seen) -> &'static str {
+        match (self.name.as_str(), seen.base) {
+            ("lost-motion", _) if seen.against_preload => {
+                "declare what the joints have as [uncertainty] lost_motion_arcmin; the preload keeps it out of k, and at \
+                 work it acts again"
+            }
             ("base-tilt", BaseSeen::Shift) => {
                 "the reflectors on the base show its shift, not its tilt; three apart show that too"
             }
@@ -96,7 +118,7 @@ impl SystematicSource {
 }
 
 /// What matters.
-pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Finding> {
+pub(super) fn findings(systematic: &SystematicErrors, seen: Seen) -> Vec<Finding> {
     let mut out = Vec::new();
     if let Some(force) = systematic.sources.first() {
         let assumed = if force.declared { "" } else { " (assumed)" };
@@ -111,7 +133,7 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
         systematic
             .sources
             .iter()
-            .filter_map(|source| seen(source, base)),
+            .filter_map(|source| seen_of(source, seen)),
     );
     for source in &systematic.sources {
         let own = largest_for(systematic, source);
@@ -120,7 +142,7 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
                 "Of the systematic errors that the readings leave, {} is the largest for {}: {}.",
                 source.words(),
                 list(&own),
-                source.remedy(base)
+                source.remedy(seen)
             );
             let code = "largest-common-error";
             out.push(Finding::note(code, &source.name, message));
@@ -132,13 +154,13 @@ pub(super) fn findings(systematic: &SystematicErrors, base: BaseSeen) -> Vec<Fin
             let message = format!(
                 "The {} can explain all of the give of {name}: {}.",
                 source.words(),
-                source.remedy(base)
+                source.remedy(seen)
             );
             let code = "common-error-explains-all";
             out.push(Finding::caution(code, name, message));
         }
     }
-    out.extend(dominating(systematic, base));
+    out.extend(dominating(systematic, seen));
     let assumed = systematic.sources.iter().filter(|s| !s.declared);
     let assumed: Vec<String> = assumed.map(SystematicSource::words).collect();
     if !assumed.is_empty() {
@@ -160,8 +182,16 @@ pub(super) fn reached_from_load() -> Finding {
     Finding::note(code, "route.approach_deg", message)
 }
 
+/// What is believed of readings under a preload alone.
+pub(super) fn not_read_unloaded() -> Finding {
+    let message = "Differences are against a preload, and nothing was read unloaded before it: no reading shows lost motion, \
+                   which acts again at work, and none bounds it. Read the points unloaded too.";
+    let code = "lost-motion-not-seen";
+    Finding::note(code, "preload", message)
+}
+
 /// What the readings say of a size.
-fn seen(source: &SystematicSource, base: BaseSeen) -> Option<Finding> {
+fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
     let remaining = source.remaining?;
     let (code, severity, message) = match remaining {
         left if left < BOUNDED => (
@@ -185,7 +215,7 @@ fn seen(source: &SystematicSource, base: BaseSeen) -> Option<Finding> {
                 } else {
                     "assumed"
                 },
-                source.remedy(base)
+                source.remedy(seen)
             ),
         ),
         _ => return None,
@@ -207,7 +237,7 @@ fn largest_for(systematic: &SystematicErrors, source: &SystematicSource) -> Vec<
 }
 
 /// Joints whose systematic errors are larger than the scatter of the readings.
-fn dominating(systematic: &SystematicErrors, base: BaseSeen) -> Option<Finding> {
+fn dominating(systematic: &SystematicErrors, seen: Seen) -> Option<Finding> {
     let (mut names, mut sources) = (Vec::new(), Vec::new());
     for (j, name) in systematic.joints.iter().enumerate() {
         let (Some(common), Some(statistical)) = (systematic.combined[j], systematic.statistical[j])
@@ -235,7 +265,7 @@ fn dominating(systematic: &SystematicErrors, base: BaseSeen) -> Option<Finding> 
             list(&names)
         },
         first.words(),
-        first.remedy(base)
+        first.remedy(seen)
     );
     let code = "common-error-dominates";
     // It stands on most sound experiments, and the table of the joints has it: what to do first is another's word.

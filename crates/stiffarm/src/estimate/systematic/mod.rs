@@ -14,6 +14,7 @@ mod believed;
 mod findings;
 pub(crate) mod posterior;
 mod predictor;
+mod preload;
 mod sources;
 mod total;
 
@@ -138,8 +139,8 @@ fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPoste
 ///   then part of this change cancels.
 /// - `base-tilt`, `sensor`, `lost-motion`: elements that nobody models; each
 ///   makes k too small. Those that the fit has among its unknowns are left out.
-///   Displacements against a light preload are free of lost motion: declare 0 for
-///   them.
+///   Displacements against a light preload are free of lost motion; the way from no load to the preload, where it was
+///   read, shows it, and at work it is there again.
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
@@ -173,7 +174,7 @@ pub(crate) fn expected_errors(
 fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
     let fit = believed.fit;
     let springs = fit.system().springs;
-    let sources = sources(believed)?;
+    let sources = sources(believed, fit.experiment(), fit.system())?;
     let parts = posterior::parts(believed, &sources)?;
     let mut at = 0;
     let mut described = Vec::with_capacity(sources.len());
@@ -199,9 +200,12 @@ fn errors_of(believed: &Believed<'_>) -> Result<SystematicErrors> {
         statistical,
         findings: Vec::new(),
     };
-    systematic.findings = findings::findings(&systematic, findings::BaseSeen::of(fit.measured()));
+    systematic.findings = findings::findings(&systematic, findings::Seen::of(fit.measured()));
     if fit.cell().route.approach.is_some() {
         systematic.findings.push(findings::reached_from_load());
+    }
+    if fit.measured().is_against_preload() && preload::ways(believed).is_empty() {
+        systematic.findings.push(findings::not_read_unloaded());
     }
     Ok(systematic)
 }

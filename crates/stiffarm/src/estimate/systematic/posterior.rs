@@ -18,11 +18,16 @@
 //! weighs the moments. Where the residuals say nothing, they are those of the
 //! statement again.
 //!
+//! The ways to a preload, which no fit against it has, are more rows of QS and QΔ with the unknowns as they are
+//! (`preload.rs`). The readings under the preload are in both, and count as if they were not: the errors of the way and of
+//! the unknowns partly cancel where all of it acts, so that bands at work are rather too wide.
+//!
 //! σ is an estimate from the same residuals: σ̂²/σ² = w is χ² over its degrees of freedom ν.
 //! Given w, A and b are w times as large, and the likelihood above times the density of w
 //! weighs once more. What is the common errors' and what is noise is so found together.
 
 use super::believed::Believed;
+use super::preload;
 use super::sources::Source;
 use crate::error::Result;
 use nalgebra::{DMatrix, DVector};
@@ -93,8 +98,12 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
     // What is left of S̃ times itself is SᵀQS, the rows of a prior or of random effects
     // included.
     let variance = sigma * sigma;
-    let seen = DMatrix::from_fn(count, count, |i, k| left[i].dot(&left[k]) / variance);
-    let said = DVector::from_fn(count, |i, _| left[i].dot(&misfit) / variance);
+    let mut seen = DMatrix::from_fn(count, count, |i, k| left[i].dot(&left[k]) / variance);
+    let mut said = DVector::from_fn(count, |i, _| left[i].dot(&misfit) / variance);
+    if let Some((shifts, misfit)) = preload::rows(believed, sources, &changes)? {
+        seen += shifts.tr_mul(&shifts) / variance;
+        said += shifts.tr_mul(&misfit) / variance;
+    }
     let alike: Vec<bool> = sources
         .iter()
         .flat_map(|source| source.parts.iter().map(|_| source.alike))

@@ -2,7 +2,7 @@
 
 use super::believed::Believed;
 use crate::error::Result;
-use crate::estimate::identify::known_displacement;
+use crate::estimate::identify::{Experiment, MeasuredSystem, known_displacement};
 use crate::model::cell::Cell;
 use crate::model::instruments::Mount;
 use crate::model::load::{Load, Wrench};
@@ -55,20 +55,26 @@ pub(super) struct Part {
 struct Nominal<'a> {
     cell: &'a Cell,
     believed: &'a Believed<'a>,
+    /// What stands behind the rows.
+    system: &'a MeasuredSystem,
     postures: Vec<(&'a MeasuredPosture, &'a PostureTerms)>,
     /// Modelled displacement of each, 3m.
     displacements: Vec<DVector<f64>>,
 }
 
-/// The sources that matter for these measurements; the force scale first.
-pub(super) fn sources(believed: &Believed<'_>) -> Result<Vec<Source>> {
-    let fit = believed.fit;
-    let cell = fit.cell();
+/// The sources that matter for the measurements of `experiment`, whose rows are those of `system`; the force scale first.
+pub(super) fn sources(
+    believed: &Believed<'_>,
+    experiment: &Experiment,
+    system: &MeasuredSystem,
+) -> Result<Vec<Source>> {
+    let cell = believed.fit.cell();
     let given = &cell.uncertainty;
     let mut nominal = Nominal {
         cell,
         believed,
-        postures: fit.experiment().with_terms().collect(),
+        system,
+        postures: experiment.with_terms().collect(),
         displacements: Vec::new(),
     };
     nominal.displacements = nominal
@@ -177,7 +183,7 @@ impl Nominal<'_> {
             self.believed.fit.control().check()?;
             all.push(shift(posture, terms, displacement)?);
         }
-        let system = self.believed.fit.system();
+        let system = self.system;
         let mut rows = DVector::zeros(system.delta.len());
         for (i, label) in system.labels.iter().enumerate() {
             let point = self.postures[label.measured].0.displacements[label.displacement].point;
@@ -205,7 +211,7 @@ impl Nominal<'_> {
         let part = self.part("", |posture, terms, nominal| {
             let truth = terms.wrench().map(|v| v / (1.0 + size));
             let setup = self.cell.setup.of_state(&posture.state)?;
-            let terms = PostureTerms::new(&setup, &posture.posture.q, Some(&truth))?;
+            let terms = posture.terms(&setup, Some(&truth))?;
             Ok(self.displacement(posture, &terms)? - nominal)
         })?;
         Ok(vec![part])
@@ -293,7 +299,7 @@ impl Nominal<'_> {
             }
             given => *given,
         };
-        let terms = PostureTerms::new(truth, q, wrench.as_ref())?;
+        let terms = posture.terms(truth, wrench.as_ref())?;
         Ok(self.displacement(posture, &terms)? - nominal)
     }
 
@@ -389,7 +395,7 @@ impl Nominal<'_> {
         posture: &MeasuredPosture,
         terms: &PostureTerms,
     ) -> Result<bool> {
-        if self.cell.route.approach.is_none() {
+        if self.cell.route.approach.is_none() || posture.preload.is_some() {
             return Ok(false);
         }
         let side = self.cell.sides_of_load(&posture.posture.q)?[joint];

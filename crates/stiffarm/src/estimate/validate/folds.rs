@@ -6,6 +6,7 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{Fit, MeasuredSystem, missed, prediction_error, rounding};
 use crate::estimate::mixed::MixedFit;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 /// Validates without postures kept out: the postures are left out fold by fold,
 /// and each is predicted by the fit from the others. Posture i of the file
@@ -13,7 +14,8 @@ use nalgebra::Vector3;
 /// a time. The model is linear, with the extra terms of the options.
 ///
 /// Postures of which the others do not determine an unknown are named in
-/// [`Validation::unpredicted`].
+/// [`Validation::unpredicted`]. Postures within 5° of each other in every joint are left out together, with fewer folds
+/// where these are too few: one of them would show what the other does, which no new posture has.
 ///
 /// # Errors
 /// Fewer than two folds or more than postures; no
@@ -21,7 +23,12 @@ use nalgebra::Vector3;
 pub fn cross_validate(fit: &Fit, count: usize, tolerance_m: Option<f64>) -> Result<Validation> {
     let confidence = fit.options().confidence;
     let system = fit.system();
-    let folds = fit.folds_of(count)?;
+    let together = together(fit, count)?;
+    let folds = match &together {
+        Some(lists) => Cow::Owned(fit.folds_without(lists)?),
+        None => fit.folds_of(count)?,
+    };
+    let count = folds.len();
     let rounding = rounding(system);
     let folds = folds.iter().map(|fold| Left {
         out: &fold.left_out,
@@ -45,13 +52,65 @@ pub fn cross_validate_mixed(
     tolerance_m: Option<f64>,
 ) -> Result<Validation> {
     let system = mixed.system();
-    let folds = mixed.folds_of(count)?;
+    let together = together(mixed.fit(), count)?;
+    let folds = match &together {
+        Some(lists) => Cow::Owned(mixed.folds_without(lists)?),
+        None => mixed.folds_of(count)?,
+    };
+    let count = folds.len();
     let folds = folds.iter().map(|fold| Left {
         out: &fold.left_out,
         predictor: fold.compliance.clone(),
         sees: Box::new(|_| true),
     });
     gathered(mixed.fit(), system, count, folds, tolerance_m)
+}
+
+/// Postures nearer than this in every joint are one and the same to a validation \[rad\].
+const NEAR: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
+/// The postures of each of `count` folds (indices of blocks), where some of them are so near each other that they have to
+/// be left out together.
+///
+/// # Errors
+/// Postures that are all near each other, or a wrong number of folds.
+fn together(fit: &Fit, count: usize) -> Result<Option<Vec<Vec<usize>>>> {
+    let system = fit.system();
+    let angles = |b: usize| {
+        let label = system.labels_of(&system.blocks[b]).first();
+        label.map(|label| fit.postures()[label.measured].posture.q.as_slice())
+    };
+    let is_near = |a: usize, b: usize| {
+        let both = angles(a).zip(angles(b));
+        both.is_some_and(|(a, b)| a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR))
+    };
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for b in 0..system.blocks.len() {
+        let group = groups
+            .iter_mut()
+            .find(|group| group.iter().any(|a| is_near(*a, b)));
+        match group {
+            Some(group) => group.push(b),
+            None => groups.push(vec![b]),
+        }
+    }
+    if groups.len() == system.blocks.len() || !(2..=system.blocks.len()).contains(&count) {
+        return Ok(None);
+    }
+    if groups.len() < 2 {
+        return Err(Error::new(
+            Code::NotIdentifiable,
+            "No posture can be predicted from the others: all of them are within 5° of each other in every joint.",
+        )
+        .hint("validate on postures that differ"));
+    }
+    let count = count.min(groups.len());
+    let mut out = vec![Vec::new(); count];
+    for (g, group) in groups.into_iter().enumerate() {
+        out[g % count].extend(group);
+    }
+    out.iter_mut().for_each(|fold| fold.sort_unstable());
+    Ok(Some(out))
 }
 
 /// A fold with what predicts it.

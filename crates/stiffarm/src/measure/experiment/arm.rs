@@ -181,7 +181,7 @@ fn sensor_reading(sensor: &Sensor, frames: &Frames, wrench: &Wrench, at: &Vector
     let sign = if sensor.reports_by_robot { -1.0 } else { 1.0 };
     let own = wrench.moved(at, &pose.translation.vector);
     Wrench {
-        force: pose.rotation.inverse_transform_vector(&own.force) * sign,
-        moment: pose.rotation.inverse_transform_vector(&own.moment) * sign,
+        force: sensor.right_handed(pose.rotation.inverse_transform_vector(&own.force) * sign),
+        moment: sensor.right_handed(pose.rotation.inverse_transform_vector(&own.moment) * sign),
     }
 }

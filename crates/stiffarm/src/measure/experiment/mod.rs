@@ -10,7 +10,9 @@ use crate::model::load::Wrench;
 use crate::model::measurement::{
     PostureReadings, ReadingTable, ReadingTarget, Role, StateReadings, WrenchColumns,
 };
+use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::{Posture, PostureGroup};
+use crate::model::scene::Station;
 use crate::model::stiffness::joint_compliance;
 use crate::model::tool::NamedPoint;
 use crate::numerics::streams::experiment_rng;
@@ -100,6 +102,9 @@ pub enum DisplacementModel {
 pub struct Experiment {
     /// Base frame from tracker frame \[m\].
     pub base_from_tracker: Isometry3<f64>,
+    /// The tracker's stations by name, each with its frame in the base frame; the one that the cell sees a posture
+    /// from counts, [`base_from_tracker`](Self::base_from_tracker) where it is none of these.
+    pub stations: Vec<(String, Isometry3<f64>)>,
     /// Load states of each posture, in the order taken.
     pub states: Vec<ExperimentState>,
     /// How the points move under the load.
@@ -140,6 +145,7 @@ impl Default for Experiment {
     fn default() -> Self {
         Experiment {
             base_from_tracker: Isometry3::identity(),
+            stations: Vec::new(),
             states: vec![
                 ExperimentState::new("unloaded", 0.0),
                 ExperimentState::new("loaded", 1.0),
@@ -163,13 +169,22 @@ impl Default for Experiment {
 }
 
 impl Experiment {
-    /// An experiment as an engineer does it: a tracker four metres away in axes
-    /// of its own, drifting; unloaded, half the load, all of it, half again,
+    /// An experiment as an engineer does it: a tracker where the cell has it, else four metres away
+    /// in axes of its own, drifting; unloaded, half the load, all of it, half again,
     /// unloaded, or where there are load cases each of them between unloaded states; each
     /// reflector read twice, one of them on the base; what the
     /// force sensor reads where the cell has one, with 12 kg of tool on it, else
-    /// the force of the rope, cylinder or weight; the noise of the cell.
+    /// the force of the rope, cylinder or weight; the noise of the cell, which plans and forecasts
+    /// count with, whatever `tracker.accuracy` says.
     pub fn as_measured(cell: &Cell) -> Self {
+        let sight = cell.scene.sight().filter(|sight| sight.stations.len() > 1);
+        let stations = sight.iter().flat_map(|sight| &sight.stations);
+        // Set up by hand, each in axes of its own.
+        let set_up = |(number, station): (usize, &Station)| {
+            let turn = UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4 - 1.1 * number as f64);
+            let frame = Isometry3::from_parts(Translation3::from(station.position), turn);
+            (station.name.clone(), frame)
+        };
         let named = |prefix: &str, factor: f64, otherwise: &str| match cell.setup.load.size() {
             Some(size) => format!("{prefix}-{}", (size * factor).round()),
             None => otherwise.to_string(),
@@ -180,10 +195,13 @@ impl Experiment {
         };
         let by_sensor = cell.sensor.is_some();
         Experiment {
-            base_from_tracker: Isometry3::from_parts(
-                Translation3::new(4.2, -1.8, 0.9),
-                UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4),
-            ),
+            base_from_tracker: cell.tracker.base_from_tracker.unwrap_or_else(|| {
+                Isometry3::from_parts(
+                    Translation3::new(4.2, -1.8, 0.9),
+                    UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4),
+                )
+            }),
+            stations: stations.enumerate().map(set_up).collect(),
             states: match cell.setup.load.cases() {
                 [] => vec![
                     state("unloaded".to_string(), 0.0),
@@ -222,13 +240,28 @@ impl Experiment {
                 centre: Vector3::new(0.02, -0.01, 0.12),
             }),
             sensor_noise: [0.3, 0.05],
-            tracker_noise: match cell.tracker.accuracy {
-                Some(_) => TrackerNoise::RangeAndAngle,
-                None => TrackerNoise::Isotropic,
-            },
+            tracker_noise: TrackerNoise::Isotropic,
             posture_common_std: cell.noise.posture_common_std,
             ..Experiment::default()
         }
+    }
+}
+
+impl Experiment {
+    /// The station, and its frame, from which a posture is read.
+    fn station_at(
+        &self,
+        cell: &Cell,
+        unloaded: &Setup,
+        posture: &Posture,
+    ) -> Result<Option<&(String, Isometry3<f64>)>> {
+        if self.stations.is_empty() {
+            return Ok(None);
+        }
+        let terms = PostureTerms::new(unloaded, &posture.q, None)?;
+        let own = cell.scene.station_at(&terms);
+        let mut stations = self.stations.iter();
+        Ok(own.and_then(|own| stations.find(|(name, _)| *name == own.name)))
     }
 }
 
@@ -292,6 +325,9 @@ pub fn experiment(
     let mut rng = experiment_rng(seed, stream);
     let mut out = Vec::with_capacity(postures.len());
     for posture in postures {
+        let station = options.station_at(cell, &unloaded, posture)?;
+        let frame = station.map_or(&options.base_from_tracker, |(_, frame)| frame);
+        tracker.tracker_from_base = frame.inverse();
         let mut states = Vec::with_capacity(options.states.len());
         for state in &options.states {
             let factor = state.load_factor;
@@ -334,6 +370,8 @@ pub fn experiment(
         out.push(PostureReadings {
             posture: posture.clone(),
             states,
+            station: station.map(|(name, _)| name.clone()),
+            axes: Isometry3::identity(),
         });
     }
     Ok(ReadingTable {
@@ -376,14 +414,11 @@ fn check(cell: &Cell, options: &Experiment) -> Result<()> {
         }
     }
     let mut numbers: Vec<f64> = options.drift.iter().copied().collect();
-    let motion = &options.base_from_tracker;
-    numbers.extend(
-        motion
-            .translation
-            .vector
-            .iter()
-            .chain(motion.rotation.coords.iter()),
-    );
+    let stations = options.stations.iter().map(|(_, frame)| frame);
+    for frame in stations.chain([&options.base_from_tracker]) {
+        numbers.extend(frame.translation.vector.iter());
+        numbers.extend(frame.rotation.coords.iter());
+    }
     numbers.extend(
         options
             .base_reflectors

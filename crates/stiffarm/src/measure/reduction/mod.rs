@@ -19,11 +19,12 @@
 mod base_motion;
 mod drift;
 mod messages;
+mod preload;
 mod repeatability;
 mod servo;
 mod table;
 mod temperature;
-mod unloaded;
+pub(in crate::measure) mod unloaded;
 mod wrench;
 mod wrench_check;
 
@@ -37,6 +38,7 @@ pub use unloaded::{UnloadedPointResidual, UnloadedPostureResidual, UnloadedRegis
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
 use super::series::PostureSeries;
+use super::stations::{self, StationRegistration};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
@@ -47,7 +49,7 @@ use crate::model::measurement::{
 use crate::model::posture::Posture;
 pub(in crate::measure) use base_motion::Motion;
 use messages::postures_first;
-use nalgebra::{Isometry3, Matrix3, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
@@ -73,6 +75,10 @@ pub struct Reduction {
     /// saved result.
     #[serde(skip)]
     pub measured: Vec<MeasuredPosture>,
+    /// The same against no load where a posture has a preload, the way to it among them; nothing where none has. Not
+    /// part of the saved result.
+    #[serde(skip)]
+    pub against_unloaded: Vec<MeasuredPosture>,
     /// Base frame from tracker frame \[m\], as used; saved as the rotation and
     /// translation of `registration`.
     #[serde(skip)]
@@ -80,6 +86,10 @@ pub struct Reduction {
     /// How the unloaded readings fit the model; `None` for a given transform and
     /// no unloaded readings.
     pub registration: Option<UnloadedRegistration>,
+    /// Each station by itself, where the readings come from several; `registration` is then that of the axes into
+    /// which all were put.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stations: Vec<StationRegistration>,
     /// Scatter of the repeats; `None` without repeats.
     pub repeatability: Option<Repeatability>,
     /// Largest motion of the base, posture by posture, where reflectors show it.
@@ -106,7 +116,8 @@ pub struct Reduction {
 /// is not finite; no displacement at all; no transform given and too few unloaded
 /// points for one; forces that are missing where others are given.
 pub fn reduce(cell: &Cell, table: &ReadingTable, options: &ReduceOptions) -> Result<Reduction> {
-    let table = table.clone().in_order_of_time();
+    let mut table = table.clone().in_order_of_time();
+    stations::in_one_frame(cell, &mut table, options.base_from_tracker.as_ref())?;
     reduce_series(cell, &table, &PostureSeries::all(&table), options)
 }
 
@@ -128,6 +139,8 @@ pub(super) fn reduce_series(
     let reading_std = repeatability::reading_std(cell, repeatability.as_ref());
     let (registration, base_from_tracker) =
         unloaded::registration(cell, series, given.as_ref(), reading_std, &mut findings)?;
+    let stations = stations::describe(table, &base_from_tracker, registration.as_ref());
+    findings.extend(stations::finding(&stations));
     let drift = drift::drift(series, &base_from_tracker, reading_std)?;
     findings.extend(drift::findings(series, drift.as_ref()));
     let temperatures = temperature::temperatures(series, drift.as_ref(), reading_std);
@@ -153,6 +166,9 @@ pub(super) fn reduce_series(
         base_motion.extend(motion);
         expected_forces.extend(expected_force(cell, posture, &measured[first..]));
     }
+    let mut against_unloaded = preload::against_unloaded(series, &measured, |posture, out| {
+        displacements(cell, table, posture, &base_from_tracker, reading_std, out).map(|_| ())
+    })?;
     incomplete(cell, series, &mut findings);
     if measured.is_empty() {
         return Err(Error::new(
@@ -163,6 +179,8 @@ pub(super) fn reduce_series(
     }
     findings.extend(base_motion::findings(series, &base_motion, reading_std));
     servo::servo_deflection(cell, &mut measured, &mut findings);
+    // What there is to say of them was said.
+    servo::servo_deflection(cell, &mut against_unloaded, &mut Vec::new());
     findings.extend(wrench::findings(cell, table.wrench_columns, series));
     let wrench_check =
         wrench_check::wrench_check(cell, table.wrench_columns, &measured, &expected_forces);
@@ -172,8 +190,10 @@ pub(super) fn reduce_series(
     findings.sort_by_key(|f| std::cmp::Reverse(f.severity));
     Ok(Reduction {
         measured,
+        against_unloaded,
         base_from_tracker,
         registration,
+        stations,
         repeatability,
         base_motion,
         drift,
@@ -194,9 +214,10 @@ fn displacements(
     measured: &mut Vec<MeasuredPosture>,
 ) -> Result<Option<BaseMotion>> {
     let rotation = base_from_tracker.rotation;
+    let axes = &posture.readings.axes;
     let usable = base_motion::usable(posture);
     let mut largest: Option<BaseMotion> = None;
-    for number in posture.states(Role::Loaded) {
+    for number in posture.loaded() {
         let state = &posture.readings.states[number];
         let motion = Motion::new(posture, &usable, number)?;
         let mut displacements = Vec::new();
@@ -220,8 +241,8 @@ fn displacements(
                 reference: pair.parts,
                 covariance: covariance(
                     cell,
-                    base_from_tracker,
-                    &pair.loaded,
+                    &(base_from_tracker * axes),
+                    &(axes.inverse() * Point3::from(pair.loaded)).coords,
                     stated(state, *index),
                 )?,
             });
@@ -243,13 +264,15 @@ fn displacements(
                 largest = Some(now);
             }
         }
+        let wrench = wrench::wrench(cell, table.wrench_columns, posture, number)?;
         measured.push(MeasuredPosture {
             posture: Posture {
                 name: posture.name().to_string(),
                 q: posture.q.clone(),
             },
             state: state.state.clone(),
-            wrench: wrench::wrench(cell, table.wrench_columns, posture, number)?,
+            wrench,
+            preload: preload::preload(cell, table.wrench_columns, posture, number, wrench)?,
             common_readings,
             servo_deflection: servo::one_give(cell, &posture.q, &gives, &mut displacements)?,
             displacements,

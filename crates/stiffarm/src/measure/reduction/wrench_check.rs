@@ -4,6 +4,7 @@
 use super::messages::{length, median, postures};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;
+use crate::model::instruments::{Mount, Sensor};
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::{MeasuredPosture, WrenchColumns};
@@ -75,6 +76,10 @@ pub struct WrenchCheck {
     pub application_point: Option<ApplicationPoint>,
     /// Directions, where the cell has a rope or weight.
     pub directions: Vec<ForceDirection>,
+    /// The axis of the sensor with which counted the other way the forces point along the load, where they do not as
+    /// they are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mirrored_axis: Option<String>,
 }
 
 /// Checks the measured wrenches; `expected` has the force the rope or weight has
@@ -99,14 +104,41 @@ pub(super) fn wrench_check(
     let cases = cell.setup.load.cases();
     let pure_force =
         cell.setup.load.each().all(pure) && cases.iter().all(|case| case.loading_point.is_none());
+    let directions = directions(cell, measured, expected, None);
+    let mirrored_axis = mirrored(cell, measured, expected, &directions);
     Some(WrenchCheck {
+        mirrored_axis: mirrored_axis.map(|axis| ["x", "y", "z"][axis].to_string()),
         application_point: if pure_force && columns == WrenchColumns::ForceAndMoment {
             application_point(&loads)
         } else {
             None
         },
-        directions: directions(cell, measured, expected),
+        directions,
     })
+}
+
+/// The axis of the sensor with whose sign changed the forces point along the load, where they do not as they are.
+fn mirrored(
+    cell: &Cell,
+    measured: &[MeasuredPosture],
+    expected: &[Option<f64>],
+    as_they_are: &[ForceDirection],
+) -> Option<usize> {
+    let typical = |directions: &[ForceDirection]| {
+        let angles: Vec<f64> = directions.iter().map(|d| d.angle_rad).collect();
+        (!angles.is_empty()).then(|| median(&angles))
+    };
+    // A sensor that is said to be mirrored, and one whose forces are right.
+    let sensor = cell.sensor.as_ref().filter(|s| s.mirrored.is_none())?;
+    typical(as_they_are).filter(|angle| *angle > TURNED)?;
+    let with = |axis: usize| {
+        let with = Sensor {
+            mirrored: Some(axis),
+            ..sensor.clone()
+        };
+        typical(&directions(cell, measured, expected, Some(&with)))
+    };
+    (0..3).find(|axis| with(*axis).is_some_and(|angle| angle < TURNED))
 }
 
 fn application_point(loads: &[(Frames, Wrench)]) -> Option<ApplicationPoint> {
@@ -162,14 +194,23 @@ fn directions(
     cell: &Cell,
     measured: &[MeasuredPosture],
     expected: &[Option<f64>],
+    mirrored: Option<&Sensor>,
 ) -> Vec<ForceDirection> {
     let direction = |(m, expected): (&MeasuredPosture, &Option<f64>)| {
-        let force = m.wrench?.force;
+        let mut force = m.wrench?.force;
         let setup = cell.setup.of_state(&m.state).ok()?;
         if !matches!(setup.load, Load::Rope { .. } | Load::Weight { .. }) {
             return None;
         }
         let frames = Frames::new(&setup.robot, &m.posture.q);
+        if let Some(sensor) = mirrored {
+            // Into the axes of the sensor, and as they count with the mirrored one.
+            let turn = match sensor.mount {
+                Mount::Flange => frames.flange().rotation * sensor.pose.rotation,
+                Mount::Base => sensor.pose.rotation,
+            };
+            force = turn * sensor.right_handed(turn.inverse_transform_vector(&force));
+        }
         let at = frames.point(&setup.tool.loading_point);
         let along = setup.load.wrench(&frames, &at)?.force;
         // The angle between vectors, also where it is tiny.
@@ -191,7 +232,7 @@ fn directions(
 /// What the check says in sentences.
 pub(super) fn findings(cell: &Cell, check: &WrenchCheck) -> Vec<Finding> {
     let mut out = Vec::new();
-    direction_findings(cell, &check.directions, &mut out);
+    direction_findings(cell, check, &mut out);
     // A turned sensor moves the point too: the cause first.
     let directed = out.iter().all(|f| f.code == "force-magnitude");
     if let (Some(point), true) = (&check.application_point, directed) {
@@ -200,7 +241,8 @@ pub(super) fn findings(cell: &Cell, check: &WrenchCheck) -> Vec<Finding> {
     out
 }
 
-fn direction_findings(cell: &Cell, directions: &[ForceDirection], out: &mut Vec<Finding>) {
+fn direction_findings(cell: &Cell, check: &WrenchCheck, out: &mut Vec<Finding>) {
+    let directions = check.directions.as_slice();
     if directions.is_empty() {
         return;
     }
@@ -244,9 +286,20 @@ fn direction_findings(cell: &Cell, directions: &[ForceDirection], out: &mut Vec<
             severity,
             if cell.sensor.is_some() { "sensor" } else { "measurements" },
             format!(
-                "The measured forces differ from the direction of {what} by {:.1}° in the median. Check how the sensor \
-                 is turned, and the anchor or the direction of gravity.",
-                typical.to_degrees()
+                "The measured forces differ from the direction of {what} by {:.1}° in the median. {}",
+                typical.to_degrees(),
+                match &check.mirrored_axis {
+                    Some(axis) => format!(
+                        "With {axis} of the sensor counted the other way they point along it: its axes are left-handed \
+                         (set sensor.mirrored_axis = \"{axis}\"), or it is turned by half a turn."
+                    ),
+                    None if cell.sensor.is_none() => "Check how the sensor is turned, and the anchor or the direction of \
+                                                      gravity."
+                        .to_string(),
+                    None => "Check how the sensor is turned, whether its axes are left-handed (sensor.mirrored_axis), \
+                             and the anchor or the direction of gravity."
+                        .to_string(),
+                }
             ),
         ));
     } else {

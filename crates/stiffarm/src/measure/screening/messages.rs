@@ -151,6 +151,10 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             }
             out
         }
+        Cause::JointOffset if is_last(cell, s) => format!(
+            "the tool sat turned by {} about the axis of {joints} on the flange, or {joints} were off by that throughout",
+            angle(s, 0)
+        ),
         Cause::JointOffset => {
             format!("{joints} is off by {} throughout", angle(s, 0))
         }
@@ -164,6 +168,12 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
         },
         _ => code(s.cause).replace('-', " "),
     }
+}
+
+/// True where the last joint alone is meant.
+fn is_last(cell: &Cell, s: &Suspicion) -> bool {
+    let last = cell.setup.robot.joints().last();
+    last.is_some_and(|last| s.joints == [last.name.as_str()])
 }
 
 fn angle(s: &Suspicion, i: usize) -> String {
@@ -276,6 +286,13 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             }
         ),
         Cause::ToolPlace => tool::sentence(s, &fall(s)),
+        // The tool is all that hangs on the last joint.
+        Cause::JointOffset if is_last(cell, s) => format!(
+            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {}.{} Check the turn of \
+             tool.measuring_point first, then robot.dh (offset) against the pendant.",
+            fall(s),
+            alternatives(s)
+        ),
         Cause::JointSign | Cause::Coupling | Cause::JointOffset => format!(
             "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
              {}.{} Check robot.{} against the pendant.",
@@ -301,6 +318,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             s.after_m.map_or_else(String::new, mm),
             angle(s, 0)
         ),
+        Cause::MovedTracker => super::moved::sentence(s, mm),
         Cause::AngleSign => format!(
             "{opening}: the readings fit if {joints} is {}, not {} (sign?); the misfit falls {}.{} Correct the angle.",
             angle(s, 1),
@@ -353,7 +371,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
         ),
         Cause::UnexplainedPosture => format!(
             "{opening}: the points lie {} from the kinematic model, in the other postures {}.{} No single slip of an \
-             angle or a name explains it: check its angles and readings, or leave it out.",
+             angle or a name explains it: check its angles and readings, and that the tracker stood still, or leave it \
+             out.",
             s.before_m.map_or_else(String::new, mm),
             s.after_m.map_or_else(String::new, mm),
             copied(s)

@@ -25,6 +25,7 @@ mod messages;
 mod misfit;
 mod model;
 mod motion;
+mod moved;
 mod posture;
 mod rigid;
 mod scale;
@@ -36,6 +37,7 @@ mod states;
 mod tool;
 
 use super::series::PostureSeries;
+use super::stations;
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -90,6 +92,8 @@ pub enum Cause {
     Radians,
     /// The transform that is given for the tracker does not fit the readings.
     GivenTransform,
+    /// The tracker, or the robot, stands elsewhere from a posture on.
+    MovedTracker,
     /// One joint angle with the wrong sign.
     AngleSign,
     /// One joint angle mistyped.
@@ -196,6 +200,15 @@ pub struct Suspicion {
     /// Shift of all measuring points, flange axes \[mm\]; `angles_deg` then holds their turn vector.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub tool_shift_mm: Vec<f64>,
+    /// Postures that were read partly before the tracker was moved and partly after.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub divided: Vec<String>,
+    /// The station that the table names for postures before which the tracker was moved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub station: Option<String>,
+    /// A name for the station that these postures were read from instead.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub likely_station: Option<String>,
     /// Other explanations that fit as well.
     pub alternatives: Vec<String>,
     /// False where the points named are candidates for one fault.
@@ -223,6 +236,9 @@ impl Suspicion {
             evidence: None,
             angles_deg: Vec::new(),
             tool_shift_mm: Vec::new(),
+            divided: Vec::new(),
+            station: None,
+            likely_station: None,
             alternatives: Vec::new(),
             certain: true,
         }
@@ -351,7 +367,9 @@ pub fn screen(
     table: &ReadingTable,
     base_from_tracker: Option<&Isometry3<f64>>,
 ) -> Result<Screening> {
-    screen_series(cell, table, &PostureSeries::all(table), base_from_tracker)
+    let mut table = table.clone();
+    stations::in_one_frame(cell, &mut table, base_from_tracker)?;
+    screen_series(cell, &table, &PostureSeries::all(&table), base_from_tracker)
 }
 
 /// [`screen`] of readings that are sorted already.

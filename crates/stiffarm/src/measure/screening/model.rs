@@ -2,7 +2,7 @@
 //! every posture alike.
 
 use super::frame::{self, Frame, item_pairs, items, judge, register};
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, tool};
+use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, moved, tool};
 use crate::measure::registration::axis_slips;
 use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::order::sort_by_number;
@@ -12,7 +12,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 /// Misfit of most postures above which causes are looked for \[m\].
 const SUSPICIOUS: f64 = 2e-3;
 /// Misfit above which a cause counts as undone \[m\]: an uncalibrated robot has a few mm.
-const PLAUSIBLE: f64 = 8e-3;
+pub(super) const PLAUSIBLE: f64 = 8e-3;
 /// Misfit that is reported where no cause is found \[m\].
 const UNEXPLAINED: f64 = 1e-2;
 /// Angles that all lie below this may be radians \[deg\].
@@ -143,6 +143,10 @@ pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>) -> Option
     if throughout && let Some(after) = undo(work, given, &before) {
         check_given(work, given, &after);
         return Some(after);
+    }
+    if let Some(frame) = moved::explain(work, given, throughout) {
+        check_given(work, given, &frame);
+        return Some(frame);
     }
     let majority = 2 * before.bad_count() < before.bad.len();
     if before.level > UNEXPLAINED || (throughout && !majority && before.trimmed > UNEXPLAINED) {
@@ -278,16 +282,6 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     for other in trials {
         let phrase = super::messages::cause(&work.cell, &other.change.suspicion(work));
         suspicion.alternatives.push(phrase);
-    }
-    // The last joint turns the tool on the flange.
-    if let Change::Offset(j, offset) = first.change
-        && j + 1 == work.setup().robot.joint_count()
-    {
-        let turned = format!(
-            "the tool sits turned by {:.2}° on the flange",
-            rad_to_deg(offset)
-        );
-        suspicion.alternatives.push(turned);
     }
     suspicion.certain = suspicion.alternatives.is_empty();
     first.change.apply(work);

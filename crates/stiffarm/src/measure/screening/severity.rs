@@ -6,6 +6,9 @@ use crate::findings::Severity;
 /// Misfit that a robot as delivered may have \[m\].
 const ROBOT_ACCURACY: f64 = 5e-3;
 
+/// Turn between two frames that costs a third of a percent \[deg\].
+const SMALL_TURN_DEG: f64 = 0.06;
+
 /// A stray reading below this costs little more than noise does \[m\].
 const SMALL_STRAY: f64 = 1e-4;
 
@@ -27,6 +30,7 @@ pub(super) fn code(cause: Cause) -> &'static str {
         Cause::ToolPlace => "tool-place",
         Cause::Radians => "angles-in-radians",
         Cause::GivenTransform => "tracker-transform",
+        Cause::MovedTracker => "moved-tracker",
         Cause::AngleSign => "angle-sign",
         Cause::MistypedAngle => "mistyped-angle",
         Cause::ExchangedPostures => "exchanged-postures",
@@ -70,6 +74,12 @@ pub(super) fn severity(s: &Suspicion) -> Severity {
         Cause::LoadingPointUnits if !s.certain => Severity::Caution,
         // A few mm are within what robots miss their positions by.
         Cause::UnexplainedPosture if s.before_m.is_some_and(|b| b < ROBOT_ACCURACY) => {
+            Severity::Caution
+        }
+        // Displacements turn with the frame: by less than 0.3 % they stay what they are.
+        Cause::MovedTracker
+            if s.divided.is_empty() && s.angles_deg.iter().all(|a| *a < SMALL_TURN_DEG) =>
+        {
             Severity::Caution
         }
         Cause::StrayReading if s.off_m.is_some_and(|off| off < SMALL_STRAY) => Severity::Caution,

@@ -9,7 +9,7 @@ use crate::model::load::Wrench;
 use crate::model::measurement::{MeasuredPosture, Reading, Role, WrenchColumns};
 use crate::model::observation::check_angles;
 use crate::numerics::sample::median;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 
 /// Standard deviations by which a repeat must lie off to be called stray.
@@ -51,6 +51,8 @@ pub(super) struct State {
 #[derive(Debug, Clone)]
 pub(super) struct Posture {
     pub name: String,
+    /// The tracker's station, where the table names it.
+    pub station: Option<String>,
     pub states: Vec<State>,
 }
 
@@ -120,7 +122,9 @@ impl Sheet {
                             ),
                         ));
                     }
-                    let std = reading_std(cell, &own.readings[0].position)?;
+                    let read = Point3::from(own.readings[0].position);
+                    let read = posture.readings.axes.inverse() * read;
+                    let std = reading_std(cell, &read.coords)?;
                     let (kept, strays) = sift(&own.readings, std.max(spread));
                     if let Some(distance) = strays.distance {
                         let mut suspicion = Suspicion::new(Cause::StrayRepeat)
@@ -148,6 +152,7 @@ impl Sheet {
             }
             postures.push(Posture {
                 name: posture.name().to_string(),
+                station: posture.readings.station.clone(),
                 states,
             });
         }
@@ -230,6 +235,7 @@ impl Sheet {
                     unloaded.points.fill(Some(at(Vector3::zeros(), 1)));
                     postures.push(Posture {
                         name: one.posture.name.clone(),
+                        station: None,
                         states: vec![unloaded, state],
                     });
                 }

@@ -76,6 +76,8 @@ pub enum NamePart {
     State,
     /// `{point}`.
     Point,
+    /// `{station}`.
+    Station,
     /// `{}`: anything, which does not matter.
     Any,
 }
@@ -87,6 +89,7 @@ impl NamePart {
             NamePart::Posture => Some("posture"),
             NamePart::State => Some("state"),
             NamePart::Point => Some("point"),
+            NamePart::Station => Some("station"),
             NamePart::Any => None,
         }
     }
@@ -120,6 +123,7 @@ impl NamePattern {
                 "posture" => NamePart::Posture,
                 "state" => NamePart::State,
                 "point" => NamePart::Point,
+                "station" => NamePart::Station,
                 "" => NamePart::Any,
                 other => return Err(format!("There is no part {{{other}}}.")),
             };

@@ -24,8 +24,8 @@ pub use task::{Task, task_matrix, task_rows};
 use crate::error::{Code, Error, Result};
 use crate::model::elastic::{ElasticSizes, ElasticSource};
 use crate::model::instruments::{Sensor, Tracker, Uncertainty};
-use crate::model::load::Load;
-use crate::model::observation::Setup;
+use crate::model::load::{Load, Wrench};
+use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::Posture;
 use crate::model::robot::Robot;
 use crate::model::route::RouteRules;
@@ -33,6 +33,7 @@ use crate::model::scene::Scene;
 use crate::model::tool::Tool;
 use crate::model::work::Work;
 use crate::units::{m_to_mm, mm_to_m};
+use nalgebra::Vector3;
 
 /// Variance of a tracker reading per axis in the paper, Table 3 \[m²\].
 const PAPER_VARIANCE: f64 = 9.23e-11;
@@ -282,6 +283,37 @@ impl Cell {
         let outside = |q: f64, b: &[f64; 2]| q < b[0] - 1e-9 || q > b[1] + 1e-9;
         let joints = q.iter().zip(&self.bounds).enumerate();
         joints.filter_map(move |(j, (q, bounds))| outside(*q, bounds).then_some((j, *q)))
+    }
+
+    /// Measuring points that are not to be read at the controller angles `q` \[rad\]: hidden from the station that
+    /// sees most, where it sees as many as are asked for. None where too few are seen: what is to be done
+    /// there is another station's, or another posture's.
+    pub fn hidden_points(&self, q: &[f64]) -> Vec<usize> {
+        let Some(sight) = self.scene.sight() else {
+            return Vec::new();
+        };
+        let unloaded = Wrench::force(Vector3::zeros());
+        let terms = PostureTerms::new(&self.setup, q, Some(&unloaded)).ok();
+        let seen = terms.and_then(|terms| self.scene.seen(&terms));
+        let seen = seen.map_or_else(Vec::new, |seen| seen.points);
+        if seen.len() < sight.visible_points {
+            return Vec::new();
+        }
+        let points = 0..self.setup.tool.point_count();
+        points.filter(|point| !seen.contains(point)).collect()
+    }
+
+    /// The robot with the bounds as limits, where they are narrower than the machine's.
+    pub(crate) fn robot_within_bounds(&self) -> Robot {
+        let joints = self.setup.robot.joints().iter();
+        let narrower = joints.zip(&self.bounds).map(|(joint, bounds)| {
+            let [low, high] = joint.limits;
+            [low.max(bounds[0]), high.min(bounds[1])]
+        });
+        let limits: Vec<[f64; 2]> = narrower.collect();
+        // Bounds beside the limits leave nothing: the machine's limits stay.
+        let robot = self.setup.robot.clone().with_limits(&limits);
+        robot.unwrap_or_else(|_| self.setup.robot.clone())
     }
 
     /// First joint whose angle leaves the machine's limits, with the angle \[rad\].

@@ -10,7 +10,9 @@ pub use readings::{
     WrenchColumns,
 };
 
+use crate::error::Result;
 use crate::model::load::Wrench;
+use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::Posture;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -103,6 +105,9 @@ pub struct MeasuredPosture {
     /// Measured wrench on the robot at the loading point, base axes, loaded
     /// minus reference; `None` lets the cell's load give it.
     pub wrench: Option<Wrench>,
+    /// What the arm carried already in the reference, base axes at the loading point: a preload; `None` where it was
+    /// unloaded.
+    pub preload: Option<Wrench>,
     /// What the controller gave way under the load: its angles loaded minus
     /// reference, Δq_m \[rad\], where recorded.
     pub servo_deflection: Option<Vec<f64>>,
@@ -121,10 +126,24 @@ impl MeasuredPosture {
             posture,
             state: "loaded".to_string(),
             wrench: None,
+            preload: None,
             servo_deflection: None,
             common_readings: [0.0; 2],
             displacements,
         }
+    }
+
+    /// The model's terms of this state in `setup`, under `wrench` instead of the measured one's place, against the
+    /// reference that it has.
+    ///
+    /// # Errors
+    /// As [`PostureTerms::new`].
+    pub fn terms(&self, setup: &Setup, wrench: Option<&Wrench>) -> Result<PostureTerms> {
+        let terms = PostureTerms::new(setup, &self.posture.q, wrench)?;
+        Ok(match &self.preload {
+            Some(preload) => terms.against(preload),
+            None => terms,
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::findings::Finding;
 use crate::model::load::Wrench;
 use crate::model::posture::Posture;
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Vector3};
 
 /// What a reading was taken of.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -95,6 +95,11 @@ pub struct PostureReadings {
     pub posture: Posture,
     /// Its load states, in the order taken.
     pub states: Vec<StateReadings>,
+    /// The tracker's station from which all of them were read, where the table names it.
+    pub station: Option<String>,
+    /// Turns the axes in which that station's tracker read into those of the positions: identity, but where the
+    /// readings of several stations were put into the axes of one.
+    pub axes: Isometry3<f64>,
 }
 
 /// Which columns of force the table had.
@@ -133,11 +138,25 @@ pub struct PendingReading {
     pub state: String,
     /// Name of the measuring point, or of the reflector on the base.
     pub point: String,
+    /// Name of the tracker's station, where the table names it.
+    pub station: Option<String>,
     /// Line of the table it stands on, counted from 1.
     pub line: usize,
 }
 
 impl ReadingTable {
+    /// The stations from which the postures were read, in the order in which they first appear; none where the table
+    /// names none.
+    pub fn stations(&self) -> Vec<&str> {
+        let mut out: Vec<&str> = Vec::new();
+        for name in self.postures.iter().filter_map(|p| p.station.as_deref()) {
+            if !out.contains(&name) {
+                out.push(name);
+            }
+        }
+        out
+    }
+
     /// The table in the order of its times, where every reading has one: the rows may then stand in any order.
     pub fn in_order_of_time(mut self) -> Self {
         let mut states = self.postures.iter().flat_map(|posture| &posture.states);

@@ -95,7 +95,7 @@ pub enum ExtraTerm {
     /// of axis 1 nearest the base frame's origin; unknown: a compliance \[rad/(N·m)\].
     BaseTilt,
     /// Lost motion of joint `j` (counted from 0): it gives way by a constant
-    /// angle in the direction of its torque; unknown: that angle \[rad\].
+    /// angle in the direction of its torque, from where a preload held it before; unknown: that angle \[rad\].
     LostMotion(usize),
     /// Entries (row, column) and (column, row) of the symmetric compliance of a
     /// general spring; rows and columns 0 to 2 are shifts along and forces on x, y, z
@@ -327,10 +327,8 @@ impl<'a> Motions<'a> {
             ExtraTerm::JointTilt(j) => tilt(frames.axes()[j], frames.origins()[j]),
             ExtraTerm::BaseTilt => tilt(frames.axes()[0], on_first_axis(frames)),
             ExtraTerm::LostMotion(j) => {
-                // Without torque the joint may rest anywhere in its gap.
-                let torque = terms.torque()[j];
-                let sign = if torque == 0.0 { 0.0 } else { torque.signum() };
-                Motion::turn(frames.axes()[j] * sign, frames.origins()[j])
+                let halves = terms.halves_of_gap(j);
+                Motion::turn(frames.axes()[j] * halves, frames.origins()[j])
             }
         }
     }

@@ -90,6 +90,8 @@ pub struct PostureTerms {
     pub(crate) columns: Vec<Vector3<f64>>,
     pub(crate) wrench: Wrench,
     pub(crate) torque: Vec<f64>,
+    /// Joint torques in the reference \[N·m\]; none where it is unloaded.
+    before: Vec<f64>,
 }
 
 /// A rope shorter than this has no direction \[m\].
@@ -116,6 +118,7 @@ impl PostureTerms {
             columns: vec![Vector3::zeros(); m * n],
             wrench: Wrench::force(Vector3::zeros()),
             torque: vec![0.0; n],
+            before: Vec::new(),
         };
         terms.fill(setup, wrench)?;
         Ok(terms)
@@ -166,8 +169,7 @@ impl PostureTerms {
         for j in 0..n {
             self.loading_columns[j] = self.frames.column(j, &self.loading_point);
             // Γ = (J^f)ᵀ W, Eq. (4).
-            self.torque[j] = self.loading_columns[j].dot(&self.wrench.force)
-                + self.frames.axes()[j].dot(&self.wrench.moment);
+            self.torque[j] = self.torque_of(&self.wrench, j);
         }
         for (a, point) in setup.tool.measuring_points.iter().enumerate() {
             let p = self.frames.point(&point.position);
@@ -177,6 +179,26 @@ impl PostureTerms {
             }
         }
         Ok(())
+    }
+
+    fn torque_of(&self, wrench: &Wrench, j: usize) -> f64 {
+        self.loading_columns[j].dot(&wrench.force) + self.frames.axes()[j].dot(&wrench.moment)
+    }
+
+    /// The same against a reference that carries `preload` (at the loading point, base axes) instead of nothing.
+    #[must_use]
+    pub fn against(mut self, preload: &Wrench) -> Self {
+        let joints = 0..self.torque.len();
+        self.before = joints.map(|j| self.torque_of(preload, j)).collect();
+        self
+    }
+
+    /// How many halves of its gap joint `j` goes through between reference and load, about its axis: from the middle,
+    /// where it stands unloaded, or from the side on which a preload holds it. Without torque it may rest anywhere.
+    pub(crate) fn halves_of_gap(&self, j: usize) -> f64 {
+        let side = |torque: f64| if torque == 0.0 { 0.0 } else { torque.signum() };
+        let before = self.before.get(j).copied().unwrap_or(0.0);
+        side(before + self.torque[j]) - side(before)
     }
 
     /// The joint frames.

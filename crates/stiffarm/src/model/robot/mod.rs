@@ -51,6 +51,8 @@ pub struct Joint {
 pub struct Robot {
     name: String,
     joints: Vec<Joint>,
+    /// Whether the joints' limits were given: ±360° may be the true ones.
+    has_limits: bool,
     flange: Isometry3<f64>,
     offset: DVector<f64>,
     coupling: DMatrix<f64>,
@@ -98,6 +100,7 @@ impl Robot {
         Ok(Robot {
             name: name.into(),
             joints,
+            has_limits: false,
             flange,
             offset: DVector::from_iterator(n, rows.iter().map(|r| r.offset)),
             coupling: DMatrix::identity(n, n),
@@ -179,6 +182,7 @@ impl Robot {
             }
             joint.limits = *limit;
         }
+        self.has_limits = true;
         self.origin.settle(DoubtAbout::Limits);
         Ok(self)
     }
@@ -347,7 +351,7 @@ impl Robot {
     /// True when no limits of the controller angles were given and ±360° stand
     /// in for them.
     pub fn limits_are_unknown(&self) -> bool {
-        self.joints.iter().all(|j| j.limits == UNKNOWN_LIMITS)
+        !self.has_limits
     }
 
     /// The joints, base to flange.

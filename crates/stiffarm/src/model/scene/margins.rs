@@ -3,7 +3,7 @@
 
 use super::placed::Placed;
 use super::rope::{cone_margin, rope_to_solid};
-use super::sight::SeenFrom;
+use super::sight::{SeenFrom, Station};
 use super::slope::{Derivative, Slope};
 use super::{Carrier, DisplacementLimits, Scene, TorqueLimits, Work};
 use crate::model::kinematics::Frames;
@@ -72,6 +72,16 @@ impl Scene {
         let mut work = Work::default();
         let placed = Placed::new(&self.parts, terms.frames(), &mut work.shapes);
         Some(sight.seen(terms.measuring_points(), &placed))
+    }
+
+    /// The station from which a posture is read, that which sees most; `None` where the cell has no choice of stations.
+    pub fn station_at(&self, terms: &PostureTerms) -> Option<&Station> {
+        let stations = &self
+            .sight
+            .as_ref()
+            .filter(|sight| sight.stations.len() > 1)?
+            .stations;
+        stations.get(self.seen(terms)?.station)
     }
 
     /// What each station sees of the measuring points at this posture, station by station.

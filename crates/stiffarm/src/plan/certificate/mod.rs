@@ -227,7 +227,7 @@ pub fn certify_further<Q: AsRef<[f64]>>(
 ) -> Result<Certificate> {
     let n = cell.setup.robot.spring_count();
     if index.needs_prior() {
-        cell.require_prior()?;
+        index.prior_of(cell)?;
     }
     let criterion = match index {
         // RMS over joints: tr(M⁻¹)/n under the root.

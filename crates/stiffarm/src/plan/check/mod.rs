@@ -18,7 +18,7 @@ pub use prepared::{LEFT_OUT, determinable, prepared, springs_left_out};
 pub use start::{START_TOUCHES, start_touches};
 
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, Severity, length, list};
 use crate::model::cell::{Cell, LimitMargin};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup, check_angles};
@@ -93,6 +93,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     machine_limits(cell, &mut findings);
     findings.extend(robot_doubts(&cell.setup.robot));
     slips::check(cell, &mut findings);
+    findings.extend(two_noises(cell));
     beside_arm::check(cell, &mut findings);
     findings.extend(start_touches(cell));
     work::check(cell, &mut findings);
@@ -146,6 +147,34 @@ fn machine_limits(cell: &Cell, findings: &mut Vec<Finding>) {
              the machine can reach, before a plan is driven.",
         ));
     }
+}
+
+/// Distances from a tracker at which readings are taken \[m\].
+const FROM_TRACKER: [f64; 2] = [2.0, 10.0];
+/// Noises that differ by less may both be meant: one averages, the other is a data sheet's.
+const ALIKE: f64 = 1.5;
+
+/// Says where `[noise]` and `[tracker]` are two stories of the same readings.
+fn two_noises(cell: &Cell) -> Option<Finding> {
+    let accuracy = cell.tracker.accuracy.as_ref()?;
+    let at = |distance| {
+        let beam = accuracy.station + Vector3::x() * distance;
+        let covariance = accuracy.covariance(&beam).ok()?;
+        Some((covariance.trace() / 3.0).sqrt())
+    };
+    let [near, far] = FROM_TRACKER.map(at);
+    let (near, far, own) = (near?, far?, cell.noise.reading_variance.sqrt());
+    let agrees = own * ALIKE >= near && own <= far * ALIKE;
+    let sentence = format!(
+        "[noise] has a reading scatter by {} along an axis, [tracker] by {} at {} m and {} at {} m: plans, forecasts and \
+         simulated readings count with [noise], `--weights tracker` with [tracker].",
+        length(own),
+        length(near),
+        FROM_TRACKER[0],
+        length(far),
+        FROM_TRACKER[1]
+    );
+    (!agrees && own > 0.0).then(|| Finding::caution("two-noises", "noise", sentence))
 }
 
 /// One sampled posture.

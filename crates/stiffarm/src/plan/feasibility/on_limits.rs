@@ -1,7 +1,7 @@
 //! Which postures of a plan sit on a limit.
 
 use super::PostureLimits;
-use crate::findings::{Finding, list};
+use crate::findings::{Finding, list, more};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::posture::Posture;
 use crate::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
@@ -10,6 +10,8 @@ use crate::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
 pub const ON_MACHINE_LIMIT: &str = "on-machine-limit";
 /// Code of the finding about postures with no more room than the cell asks for.
 pub const NO_ROOM_TO_SPARE: &str = "no-room-to-spare";
+/// Code of the finding about measuring points that the tracker does not see.
+pub const HIDDEN_POINTS: &str = "hidden-points";
 
 /// Nearer than this to a machine's limit is on it \[deg\].
 const NEAR_DEG: f64 = 0.1;
@@ -69,7 +71,36 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
         );
         findings.push(Finding::note(NO_ROOM_TO_SPARE, "clearance", sentence));
     }
+    findings.extend(hidden(cell, postures));
     findings
+}
+
+/// Which points are not to be read at which postures, since the tracker does not see them.
+fn hidden(cell: &Cell, postures: &[Posture]) -> Option<Finding> {
+    let points = &cell.setup.tool.measuring_points;
+    let of = postures.iter().map(|posture| {
+        let hidden = cell.hidden_points(&posture.q).into_iter();
+        let names: Vec<&str> = hidden.map(|point| &*points[point].name).collect();
+        (posture, names)
+    });
+    let of: Vec<_> = of.filter(|(_, names)| !names.is_empty()).collect();
+    let (_, first) = of.first()?;
+    let each = of.iter().take(MOST_NAMES).map(|(posture, names)| {
+        let word = if names.len() == 1 { "point" } else { "points" };
+        format!("{word} {} at posture {}", list(names), posture.name)
+    });
+    let each: Vec<String> = each.collect();
+    let sentence = format!(
+        "The tracker does not see {}{}: sheet and page to print leave {} out.",
+        list(&each),
+        more(of.len().saturating_sub(MOST_NAMES)),
+        if of.len() == 1 && first.len() == 1 {
+            "it"
+        } else {
+            "them"
+        }
+    );
+    Some(Finding::note(HIDDEN_POINTS, "tracker.station", sentence))
 }
 
 /// `Posture 3 has`, `4 of 12 postures (1, 2, 3 and 4) have`.

@@ -34,7 +34,8 @@ impl Inputs {
             None
         };
         let compliance: Vec<f64> = if index.needs_prior() {
-            cell.require_prior()?.iter().map(|k| 1.0 / k).collect()
+            let prior = index.prior_of(cell)?.iter();
+            prior.map(|k| 1.0 / k).collect()
         } else {
             vec![1.0; robot.spring_count()]
         };

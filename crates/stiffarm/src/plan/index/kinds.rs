@@ -1,6 +1,7 @@
 //! The indices by name.
 
 use crate::error::{Code, Error, Result, did_you_mean};
+use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 
 /// An index of a group of postures.
@@ -171,6 +172,23 @@ impl Index {
                 | Index::D
                 | Index::Prediction
         )
+    }
+
+    /// The prior stiffness of a cell for an index that needs one.
+    ///
+    /// # Errors
+    /// The cell has none; an index that chooses the same postures without is named.
+    pub(crate) fn prior_of(self, cell: &Cell) -> Result<&[f64]> {
+        cell.require_prior().map_err(|error| match self {
+            // det(K Ψᵀ Ψ K) = det(K)² det(Ψᵀ Ψ): the prior is a factor.
+            Index::D => Error::new(
+                error.code(),
+                "The index d is a percentage of the stiffness, for which the cell has no prior.",
+            )
+            .key("stiffness.prior_nm_per_rad")
+            .hint("choose by o1, which has the same best postures and needs none, or give a prior"),
+            _ => error,
+        })
     }
 
     /// True when it is a multiple of the noise, whose posture-common part it

@@ -23,7 +23,7 @@ pub use remarks::{MOVE_BLOCKED, not_approached, route_findings};
 
 use crate::error::Result;
 use crate::model::cell::Cell;
-use crate::model::observation::check_angles;
+use crate::model::observation::{PostureTerms, check_angles};
 use crate::numerics::control::Control;
 use crate::plan::select::repeats;
 use equivalent::Equivalents;
@@ -170,10 +170,20 @@ fn places(
     let dearest = cost.iter().flatten().fold(0.0, |most: f64, c| most.max(*c));
     // The same posture twice: drive away in between, or the second time shows nothing of the first.
     let together = |a: usize, b: usize| a != b && same[a] == same[b];
+    // No move is worth carrying the tracker to another station and back.
+    let station = |q: &Vec<f64>| {
+        let terms = PostureTerms::new(&cell.setup, q, None).ok()?;
+        cell.scene.station_at(&terms).map(|own| own.name.as_str())
+    };
+    let stations: Vec<Option<&str>> = stands.iter().map(station).collect();
+    let carried = dearest * count as f64;
     for (a, row) in cost.iter_mut().enumerate() {
         for (b, cost) in row.iter_mut().enumerate() {
             if together(of[a], of[b]) {
                 *cost += 2.0 * dearest;
+            }
+            if stations[a] != stations[b] {
+                *cost += carried;
             }
         }
     }

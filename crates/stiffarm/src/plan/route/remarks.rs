@@ -48,18 +48,30 @@ pub fn route_findings(cell: &Cell, stops: &[Posture], route: &Route) -> Result<V
     // Where the start itself touches something, one sentence says it for all moves from and to it.
     let start = start_touches(cell);
     let is_told = |each: &RouteMove| start.is_some() && (each.from.is_none() || each.to.is_none());
-    let blocked = route
-        .moves
+    let blocked = route.moves.iter();
+    let blocked: Vec<&RouteMove> = blocked
+        .filter(|each| !each.free && !is_told(each))
+        .collect();
+    // Moves with one reason are one finding.
+    let mut reasons: Vec<(String, Vec<String>)> = Vec::new();
+    for each in blocked {
+        let reason = reason(each);
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, moves)) => moves.push(each.name(stops)),
+            None => reasons.push((reason, vec![each.name(stops)])),
+        }
+    }
+    let blocked = reasons
         .iter()
-        .filter(|each| !each.free && !is_told(each));
-    let blocked: Vec<Finding> = blocked.map(|each| blocked_move(stops, each)).collect();
+        .map(|(reason, moves)| blocked_moves(reason, moves));
     let mut findings: Vec<Finding> = start.into_iter().chain(blocked).collect();
     findings.extend(not_approached(cell, stops, route)?);
     Ok(findings)
 }
 
-fn blocked_move(stops: &[Posture], each: &RouteMove) -> Finding {
-    let what = each.nearest.as_ref().map_or(String::new(), |nearest| {
+/// What is in the way of a move, as the end of a sentence.
+fn reason(each: &RouteMove) -> String {
+    each.nearest.as_ref().map_or(String::new(), |nearest| {
         let near = match nearest.kind {
             LimitKind::Shapes | LimitKind::RopeClearance => {
                 format!("{} come too near each other", nearest.subject)
@@ -69,15 +81,21 @@ fn blocked_move(stops: &[Posture], each: &RouteMove) -> Finding {
             }
             kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),
         };
-        format!(" on the straight joint move {near}")
-    });
-    Finding::serious(
-        MOVE_BLOCKED,
-        format!("move {}", each.name(stops)),
-        format!(
-            "no free way was found:{what}. Drive it by hand over via postures of your own, or move what is in the way."
-        ),
-    )
+        format!(": on the straight joint move {near}")
+    })
+}
+
+fn blocked_moves(reason: &str, moves: &[String]) -> Finding {
+    let (word, them) = match moves.len() {
+        1 => ("move", "it"),
+        _ => ("moves", "them"),
+    };
+    let subject = format!("{word} {}", list(moves));
+    let sentence = format!(
+        "no free way was found for the {subject}{reason}. Drive {them} by hand over via postures of your own, or move what \
+         is in the way."
+    );
+    Finding::serious(MOVE_BLOCKED, subject, sentence)
 }
 
 /// Joints that stand on the side of their lost motion that chance gives them, and at which postures; nothing where `cell`

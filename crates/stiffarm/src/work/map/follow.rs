@@ -21,7 +21,7 @@ pub(super) struct Stopped {
 }
 
 /// The postures along `poses` from `start` at the first of them, with the full
-/// turns that keep the whole path within the machine's limits, or where the
+/// turns that keep the whole path within its bounds, or where the
 /// branch ends; stopped as `control` says.
 pub(super) fn follow(
     reach: &Reach<'_>,

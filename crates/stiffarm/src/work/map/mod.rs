@@ -40,8 +40,8 @@ use reach::Reach;
 /// values of a node are those that [`predict`](crate::work::predict::predict()) gives for
 /// its posture.
 ///
-/// A node is allowed to the arm where a posture lies within the machine's limits
-/// and the cell's, which hold for the tip, the cell's tool points, the flange and
+/// A node is allowed to the arm where a posture lies within the cell's bounds
+/// and limits, which hold for the tip, the cell's tool points, the flange and
 /// the wrist; the rope's length is left out, for there is no rope at work.
 ///
 /// ```

@@ -56,7 +56,7 @@ pub struct Placement {
 /// least by the RMS of its deflections.
 ///
 /// At each place one branch of postures is followed along the path, from each
-/// posture of the first point; the machine's limits and the cell's hold at every
+/// posture of the first point; the cell's bounds and limits hold at every
 /// point. Loads in tool, workpiece and path axes turn with the workpiece, those in
 /// base axes stay as they are. The search looks at no more than 200 points, evenly
 /// along the path, by the linear model; best and given place are then those of the

@@ -5,7 +5,6 @@ use crate::error::Result;
 use crate::findings::length;
 use crate::model::cell::Cell;
 use crate::model::inverse::{InverseKinematics, Outcome};
-use crate::units::rad_to_deg;
 use crate::work::at_work::AtWork;
 use crate::work::predict::LoadedArm;
 use nalgebra::Isometry3;
@@ -53,8 +52,7 @@ impl Refusal {
         }
     }
 
-    /// Forbidden postures exist and are within the machine's limits; those outside
-    /// the limits at least exist.
+    /// Forbidden postures exist and are within their bounds; those outside at least exist.
     fn rank(&self) -> (u8, f64) {
         let kind = match self.status {
             Status::Reachable => 0,
@@ -84,7 +82,6 @@ pub(super) struct Reach<'a> {
     pub arm: &'a LoadedArm,
     pub inverse: InverseKinematics,
     pub characteristic_length: Option<f64>,
-    at_work: AtWork,
     flange_in_tip: Isometry3<f64>,
 }
 
@@ -92,9 +89,8 @@ impl<'a> Reach<'a> {
     pub(super) fn new(cell: &Cell, arm: &'a LoadedArm) -> Self {
         Reach {
             arm,
-            inverse: InverseKinematics::new(arm.robot()),
+            inverse: InverseKinematics::new(arm.at_work().robot()),
             characteristic_length: cell.characteristic_length,
-            at_work: AtWork::new(cell, arm.tip()),
             flange_in_tip: arm.tip().inverse(),
         }
     }
@@ -104,7 +100,7 @@ impl<'a> Reach<'a> {
         tip * self.flange_in_tip
     }
 
-    /// The postures with the tip at `tip`, within the machine's limits or not, or
+    /// The postures with the tip at `tip`, within their bounds or not, or
     /// why there are none.
     pub(super) fn postures(
         &self,
@@ -133,9 +129,9 @@ impl<'a> Reach<'a> {
         }
     }
 
-    /// How near `q` comes to the machine's limits: 0 in their middle, 1 at them.
+    /// How near `q` comes to its bounds: 0 in their middle, 1 at them.
     pub(super) fn strain(&self, q: &[f64]) -> f64 {
-        let joints = self.arm.robot().joints().iter();
+        let joints = self.inverse.robot().joints().iter();
         let share = joints.zip(q).map(|(joint, q)| {
             let [low, high] = joint.limits;
             let half = 0.5 * (high - low);
@@ -148,34 +144,21 @@ impl<'a> Reach<'a> {
         share.fold(0.0, f64::max)
     }
 
-    /// The joint that leaves the machine's limits most.
+    /// The joint that leaves its bounds most.
     pub(super) fn outside(&self, q: &[f64]) -> Option<Refusal> {
-        let robot = self.arm.robot();
-        robot.outside_limits(q)?;
-        let excess = |(j, angle): (usize, &f64)| {
-            let [low, high] = robot.joints()[j].limits;
-            (j, (low - angle).max(angle - high))
-        };
-        let (joint, excess) = q
-            .iter()
-            .enumerate()
-            .map(excess)
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let at_work = self.arm.at_work();
+        let outside = at_work.outside(q)?;
         Some(Refusal {
             status: Status::OutsideJointLimits,
-            reason: format!(
-                "{} would leave its limits by {:.1}°",
-                robot.joints()[joint].name,
-                rad_to_deg(excess)
-            ),
+            reason: at_work.outside_words(outside),
             distance: None,
-            excess,
+            excess: outside.1,
         })
     }
 
     /// The cell's limit that is violated most.
     pub(super) fn forbidden(&self, q: &[f64]) -> Result<Option<Refusal>> {
-        Ok(self.at_work.violated(q)?.map(|violated| Refusal {
+        Ok(self.arm.at_work().violated(q)?.map(|violated| Refusal {
             status: Status::Forbidden,
             reason: AtWork::words(&violated),
             distance: Some(-violated.margin),

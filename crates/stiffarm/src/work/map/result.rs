@@ -22,7 +22,7 @@ pub struct StatusCounts {
     pub reachable: usize,
     /// Nodes that a limit of the cell forbids.
     pub forbidden: usize,
-    /// Nodes outside the machine's limits.
+    /// Nodes outside the cell's bounds.
     pub outside_joint_limits: usize,
     /// Nodes without a posture.
     pub unreachable: usize,

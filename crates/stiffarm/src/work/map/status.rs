@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 pub enum Status {
     /// It may.
     Reachable,
-    /// Every posture within the machine's limits violates a limit of the cell.
+    /// Every posture within the cell's bounds violates a limit of the cell.
     Forbidden,
-    /// Every posture is outside the machine's limits.
+    /// Every posture is outside the cell's bounds, or the machine's limits.
     OutsideJointLimits,
     /// There is no posture.
     Unreachable,

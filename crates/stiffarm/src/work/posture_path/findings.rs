@@ -52,14 +52,9 @@ pub(super) fn findings(
         let tip = frames.point(&search.arm.tip().translation.vector);
         Ok(condition_number(&frames, &tip, 1.0).is_none_or(|k| k > NEARLY_SINGULAR))
     })?;
-    let points = search.points.iter().zip(is_singular);
-    let singular: Vec<String> = points
-        .filter(|(_, is_singular)| *is_singular)
-        .map(|(point, _)| match point.line {
-            Some(line) => format!("{} (line {line})", point.name),
-            None => point.name.to_string(),
-        })
-        .collect();
+    let points = is_singular.into_iter().enumerate();
+    let singular = points.filter(|(_, is_singular)| *is_singular);
+    let singular: Vec<String> = singular.map(|(i, _)| search.place(i)).collect();
     if !singular.is_empty() {
         let shown = singular[..singular.len().min(NAMED)].join(", ");
         let more = more(singular.len().saturating_sub(NAMED));

@@ -26,6 +26,8 @@ const SMOOTH: f64 = 4.0;
 /// Finer grids about the way found, and turns on either side of it.
 const REFINEMENTS: usize = 3;
 const BESIDE: i32 = 4;
+/// Times that points between knots become knots, where the way there is forbidden.
+const ROUNDS: usize = 4;
 /// Full turns of joints that are kept at a node.
 const FULL_TURNS: usize = 4;
 
@@ -42,8 +44,21 @@ struct Node {
     q: Vec<f64>,
     /// Turn about the tool axis \[rad\].
     turn: f64,
+    /// What bounds, limits and shapes are from allowing it, where that counts.
+    missing: f64,
     /// Squared deflection \[m²\].
     cost: f64,
+}
+
+impl Node {
+    fn new(search: &Search<'_>, q: Vec<f64>, turn: f64, load: &Wrench) -> Result<Self> {
+        Ok(Node {
+            missing: search.counted(&q)?,
+            cost: search.deflection(&q, load)?.powi(2),
+            q,
+            turn,
+        })
+    }
 }
 
 /// Postures with the tip at `poses` up to a turn about z. `given` is a way that
@@ -54,7 +69,46 @@ pub(super) fn postures(
     given: Option<&[Vec<f64>]>,
     control: Control<'_>,
 ) -> Result<Found> {
-    let knots = knots(poses);
+    let mut knots = knots(poses);
+    let mut found = through(search, poses, &knots, given, control)?;
+    for _ in 0..ROUNDS {
+        let before = knots.len();
+        let missing = in_order(&found.q, |(_, q)| search.counted(q))?;
+        knots.extend(worst_of_runs(&missing));
+        knots.sort_unstable();
+        knots.dedup();
+        if knots.len() == before {
+            break;
+        }
+        found = through(search, poses, &knots, given, control)?;
+    }
+    Ok(found)
+}
+
+/// The point of each run of points with something missing at which most is.
+fn worst_of_runs(missing: &[f64]) -> Vec<usize> {
+    let mut worst: Vec<usize> = Vec::new();
+    for (i, here) in missing.iter().enumerate().filter(|(_, here)| **here > 0.0) {
+        match worst.last_mut() {
+            Some(last) if i > 0 && missing[*last..i].iter().all(|m| *m > 0.0) => {
+                if *here > missing[*last] {
+                    *last = i;
+                }
+            }
+            _ => worst.push(i),
+        }
+    }
+    worst
+}
+
+/// The way with turns chosen at `knots`.
+fn through(
+    search: &Search<'_>,
+    poses: &[Isometry3<f64>],
+    knots: &[usize],
+    given: Option<&[Vec<f64>]>,
+    control: Control<'_>,
+) -> Result<Found> {
     let feeds = load_axes(feed_axes(poses));
     // The feed does not depend on the turn.
     let wrench = |i: usize, tip: &Isometry3<f64>| {
@@ -71,7 +125,7 @@ pub(super) fn postures(
     let spacing = TAU / count as f64;
     let closed = search.inverse.method() == Method::ClosedForm;
     let mut layers: Vec<Vec<Node>> = if closed {
-        in_order_watched(&knots, "turns about the tool axis", control, |(_, &i)| {
+        in_order_watched(knots, "turns about the tool axis", control, |(_, &i)| {
             let mut layer = Vec::new();
             for k in 0..count {
                 let turn = wrapped(k as f64 * spacing);
@@ -90,31 +144,22 @@ pub(super) fn postures(
             Ok(layer)
         })?
     } else {
-        swept(search, poses, &knots, spacing, count, &wrench, control)?
+        swept(search, poses, knots, spacing, count, &wrench, control)?
     };
     if let Some(given) = given {
-        for (layer, &i) in layers.iter_mut().zip(&knots) {
+        for (layer, &i) in layers.iter_mut().zip(knots) {
             let load = wrench(i, &poses[i])?;
-            let cost = search.deflection(&given[i], &load)?.powi(2);
-            layer.push(Node {
-                q: given[i].clone(),
-                turn: 0.0,
-                cost,
-            });
+            layer.push(Node::new(search, given[i].clone(), 0.0, &load)?);
         }
     }
-    if let Some((_, &i)) = layers
-        .iter()
-        .zip(&knots)
-        .find(|(layer, _)| layer.is_empty())
-    {
+    if let Some((_, &i)) = layers.iter().zip(knots).find(|(layer, _)| layer.is_empty()) {
         return Err(blocked(search, poses, i));
     }
     let least = layers
         .iter()
         .map(|l| l.iter().map(|n| n.cost).fold(f64::INFINITY, f64::min));
     let smooth = SMOOTH * least.sum::<f64>() / layers.len() as f64;
-    let mut way = cheapest(search, &layers, &knots, smooth, control)?;
+    let mut way = cheapest(search, &layers, knots, smooth, control)?;
     let mut finer = spacing;
     for _ in 0..REFINEMENTS {
         finer /= f64::from(BESIDE);
@@ -129,15 +174,14 @@ pub(super) fn postures(
                     continue;
                 };
                 if side != 0 && search.arm.robot().outside_limits(&q).is_none() {
-                    let cost = search.deflection(&q, &wrench(*i, &tip)?)?.powi(2);
-                    layer.push(Node { q, turn, cost });
+                    layer.push(Node::new(search, q, turn, &wrench(*i, &tip)?)?);
                 }
             }
             Ok(layer)
         })?;
-        way = cheapest(search, &layers, &knots, smooth, control)?;
+        way = cheapest(search, &layers, knots, smooth, control)?;
     }
-    between(search, poses, &knots, &way)
+    between(search, poses, knots, &way)
 }
 
 /// Why point `i` has no posture whatever the turn: what the first turn says.
@@ -189,9 +233,16 @@ fn add(
         return Ok(());
     }
     turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
-    let cost = search.deflection(&turns[0], load)?.powi(2);
+    // Bounds count among full turns alone; each is as good by all else.
+    let first = Node::new(search, turns[0].clone(), turn, load)?;
+    let beyond = |q: &[f64]| search.beyond_bounds_along(&[q.to_vec()]);
+    let room = first.missing - beyond(&first.q);
     for q in turns.into_iter().take(FULL_TURNS) {
-        layer.push(Node { q, turn, cost });
+        layer.push(Node {
+            missing: room + beyond(&q),
+            q,
+            ..first
+        });
     }
     Ok(())
 }
@@ -216,8 +267,7 @@ fn swept(
         if !inside(&q) || change(from, &q).1 > search.largest_step(last, i) {
             return Ok(None);
         }
-        let cost = search.deflection(&q, &wrench(i, &tip)?)?.powi(2);
-        Ok(Some(Node { q, turn, cost }))
+        Node::new(search, q, turn, &wrench(i, &tip)?).map(Some)
     };
     let mut first: Vec<Node> = Vec::new();
     for q in search.branches(0, &poses[0])?.iter().filter(|q| inside(q)) {
@@ -247,6 +297,9 @@ fn swept(
     Ok(layers)
 }
 
+/// The sums of a node that no way leads to.
+const NO_WAY: (f64, f64) = (f64::INFINITY, f64::INFINITY);
+
 /// The cheapest way through the layers without a jump.
 fn cheapest(
     search: &Search<'_>,
@@ -255,9 +308,10 @@ fn cheapest(
     smooth: f64,
     control: Control<'_>,
 ) -> Result<Vec<Node>> {
-    let mut sums: Vec<f64> = layers[0]
+    // What is missing first, then the deflections.
+    let mut sums: Vec<(f64, f64)> = layers[0]
         .iter()
-        .map(|n| n.cost + from_start(search, n))
+        .map(|n| (n.missing + from_start(search, n), n.cost))
         .collect();
     let mut back: Vec<Vec<u32>> = vec![Vec::new()];
     for (k, pair) in layers.windows(2).enumerate() {
@@ -274,7 +328,7 @@ fn cheapest(
         let steps = in_order(&indices, |(_, &b)| {
             let node = &to[b];
             let begin = order.partition_point(|a| first(a) < node.q[0] - reach);
-            let mut best = (f64::INFINITY, u32::MAX);
+            let mut best = (NO_WAY, u32::MAX);
             for &a in order[begin..]
                 .iter()
                 .take_while(|a| first(a) <= node.q[0] + reach)
@@ -292,16 +346,17 @@ fn cheapest(
                     .zip(&node.q)
                     .map(|(a, b)| (a - b).powi(2))
                     .sum();
-                let total = sum + smooth * way;
+                let total = (sum.0, sum.1 + smooth * way);
                 if total < best.0 {
                     best = (total, a);
                 }
             }
-            Ok((best.0 + node.cost, best.1))
+            let (missing, cost) = best.0;
+            Ok(((missing + node.missing, cost + node.cost), best.1))
         })?;
         sums = steps.iter().map(|s| s.0).collect();
         back.push(steps.into_iter().map(|s| s.1).collect());
-        if sums.iter().all(|s| s.is_infinite()) {
+        if sums.iter().all(|s| s.0.is_infinite()) {
             let (before, i) = (knots[k], knots[k + 1]);
             let message = format!(
                 "From point {} to {} every posture jumps, whatever the turn about the tool axis.",
@@ -313,7 +368,10 @@ fn cheapest(
         }
     }
     let mut at = (0..sums.len())
-        .min_by(|a, b| sums[*a].total_cmp(&sums[*b]))
+        .min_by(|a, b| {
+            let order = sums[*a].0.total_cmp(&sums[*b].0);
+            order.then(sums[*a].1.total_cmp(&sums[*b].1))
+        })
         .unwrap_or(0);
     let mut way = Vec::with_capacity(layers.len());
     for (layer, back) in layers.iter().zip(&back).rev() {

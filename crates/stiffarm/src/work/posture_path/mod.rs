@@ -6,10 +6,16 @@
 //! Robot. Comput.-Integr. Manuf. 35, 2015, 69–76, doi:10.1016/j.rcim.2015.02.006.
 //! They maximise the volume of a stiffness ellipsoid point by point; here the
 //! deflection under the load of each point is minimised along the whole path.
+//!
+//! The way that bends least is looked for within the machine's limits. Where
+//! bounds, limits or shapes of the cell forbid some of it, the search is made
+//! again for the way that they forbid least, of equals the one that bends least.
 
 mod findings;
 mod free_turn;
+mod kept;
 mod tracks;
+mod turned_round;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::rms;
@@ -75,6 +81,10 @@ pub struct PosturePathSummary {
     /// The same of the path as given, where its turn was freed and it can be
     /// followed as it is.
     pub given_rms_m: Option<f64>,
+    /// RMS of the deflections of the way that bends least, where the cell's bounds,
+    /// limits or shapes forbid some of it and another was taken \[m\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unkept_rms_m: Option<f64>,
     /// Turn about the tool axis at each point, from the given one or, where only
     /// the axis is given, from one carried along without twist \[rad\].
     #[serde(rename = "turn_deg", with = "crate::units::degrees::all_digits")]
@@ -103,6 +113,18 @@ struct Search<'a> {
     inverse: &'a InverseKinematics,
     points: &'a [PathPoint],
     options: &'a PosturePathOptions,
+    /// Whether the cell's bounds, limits and shapes count before the deflection.
+    keeps: bool,
+}
+
+/// Postures of a path.
+struct Way {
+    q: Vec<Vec<f64>>,
+    turn: Option<Vec<f64>>,
+    /// RMS of the deflections \[m\].
+    rms: f64,
+    /// The same of the path as given, where its turn was freed.
+    given_rms: Option<f64>,
 }
 
 /// Finds the postures of `points`.
@@ -112,7 +134,9 @@ struct Search<'a> {
 /// is taken. With a free turn the turns and branches of all points form a graph
 /// whose cheapest way, by the squares of the deflections, is found by dynamic
 /// programming and refined between the turns tried. Deflections of the search
-/// are those of the linear model.
+/// are those of the linear model. Postures that the cell's bounds, limits or shapes
+/// forbid are avoided where that can be done; they are looked at point by point, not
+/// on the way between two points.
 ///
 /// # Errors
 /// Each with the line of the point: a pose that the arm does not reach, one that
@@ -128,16 +152,17 @@ pub fn posture_path(
     if points.is_empty() {
         return Err(Error::new(Code::TooFewData, "The path has no points."));
     }
-    let search = Search {
+    let mut search = Search {
         arm,
         inverse,
         points,
         options,
+        keeps: false,
     };
-    let free = options.free_turn
-        || points
-            .iter()
-            .any(|p| matches!(p.target, PathTarget::Axis { .. }));
+    let axis_only = points
+        .iter()
+        .any(|p| matches!(p.target, PathTarget::Axis { .. }));
+    let free = options.free_turn || axis_only;
     let given: Option<Vec<Vec<f64>>> = points
         .iter()
         .map(|p| match &p.target {
@@ -151,63 +176,52 @@ pub fn posture_path(
         (_, _, Method::ClosedForm) => Origin::ClosedForm,
         (_, _, Method::Numeric) => Origin::Numeric,
     };
-    let mut given_rms = None;
-    let mut turn = None;
-    let q = match (given, free) {
-        (Some(q), false) => q,
-        (None, false) => tracks::postures(&search, &poses, control)?,
-        (given, true) => {
-            let axis_only = points
-                .iter()
-                .any(|p| matches!(p.target, PathTarget::Axis { .. }));
-            let as_given = match given {
-                Some(q) => Some(q),
-                // Whoever frees the turn may do so because it cannot be kept.
-                None if !axis_only => match tracks::postures(&search, &poses, control) {
-                    Err(error) if error.code() == Code::Interrupted => return Err(error),
-                    other => other.ok(),
-                },
-                None => None,
-            };
-            if let Some(q) = &as_given {
-                let wrenches = search.wrenches(&poses)?;
-                let sizes = search.deflections(q, &wrenches)?;
-                given_rms = Some(search.rms(&sizes));
-            }
-            let found = free_turn::postures(&search, &poses, as_given.as_deref(), control)?;
-            // A price on joint motion, or the interpolation between knots, may cost
-            // more than the turn gains.
-            let is_in_vain = match given_rms {
-                Some(given) => {
-                    let wrenches = search.wrenches(&arm.tip_poses(&found.q)?)?;
-                    search.rms(&search.deflections(&found.q, &wrenches)?) >= given
-                }
-                None => false,
-            };
-            match as_given {
-                Some(q) if is_in_vain => {
-                    turn = Some(vec![0.0; q.len()]);
-                    q
-                }
-                _ => {
-                    turn = Some(found.turns);
-                    found.q
+    let given = given.as_deref();
+    let told = |error| turned_round::told(&search, &poses, free, error);
+    let found = search.way(given, free, axis_only, &poses, control);
+    let mut way = found.map_err(told)?;
+    let (mut unkept_rms_m, mut about_limits) = (None, Vec::new());
+    if origin != Origin::Given {
+        let mut missing = search.missing_along(&way.q, control)?;
+        let sum = |missing: &[f64]| missing.iter().sum::<f64>();
+        if sum(&missing) > 0.0 {
+            search.keeps = true;
+            // Where the other search ends at a jump, what is known stays.
+            match search.way(given, free, axis_only, &poses, control) {
+                Err(error) if error.code() == Code::Interrupted => return Err(error),
+                Err(_) => {}
+                Ok(other) => {
+                    let others = search.missing_along(&other.q, control)?;
+                    if sum(&others) < sum(&missing) {
+                        let left = search.left(&way, &missing, &other);
+                        unkept_rms_m = left.is_some().then_some(way.rms);
+                        about_limits.extend(left);
+                        (way, missing) = (other, others);
+                    }
                 }
             }
+            about_limits.extend(search.nothing_free(&poses, free, &way, &missing)?);
         }
-    };
+    }
+    let Way {
+        q,
+        turn,
+        rms,
+        given_rms,
+    } = way;
     let tips = arm.tip_poses(&q)?;
     let wrenches = search.wrenches(&tips)?;
-    let sizes = search.deflections(&q, &wrenches)?;
     let mut summary = PosturePathSummary {
         origin,
         largest_step: largest_step(&q, points),
-        deflection_rms_m: search.rms(&sizes),
+        deflection_rms_m: rms,
         given_rms_m: given_rms,
+        unkept_rms_m,
         turn,
         findings: Vec::new(),
     };
     summary.findings = findings::findings(&search, &q, &tips, &summary)?;
+    summary.findings.extend(about_limits);
     let postures = points
         .iter()
         .zip(q)
@@ -276,6 +290,67 @@ fn change(from: &[f64], to: &[f64]) -> (usize, f64) {
 }
 
 impl Search<'_> {
+    /// The way that bends least, of those that are forbidden least where that counts.
+    fn way(
+        &self,
+        given: Option<&[Vec<f64>]>,
+        free: bool,
+        axis_only: bool,
+        poses: &[Isometry3<f64>],
+        control: Control<'_>,
+    ) -> Result<Way> {
+        let as_given = match given {
+            Some(q) => Some(q.to_vec()),
+            None if axis_only => None,
+            None => match tracks::postures(self, poses, control) {
+                // Whoever frees the turn may do so because it cannot be kept.
+                Err(error) if free && error.code() != Code::Interrupted => None,
+                other => Some(other?),
+            },
+        };
+        let known = as_given.map(|q| self.bent(q, None)).transpose()?;
+        let known = match known {
+            Some(way) if !free => return Ok(way),
+            known => known,
+        };
+        let q = known.as_ref().map(|way| way.q.as_slice());
+        let found = free_turn::postures(self, poses, q, control)?;
+        let mut found = self.bent(found.q, Some(found.turns))?;
+        let Some(mut known) = known else {
+            return Ok(found);
+        };
+        found.given_rms = Some(known.rms);
+        // A price on joint motion, or the interpolation between knots, may cost
+        // more than the turn gains.
+        if self.rank(&found)? >= self.rank(&known)? {
+            known.turn = Some(vec![0.0; known.q.len()]);
+            known.given_rms = Some(known.rms);
+            return Ok(known);
+        }
+        Ok(found)
+    }
+
+    /// The postures `q` with their deflections.
+    fn bent(&self, q: Vec<Vec<f64>>, turn: Option<Vec<f64>>) -> Result<Way> {
+        let wrenches = self.wrenches(&self.arm.tip_poses(&q)?)?;
+        let rms = self.rms(&self.deflections(&q, &wrenches)?);
+        Ok(Way {
+            q,
+            turn,
+            rms,
+            given_rms: None,
+        })
+    }
+
+    /// What ways are compared by: what is missing, where it counts, then the deflection.
+    fn rank(&self, way: &Way) -> Result<(f64, f64)> {
+        let mut missing = 0.0;
+        for q in &way.q {
+            missing += self.counted(q)?;
+        }
+        Ok((missing, way.rms))
+    }
+
     fn flange(&self, tip: &Isometry3<f64>) -> Isometry3<f64> {
         tip * self.arm.tip().inverse()
     }

@@ -8,12 +8,20 @@ use crate::numerics::control::Control;
 use crate::numerics::jobs::each_in_order;
 use crate::units::rad_to_deg;
 use nalgebra::Isometry3;
+use std::f64::consts::FRAC_PI_2;
 
 /// Where and why a branch could not be followed.
 struct Broken {
     /// Points that it came along.
     length: usize,
     why: Error,
+}
+
+/// A branch that was followed to the end.
+struct Track {
+    q: Vec<Vec<f64>>,
+    /// What bounds, limits and shapes lack along it, then its RMS deflection \[m\].
+    rank: (f64, f64),
 }
 
 /// All branches of many poses, without a vector for each: a path may have
@@ -87,6 +95,7 @@ pub(super) fn postures(
     for turns in &mut starts {
         turns.sort_by(|a, b| search.off_centre(a).total_cmp(&search.off_centre(b)));
     }
+    let mut near_enough = f64::INFINITY;
     if let Some(near) = &search.options.start {
         // Nearest branch first, of each the nearest turns first.
         let far = |q: &Vec<f64>| change(near, q).1;
@@ -94,30 +103,48 @@ pub(super) fn postures(
             turns.sort_by(|a, b| far(a).total_cmp(&far(b)));
         }
         starts.sort_by(|a, b| far(&a[0]).total_cmp(&far(&b[0])));
+        near_enough = far(&starts[0][0]).max(FRAC_PI_2);
     }
     let wrenches = search.wrenches(poses)?;
     let mut broken: Option<Broken> = None;
-    let mut best: Option<(f64, Vec<Vec<f64>>)> = None;
+    let mut best: Option<Track> = None;
     for turns in &starts {
+        // Full turns leave every link where it is.
+        let mut room: Option<f64> = None;
         for start in turns {
+            let near = search.options.start.as_ref();
+            if near.is_some_and(|near| change(near, start).1 > near_enough) && best.is_some() {
+                continue;
+            }
             if control.stopped() {
                 return Err(Error::new(Code::Interrupted, "Interrupted."));
             }
             match follow(search, poses, closed.then_some(&layers), start) {
                 Ok(track) => {
-                    if search.options.start.is_some() {
+                    let lacking = match room {
+                        Some(known) => known,
+                        None => search.lacks_room_along(&track)?,
+                    };
+                    room = Some(lacking);
+                    let beyond = search.beyond_bounds_along(&track);
+                    let missing = lacking + beyond;
+                    if search.options.start.is_some() && missing == 0.0 {
                         return Ok(track);
                     }
                     let cost = rms(&search.deflections(&track, &wrenches)?);
                     // Flipped wrists bend alike: rounding does not choose between them.
-                    if best
-                        .as_ref()
-                        .is_none_or(|(least, _)| cost < *least * (1.0 - 1e-9))
-                    {
-                        best = Some((cost, track));
+                    let is_better =
+                        |than: &Track| (missing, cost) < (than.rank.0, than.rank.1 * (1.0 - 1e-9));
+                    if best.as_ref().is_none_or(is_better) {
+                        best = Some(Track {
+                            q: track,
+                            rank: (missing, cost),
+                        });
                     }
                     // Other turns of the same branch bend alike.
-                    break;
+                    if beyond == 0.0 {
+                        break;
+                    }
                 }
                 Err(other) => {
                     if broken.as_ref().is_none_or(|b| other.length > b.length) {
@@ -128,7 +155,7 @@ pub(super) fn postures(
         }
     }
     match (best, broken) {
-        (Some((_, track)), _) => Ok(track),
+        (Some(track), _) => Ok(track.q),
         (None, Some(broken)) => Err(broken.why),
         (None, None) => Err(Error::new(Code::Internal, "There was no branch to follow.")),
     }

@@ -16,6 +16,7 @@ use crate::model::stiffness::{compliance_of_springs, equilibrium_from};
 use crate::model::tool::{NamedPoint, Tool};
 use crate::numerics::information::ZERO_COLUMN;
 use crate::numerics::jobs::in_order;
+use crate::work::at_work::AtWork;
 use nalgebra::{DMatrix, DVector, Isometry3, Matrix6, UnitQuaternion, Vector3, Vector6};
 
 /// An arm with its springs, loaded at the tool tip unless
@@ -40,6 +41,7 @@ pub struct LoadedArm {
     elements: Elements,
     /// Unknowns that nothing bounds.
     undetermined: Vec<usize>,
+    at_work: AtWork,
 }
 
 /// What a load does to the tip.
@@ -80,7 +82,6 @@ impl LoadedArm {
         let tip = cell.work.tip(&cell.setup.tool);
         Ok(LoadedArm {
             setup: at_tip(cell, &tip),
-            tip,
             compliance: compliance_of_springs(robot, values.rows(0, springs).as_slice()),
             elements: Elements::new(
                 &predictor.extra,
@@ -89,6 +90,8 @@ impl LoadedArm {
             ),
             extra: predictor.extra.clone(),
             undetermined: predictor.undetermined.clone(),
+            at_work: AtWork::new(cell, &tip),
+            tip,
         })
     }
 
@@ -128,6 +131,11 @@ impl LoadedArm {
     /// Tip frame in flange axes \[m\].
     pub fn tip(&self) -> &Isometry3<f64> {
         &self.tip
+    }
+
+    /// What forbids a posture.
+    pub(in crate::work) fn at_work(&self) -> &AtWork {
+        &self.at_work
     }
 
     /// K_θ⁻¹ in serial coordinates, n × n \[rad/(N·m)\].

@@ -189,8 +189,7 @@ pub fn predict(
     };
     let beyond = beyond_data("deflection", &sizes.collect::<Vec<_>>(), seen);
     out.findings.extend(beyond);
-    let angles = postures.iter().map(|p| (p, p.q.as_slice()));
-    out.findings.extend(forbidden(cell, arm.tip(), angles)?);
+    out.findings.extend(forbidden(arm.at_work(), postures)?);
     Ok(out)
 }
 

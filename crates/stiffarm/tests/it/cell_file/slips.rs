@@ -149,3 +149,37 @@ fn deep_nesting_and_long_lines_end() {
         }
     }
 }
+
+/// A hint to another kind of load leads to no kind that refuses what is given beside.
+#[test]
+fn hints_to_kinds_of_loads_do_not_go_round() {
+    let of = |load: &str| {
+        let (before, rest) = FULL.split_once("[load]").unwrap();
+        let (_, after) = rest.split_once("\n[").unwrap();
+        let text = format!("{before}[load]\n{load}\n[{after}");
+        let error = parse_cell(&text, "cell.toml").unwrap_err();
+        error.hint_text().unwrap_or_default().to_string()
+    };
+    let anchor = "anchor_mm = [1, 2, 3]";
+    let mass = of(&format!("kind = \"rope\"\n{anchor}\nmass_kg = 50"));
+    assert!(mass.contains("magnitude_n = 490.3"), "{mass}");
+    let weight = of(&format!("kind = \"weight\"\nmass_kg = 50\n{anchor}"));
+    assert!(!weight.contains("set kind = \"rope\""), "{weight}");
+    for (load, wanted) in [
+        (
+            "kind = \"rope\"\nanchor_mm = [1, 2, 3]\nforce_n = [1, 2, 3]",
+            "magnitude_n",
+        ),
+        (
+            "kind = \"wrench\"\naxes = \"base\"\nforce_n = [1, 2, 3]\nmagnitude_n = 5",
+            "force_n = [x, y, z]",
+        ),
+        (
+            "kind = \"weight\"\nmagnitude_n = 5\nanchor_mm = [1, 2, 3]",
+            "set kind = \"rope\"",
+        ),
+    ] {
+        let hint = of(load);
+        assert!(hint.contains(wanted), "{load}: {hint}");
+    }
+}

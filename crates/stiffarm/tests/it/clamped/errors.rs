@@ -16,6 +16,7 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
             mount: Mount::Flange,
             pose,
             reports_by_robot,
+            mirrored: None,
         };
         let through = |assumed: &Sensor| -> Vec<ClampedPosture> {
             let read = |c: &ClampedPosture| {
@@ -40,6 +41,7 @@ fn both_signs_of_the_sensor_give_the_same_and_a_wrong_one_is_named() {
         assert_close(&stiffness(&cell, &through(&sensor)), &truth, 1e-9, "sensor");
         let wrong = Sensor {
             reports_by_robot: !reports_by_robot,
+            mirrored: None,
             ..sensor.clone()
         };
         let noisy = {

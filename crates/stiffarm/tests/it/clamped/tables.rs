@@ -35,6 +35,7 @@ fn states_are_taken_against_their_reference() {
         mount: Mount::Flange,
         pose,
         reports_by_robot: true,
+        mirrored: None,
     });
     let text = "posture;state;q1_deg;q2_deg;q3_deg;q4_deg;q5_deg;q6_deg;fx_n;fy_n;fz_n;mx_nm;my_nm;mz_nm\n\
                 A;unloaded;10;0;-90;10;50;20;1;2;3;4;5;6\n\
@@ -60,6 +61,42 @@ fn states_are_taken_against_their_reference() {
     assert!((b.posture.q[0] - 20.001_f64.to_radians()).abs() < 1e-15);
     assert!((b.motor[0] + 0.001_f64.to_radians()).abs() < 1e-15);
     assert!((b.wrench.force.norm() - 7.0).abs() < 1e-12);
+}
+
+/// What a preload has taken up is in no state against it, and no unknown of them.
+#[test]
+fn against_a_preload_no_clamped_state_shows_lost_motion() {
+    let cell = reference_cell();
+    let head = "posture,state,fx_n,fy_n,fz_n,mx_nm,my_nm,mz_nm,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg\n";
+    let rows = |name: &str, q1: f64| {
+        let q = |more: f64| format!("{},{},-90,10,50,20", q1 + more, q1 / 3.0 - more);
+        [
+            ("unloaded", 0.0, 0.0),
+            ("preload", 0.2, 0.01),
+            ("up", 1.0, 0.02),
+        ]
+        .map(|(state, share, more)| {
+            let [x, y, z] = [100.0, 200.0, -500.0].map(|v| v * share);
+            format!("{name},{state},{x},{y},{z},0,0,0,{}\n", q(more))
+        })
+    };
+    let text = head.to_string() + &rows("A", 10.0).concat() + &rows("B", 40.0).concat();
+    let read = from_table(&cell, &text);
+    assert_eq!(read.len(), 2);
+    assert_eq!(
+        read[0].preload.unwrap().force.as_slice(),
+        [20.0, 40.0, -100.0]
+    );
+    assert_eq!(read[0].wrench.force.as_slice(), [80.0, 160.0, -400.0]);
+    let mut options = IdentifyOptions::default();
+    options.estimator = Estimator::Ordinary;
+    options.extra = vec![ExtraTerm::LostMotion(1)];
+    let undetermined = |read: &[ClampedPosture]| {
+        let found = identify_clamped(&cell, read, None, &options).unwrap();
+        let names = found.estimates.undetermined_joints;
+        names.contains(&"lost motion of joint 2".to_string())
+    };
+    assert!(undetermined(&read));
 }
 
 #[test]

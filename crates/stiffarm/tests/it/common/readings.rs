@@ -50,6 +50,7 @@ pub fn sensor() -> Sensor {
         mount: Mount::Flange,
         pose: pose(0.02, -0.01, 0.06, [0.3, 0.7, -1.1]),
         reports_by_robot: true,
+        mirrored: None,
     }
 }
 

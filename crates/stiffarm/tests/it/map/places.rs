@@ -121,6 +121,8 @@ fn the_best_place_is_the_one_where_the_moved_path_bends_least() {
 #[test]
 fn places_that_fail_say_where_and_why() {
     let mut cell = default_cell();
+    let joints = cell.setup.robot.joints().iter();
+    cell.bounds = joints.map(|joint| joint.limits).collect();
     let points = rectangle(&mut cell, ForceAxes::Path);
     let options = with(|o: &mut PlaceOptions| {
         o.lower = [0.7, 0.0, 0.7];
@@ -153,6 +155,26 @@ fn places_that_fail_say_where_and_why() {
 }
 
 #[test]
+fn places_keep_the_bounds_of_the_cell() {
+    let mut cell = default_cell();
+    let points = rectangle(&mut cell, ForceAxes::Path);
+    let free = search(&cell, &points, &place_options());
+    // Beside the best place.
+    let best = free.best.unwrap();
+    let turn = best.start.unwrap()[0];
+    cell.bounds[0] = if turn > 0.0 {
+        [-1.5, turn - 0.2]
+    } else {
+        [turn + 0.2, 1.5]
+    };
+    let found = search(&cell, &points, &place_options());
+    let other = found.best.unwrap();
+    let inside = |q: &[f64]| cell.outside_bounds(q).next().is_none();
+    assert!(other.along.iter().all(|point| inside(&point.q)));
+    assert!(other.deflection_rms_m.unwrap() > best.deflection_rms_m.unwrap());
+}
+
+#[test]
 fn full_turns_are_chosen_for_the_whole_path() {
     // A circle of tool turns: 400° about the tool axis, which joint 6 must do in
     // one go within ±720°.
@@ -177,6 +199,15 @@ fn full_turns_are_chosen_for_the_whole_path() {
         o.lower = [1.8, 0.0, 0.8];
         o.upper = [1.8, 0.0, 0.8];
     });
+    // The cell's own bounds stop it.
+    let found = search(&cell, &points, &options);
+    assert_eq!(found.given.status, Status::OutsideJointLimits);
+    let reason = found.given.reason.as_deref().unwrap();
+    assert!(
+        reason.contains("joint 6 would leave the cell's bounds"),
+        "{reason}"
+    );
+    cell.bounds[5] = cell.setup.robot.joints()[5].limits;
     let found = search(&cell, &points, &options);
     assert_eq!(found.given.status, Status::Reachable, "{:?}", found.given);
     assert!((found.gain.unwrap() - 1.0).abs() < 1e-12);

@@ -179,3 +179,95 @@ fn names_of_states_may_hold_what_separates_names() -> Check {
     );
     Ok(())
 }
+
+#[test]
+fn columns_are_left_out_by_letter_or_number_as_well() -> Check {
+    let wanted = planned(PLAIN, &rope_cell())?;
+    // A column in between, and one without a heading behind the last.
+    let with_more = |heading: &str| -> String {
+        let lines = PLAIN.lines().enumerate().map(|(i, line)| {
+            let more = if i == 0 { heading } else { "ok" };
+            let [posture, state, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else {
+                panic!("{line}")
+            };
+            let last = if i == 0 { "" } else { ",?" };
+            format!("{posture},{state},{more},{rest}{last}\n")
+        });
+        lines.collect()
+    };
+    let text = with_more("Status");
+    assert!(read(&[("r.csv", text.as_bytes())], "").is_err());
+    for columns in [
+        "ignore = ['C', 'I']",
+        "ignore = ['3', '9']",
+        "ignore = ['status', 'I']",
+    ] {
+        let table = read(&[("r.csv", text.as_bytes())], columns)?;
+        assert_same(&table, &wanted, true, columns);
+        let left_out = table
+            .remarks
+            .iter()
+            .filter(|r| r.code == "columns-left-out");
+        let said: Vec<&String> = left_out.map(|remark| &remark.sentence).collect();
+        let [said] = said[..] else { panic!("{said:?}") };
+        assert!(said.contains("9 without a heading of r.csv"), "{said}");
+        assert_eq!(
+            said.contains("column 3 (\"Status\")"),
+            !columns.contains("status")
+        );
+    }
+    // A heading of this name is meant, whatever its place.
+    let named = with_more("C").replace(",?", "");
+    let table = read(&[("r.csv", named.as_bytes())], "ignore = ['C']")?;
+    assert!(table.remarks.iter().all(|r| r.code != "columns-left-out"));
+    // Our own sheet has its columns.
+    let own = read(&[("own.csv", PLAIN.as_bytes())], "ignore = ['C', '4']")?;
+    assert_same(&own, &wanted, true, "own");
+    Ok(())
+}
+
+#[test]
+fn readings_without_names_are_followed_as_they_come() -> Check {
+    use stiffarm_files::table::read_growing_measurements;
+    let plan = "posture,q1_deg,q2_deg\nP1,0,0\nP2,0,10\nP3,10,0\nP4,10,10\n";
+    let plan = read_postures(plan.as_bytes(), "p.csv", &rope_cell().setup.robot)?;
+    let (sheet, readings) = in_order();
+    let sheet = "posture,state,point,x_mm,y_mm,z_mm\n".to_string() + &sheet.concat();
+    let look = |readings: &[String]| -> stiffarm::Result<ReadingTable> {
+        let export = "X [mm],Y [mm],Z [mm]\n".to_string() + &readings.concat();
+        let files = [
+            (sheet.as_bytes(), "sheet.csv"),
+            (export.as_bytes(), "export.csv"),
+        ];
+        match read_growing_measurements(&files, &rope_cell(), Some(&plan))? {
+            Measurements::Readings(table) => Ok(table),
+            Measurements::Displacements(_) => panic!("the table has positions"),
+        }
+    };
+    for count in 1..=readings.len() {
+        let table = look(&readings[..count])?;
+        // Four readings are a posture.
+        assert_eq!(table.postures.len(), count / 4, "{count}");
+        assert_eq!(table.pending.len(), readings.len() - count);
+        assert_eq!(table.incomplete.len(), usize::from(count % 4 != 0));
+    }
+    let mut twice = readings[..12].to_vec();
+    twice.insert(6, twice[5].clone());
+    let error = look(&twice).unwrap_err();
+    assert!(
+        error
+            .message()
+            .contains("line 8 is that of line 7 once more"),
+        "{error}"
+    );
+    let mut missing = readings[..12].to_vec();
+    missing.remove(6);
+    let error = look(&missing).unwrap_err();
+    assert!(
+        error
+            .message()
+            .contains("P2 loaded left (line 8 of sheet.csv) has none"),
+        "{error}"
+    );
+    Ok(())
+}

@@ -82,6 +82,98 @@ fn the_unit_of_a_heading_is_that_of_its_suggested_key() {
     }
 }
 
+#[test]
+fn forces_and_what_was_not_measured_are_no_positions() {
+    for (name, wanted) in [
+        ("Force X [N]", Some("fx_n")),
+        ("Fz raw (kN)", None),
+        ("Sensor Fy", Some("fy_n")),
+        ("Torque Z [N·m]", Some("mz_nm")),
+        ("Torque Z [N-mm]", Some("mz_nmm")),
+        ("Force [N]", Some("load_n")),
+        ("Force X [lbf]", None),
+        ("Soll X", None),
+        ("X nom.", None),
+        ("CAD Y [mm]", None),
+        ("X target", None),
+        ("Rotation X [deg]", None),
+        ("Speed X", None),
+        ("Tx [mm]", None),
+        ("X in mm", Some("x_mm")),
+        ("J2 [rad]", Some("q2_rad")),
+        ("Axis 1", Some("q1_deg")),
+    ] {
+        let text = format!("Position Z,{name}\n1,2\n");
+        let error = planned(&text, &rope_cell()).unwrap_err();
+        let hint = error.hint_text().unwrap_or_default();
+        match wanted {
+            // What is one of ours is not in the list.
+            Some("x_mm") => assert!(!hint.contains("X in mm"), "{hint}"),
+            Some(key) => assert!(
+                hint.contains(&format!(", {key} = \"{name}\"")),
+                "{name}: {hint}"
+            ),
+            None => assert!(!hint.contains(&format!("= \"{name}\"")), "{name}: {hint}"),
+        }
+    }
+}
+
+#[test]
+fn counts_of_a_sensor_are_no_forces() {
+    for name in [
+        "Fx counts",
+        "Fx_counts",
+        "fx (adc)",
+        "Force X raw",
+        "cnts Fx",
+    ] {
+        let text = format!("{}\n", FULL.lines().next().unwrap()).replace("fx_n", name);
+        let error = readings(&text, &sensor_cell()).unwrap_err();
+        let hint = error.hint_text().unwrap_or_default();
+        assert!(
+            hint.contains("counts per N") && hint.contains("fx_n"),
+            "{name}: {hint}"
+        );
+        assert!(!hint.contains("fx_kn"), "{name}: {hint}");
+    }
+}
+
+#[test]
+fn torques_are_moments() -> Check {
+    let wanted = without_lines(readings(FULL, &sensor_cell())?);
+    for [x, y, z] in [
+        ["Tx [Nm]", "Ty [Nm]", "Tz [Nm]"],
+        ["Tx (N-m)", "Ty (N-m)", "Tz (N-m)"],
+    ] {
+        let text = FULL.replace("mx_nm,my_nm,mz_nm", &[x, y, z].join(","));
+        assert_eq!(without_lines(readings(&text, &sensor_cell())?), wanted);
+    }
+    // A translation along x is called so as well.
+    let text = FULL.replace("mx_nm", "Tx [mm]");
+    assert!(readings(&text, &sensor_cell()).is_err());
+    Ok(())
+}
+
+#[test]
+fn a_binary_file_is_told_by_its_name() {
+    // Block of parameters 2, 0x50; then counts, zeros, and numbers that are no text.
+    let mut motion = vec![2, 0x50, 41, 0, 0, 0, 1, 0, 200, 3];
+    motion.extend([0xff, 0xfe, 0, 0x80].repeat(300));
+    for (bytes, what) in [
+        (motion, "motion capture"),
+        (b"%PDF-1.7\n\xe2\xe3\xcf\xd3".to_vec(), "PDF"),
+        (b"\x89HDF\r\n\x1a\n\0\0".to_vec(), "HDF5"),
+        (b"\x93NUMPY\x01\0v\0{}".to_vec(), "NumPy"),
+    ] {
+        let error = read_readings(&bytes, "trial.c3d", &rope_cell(), None).unwrap_err();
+        assert!(error.message().contains(what), "{error}");
+        assert!(
+            !error.hint_text().unwrap_or_default().contains("latin-1"),
+            "{error}"
+        );
+    }
+}
+
 /// The times of readings with these in their column, since the first of them.
 fn times(texts: &[&str]) -> stiffarm::Result<Vec<f64>> {
     let mut text = "posture,state,point,x_mm,y_mm,z_mm,time_s\n".to_string();

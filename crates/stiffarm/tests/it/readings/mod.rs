@@ -10,6 +10,7 @@ mod resolution;
 mod round_trip;
 mod sheets;
 mod slips;
+mod stations;
 mod xlsx;
 
 #[path = "../common/workbook.rs"]

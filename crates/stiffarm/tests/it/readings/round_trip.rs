@@ -99,6 +99,8 @@ fn any_table() -> impl Strategy<Value = ReadingTable> {
                             q: states[0].angles.clone().unwrap_or_default(),
                         },
                         states,
+                        station: times.then(|| ["1", "door, \"left\""][number % 2].to_string()),
+                        axes: Default::default(),
                     }
                 })
                 .collect(),

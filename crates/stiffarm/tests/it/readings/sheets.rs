@@ -85,3 +85,41 @@ fn bytes_of_workbooks_are_told_from_text() {
     let hint = broken.hint_text().unwrap_or_default();
     assert!(hint.contains("CSV UTF-8"), "{hint}");
 }
+
+#[test]
+fn sheets_leave_out_points_that_the_tracker_does_not_see() -> Check {
+    use stiffarm_files::table::write_sheet_workbook;
+    let text = stiffarm_files::builtin::cell_text("comau-shapes").unwrap();
+    let three = text.replace("sight_mm = 5", "sight_mm = 5\nvisible_points = 3");
+    let cell = parse_cell(&three, "cell.toml")?;
+    let plan = stiffarm_files::builtin::postures("comau-group1", &cell.setup.robot)?;
+    let hidden: Vec<Vec<usize>> = plan.iter().map(|p| cell.hidden_points(&p.q)).collect();
+    assert!(
+        hidden.iter().any(|own| own.len() == 1) && hidden.iter().any(Vec::is_empty),
+        "{hidden:?}"
+    );
+    let sheet = reading_sheet(&plan, &SheetOptions::default(), &cell);
+    for (posture, hidden) in plan.iter().zip(&hidden) {
+        for (number, point) in cell.setup.tool.measuring_points.iter().enumerate() {
+            let mut rows = sheet.rows.iter();
+            let has_row =
+                rows.any(|row| row.posture.name == posture.name && row.point == point.name);
+            assert_eq!(
+                has_row,
+                !hidden.contains(&number),
+                "{} {}",
+                posture.name,
+                point.name
+            );
+        }
+    }
+    // The sheet to fill in and the page to tick off go by the same rows.
+    let bytes = write_sheet_workbook(&sheet, &cell)?;
+    let read = read_readings(&bytes, "m.xlsx", &cell, Some(&plan))?;
+    assert_eq!(read.pending.len(), sheet.rows.len());
+    // Where all of them are asked for and one is hidden, the plan has to change: nothing is left out.
+    let all = parse_cell(text, "cell.toml")?;
+    let sheet = reading_sheet(&plan, &SheetOptions::default(), &all);
+    assert_eq!(sheet.rows.len(), plan.len() * 4 * 2);
+    Ok(())
+}

@@ -13,6 +13,7 @@ fn the_wrench_of_a_flange_sensor_comes_back_in_load_coordinates() {
         cell.sensor = Some(Sensor {
             mount,
             reports_by_robot,
+            mirrored: None,
             ..sensor()
         });
         let options = Experiment {
@@ -147,5 +148,30 @@ fn forces_that_contradict_the_cell_are_errors() {
     assert_eq!(
         error(&cell, &with(ForceRecord::Nothing, "preload")).code(),
         Code::MissingKey
+    );
+}
+
+/// A sensor with left-handed axes, whose x counts the other way: named by the forces, and read as stated.
+#[test]
+fn a_mirrored_axis_of_a_sensor_is_named_and_can_be_stated() {
+    let mut honest = sensor_cell();
+    honest.sensor.as_mut().unwrap().mirrored = Some(0);
+    let options = Experiment {
+        force: ForceRecord::ForceAndMoment,
+        ..Experiment::default()
+    };
+    let table = take(&honest, &options, 3);
+    let right = reduced(&honest, &table);
+    assert!(found(&right, "force-direction").is_empty());
+    assert!(wrench_error(&honest, &right.measured, |_| 1.0) < 1e-9);
+    let mut plain = honest.clone();
+    plain.sensor.as_mut().unwrap().mirrored = None;
+    let wrong = reduced(&plain, &table);
+    let said = found(&wrong, "force-direction");
+    assert_eq!(said.len(), 1, "{:?}", wrong.findings);
+    assert!(
+        said[0].sentence.contains("mirrored_axis = \"x\""),
+        "{}",
+        said[0].sentence
     );
 }

@@ -2,6 +2,7 @@
 
 mod alarms;
 mod gross_errors;
+mod moved;
 mod poor_tables;
 mod robots;
 mod single_faults;
@@ -19,6 +20,7 @@ fn cell() -> Cell {
         mount: Mount::Flange,
         pose: Isometry3::new(Vector3::new(0.0, 0.01, 0.08), Vector3::new(0.1, -0.2, 0.7)),
         reports_by_robot: true,
+        mirrored: None,
     });
     cell
 }

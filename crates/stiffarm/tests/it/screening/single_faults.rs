@@ -275,3 +275,18 @@ fn exchanged_columns_are_told_by_where_the_tracker_stands() {
     assert!(only(&screening).axis_slips.is_empty());
     assert!(sentences(&screening).contains("readings cannot tell"));
 }
+
+/// A tool that sits turned on the flange is what an offset of the last joint would be: both are named, the tool first.
+#[test]
+fn a_tool_turned_on_the_flange_is_named_before_the_last_joint() {
+    let (mut cell, table) = (cell(), group1_table(12));
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 37.0_f64.to_radians());
+    for point in &mut cell.setup.tool.measuring_points {
+        point.position = turn * point.position;
+    }
+    let said = sentences(&screen(&cell, &table, None).unwrap());
+    let [tool, joint] =
+        ["the tool sat turned by", "joint 6 were off by"].map(|what| said.find(what));
+    assert!(tool.is_some() && tool < joint, "{said}");
+    assert!(said.contains("tool.measuring_point first"), "{said}");
+}

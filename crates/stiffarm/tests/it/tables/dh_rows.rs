@@ -90,3 +90,34 @@ fn slips_have_their_places() {
         );
     }
 }
+
+/// Rows of the other convention put two axes on one line; that no arm has them tells.
+#[test]
+fn rows_of_the_other_convention_are_refused() {
+    // A lightweight arm as its maker's data sheet has it, and a heavy one with a spherical wrist.
+    let light = "joint,alpha_deg,a_mm,d_mm,offset_deg\n1,90,0,127.3,0\n2,0,-612,0,0\n3,0,-572.3,0,0\n\
+                 4,90,0,163.9,0\n5,-90,0,115.7,0\n6,0,0,92.2,0\n";
+    let heavy = "joint,alpha_deg,a_mm,d_mm,offset_deg\n1,0,0,645,0\n2,-90,330,0,0\n3,0,1150,0,-90\n\
+                 4,-90,115,1220,0\n5,90,0,0,0\n6,-90,0,0,0\n";
+    let (modified, standard) = (DhConvention::Modified, DhConvention::Standard);
+    for (rows, own, other, key) in [
+        (light, standard, modified, "dh_standard"),
+        (heavy, modified, standard, "dh_modified"),
+    ] {
+        assert!(read(rows, own).is_ok());
+        let error = read(rows, other).unwrap_err();
+        assert_eq!(error.code(), Code::Conflict);
+        assert!(
+            error.hint_text().unwrap_or_default().contains(key),
+            "{error}"
+        );
+    }
+    // In a cell, too.
+    let robot = read(light, standard).unwrap();
+    let text = template_of(&robot, "").unwrap();
+    assert!(parse_cell(&text, "cell.toml").is_ok());
+    let wrong = text.replace("dh_standard", "dh_modified");
+    assert_ne!(wrong, text);
+    let error = parse_cell(&wrong, "cell.toml").unwrap_err();
+    assert_eq!(error.place().key.as_deref(), Some("robot.dh_modified"));
+}

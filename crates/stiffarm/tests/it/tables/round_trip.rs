@@ -46,6 +46,7 @@ fn any_measured() -> impl Strategy<Value = Vec<MeasuredPosture>> {
                         let (force, moment) = wrench.unwrap_or_default();
                         Wrench { force, moment }
                     }),
+                    preload: None,
                     common_readings: [0.0; 2],
                     servo_deflection: None,
                     displacements: numbered(displacements),

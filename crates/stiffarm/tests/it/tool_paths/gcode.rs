@@ -55,6 +55,56 @@ fn inches_and_steps() -> Check {
     Ok(())
 }
 
+#[test]
+fn inches_that_no_word_names_are_said() -> Check {
+    let program = |head: &str, speed: &str, numbers: [&str; 6]| {
+        let [lift, above, depth, plunge, far, feed] = numbers;
+        format!(
+            "%\nO1001 (BRACKET)\n{head}G90 G17 G40\nT1 M6\n{speed}\nG54\nG0 X-1 Y-.5\nG43 H1 Z{lift}\nZ{above}\n\
+             G1 Z{depth} F{plunge}\nX{far} F{feed}\nY2.125\nX-1\nG0 Z{lift}\nM30\n%\n"
+        )
+    };
+    let said = |text: &str| -> Result<Option<String>, Box<dyn std::error::Error>> {
+        let findings = read("a.nc", text)?.findings;
+        let found = findings.into_iter().find(|f| f.code == "maybe-inches");
+        Ok(found.map(|finding| finding.sentence))
+    };
+    let inches = ["1.", ".1", "-.25", "10.", "3.375", "40."];
+    let fine = ["1.", ".1", "-.0625", "5.", "3.3755", "12.5"];
+    let sentence = said(&program("", "S5000 M3", inches))?.unwrap();
+    assert!(
+        sentence.contains("4.375 × 2.625 × 0.000 mm")
+            || sentence.contains("4.375 × 2.625 × 0.250 mm"),
+        "{sentence}"
+    );
+    assert!(sentence.contains("0.0080 mm for a turn"), "{sentence}");
+    // Where no speed is known, the decimals speak.
+    assert!(said(&program("", "", fine).replace("Y2.125", "Y2.1255"))?.is_some());
+    assert_eq!(said(&program("", "", inches))?, None);
+    for word in ["G20\n", "G21\n", "G71\n"] {
+        assert_eq!(said(&program(word, "S5000 M3", inches))?, None);
+    }
+    // Millimetres: a steel part, a small one, an engraving, a plate.
+    for (speed, numbers) in [
+        ("S800 M3", ["50", "2", "-1", "30", "8", "60"]),
+        (
+            "(1/4 INCH END MILL)\nS10000 M3",
+            ["10", "2", "-.5", "100", "6.5", "250"],
+        ),
+        ("S24000 M3", ["2", ".5", "-.1", "120", "12", "300"]),
+        ("S20000 M3", ["5", "1", "-.2", "60", "20", "150"]),
+        ("S6000 M3", ["50", "5", "-3", "200", "180", "1200"]),
+        ("", ["5", "1", "-.5", "50", "10", "60"]),
+    ] {
+        assert_eq!(
+            said(&program("", speed, numbers))?,
+            None,
+            "{speed} {numbers:?}"
+        );
+    }
+    Ok(())
+}
+
 /// Points lie on the circle, chords within the tolerance, in the sense asked for.
 fn check_arc(text: &str, centre: [f64; 3], radius: f64, sweep: f64, plane: [usize; 2]) -> Check {
     let path = read("a.nc", text)?;

@@ -82,6 +82,9 @@ pub struct LoadStates {
     /// Probability of a scatter as large by the cell's noise; `None` where it
     /// was not estimated from the load states.
     pub scatter_p: Option<f64>,
+    /// True where displacements are against a preload, which took lost motion up.
+    #[serde(skip)]
+    pub against_preload: bool,
 }
 
 /// Examines the postures with at least two load states whose loads point
@@ -118,6 +121,7 @@ pub fn load_states(fit: &Fit, noise: Option<&NoiseTest>) -> Result<Option<LoadSt
         scatter_p: degrees
             .filter(|_| expected > 0.0)
             .and_then(|d| Some(chi_squared_tails(size / expected.powi(2), d)?.0)),
+        against_preload: fit.measured().is_against_preload(),
         ..LoadStates::default()
     };
     let mut beside = Vec::new();
@@ -202,7 +206,9 @@ impl LoadStates {
         let real = curved.is_none() || found(&self.offset_with_curvature).is_some();
         if let Some(offset) = found(&self.offset).filter(|_| real) {
             let size = length_with_error(offset.value, offset.standard_error);
-            let meaning = if offset.value > 0.0 {
+            let meaning = if offset.value > 0.0 && self.against_preload {
+                "lost motion that the preload has not taken up. Give it more load"
+            } else if offset.value > 0.0 {
                 "lost motion. Take differences against a light preload, or add the lost motion of the joints as \
                      extra terms"
             } else {

@@ -93,7 +93,18 @@ pub(super) fn series(fit: &Fit, block: &Block) -> Result<Option<Series>> {
         };
         DVector::from_iterator(groups.len(), groups.iter().map(mean))
     };
-    let components = average(&system.delta);
+    // Lost motion that was fitted is in no line.
+    let mut delta = system.delta.clone();
+    for (i, _) in system
+        .extra
+        .iter()
+        .enumerate()
+        .filter(|(_, term)| !term.is_spring())
+    {
+        let at = system.springs + i;
+        delta.axpy(-fit.solution().values[at], &system.psi.column(at), 1.0);
+    }
+    let components = average(&delta);
     let spread = block.covariance.averaged(&groups);
     let own = system.psi.rows(block.rows.start, block.rows.len());
     let mut whole = DVector::zeros(system.delta.len());

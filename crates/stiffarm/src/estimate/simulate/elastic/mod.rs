@@ -83,7 +83,7 @@ pub fn simulate_elastic(
     for group in groups {
         check_determined(cell, group)?;
     }
-    let truth = Truth::new(cell, &sizes)?;
+    let truth = Truth::new(cell, &sizes, control)?;
     let work = Work::new(cell)?;
     let all = groups.iter().map(|group| Group::new(cell, &group.postures));
     let experiment = Experiment {
@@ -140,7 +140,7 @@ pub fn simulate_elastic_measurements(
     postures: &[Posture],
     seed: u64,
 ) -> Result<Vec<MeasuredPosture>> {
-    let truth = Truth::new(cell, &cell.elastic_sizes()?.0)?;
+    let truth = Truth::new(cell, &cell.elastic_sizes()?.0, Control::default())?;
     let model = Model::Equilibrium;
     let mut out = simulate_measurements(cell, postures, &truth.prior, model, seed, 0)?;
     let (group, level) = MEASUREMENTS;
@@ -240,7 +240,9 @@ impl Experiment<'_> {
         let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
         let confidence = fit.options().confidence;
         let by_axes = IdentifiedCompliance::from_solution(fit.system(), fit.solution(), confidence);
-        let outcome = |predictor: &IdentifiedCompliance| self.outcome(predictor, &compliance);
+        let truth = self.truth.reproduced.of(&compliance);
+        let outcome =
+            |predictor: &IdentifiedCompliance| self.outcome(predictor, &compliance, &truth);
         let mixed = match self.options.elastic {
             ElasticChoice::Axes => None,
             ElasticChoice::Mixed => carried(&fit)?.ok(),
@@ -256,6 +258,7 @@ impl Experiment<'_> {
         &self,
         predictor: &IdentifiedCompliance,
         compliance: &DVector<f64>,
+        truth: &DVector<f64>,
     ) -> Result<Outcome> {
         let spread = predictor.spread.as_ref();
         let known = match spread {
@@ -264,8 +267,12 @@ impl Experiment<'_> {
         };
         let mut deviations = Vec::with_capacity(self.truth.prior.len());
         let mut holds = Vec::with_capacity(self.truth.prior.len());
-        for (j, k) in self.truth.prior.iter().enumerate() {
-            let value = predictor.values[j];
+        // The axes alone are what reproduces the arm; a mixed model is to be reproduced.
+        let is_mixed = predictor.values.len() > truth.len();
+        let reproduced = Some(&self.truth.reproduced).filter(|_| is_mixed);
+        let values = reproduced.map_or(predictor.values.clone(), |r| r.of(&predictor.values));
+        for (j, h) in truth.iter().enumerate() {
+            let (value, k) = (values[j], 1.0 / h);
             let deviation = (1.0 / (value * k) - 1.0).abs();
             if !deviation.is_finite() {
                 return Err(Error::new(
@@ -275,14 +282,19 @@ impl Experiment<'_> {
                 .hint("give more postures, or less noise"));
             }
             deviations.push(deviation);
-            let error = spread.map(|s| s.covariance[(j, j)].max(0.0).sqrt());
             // An interval on the wrong side of zero does not hold either.
-            let quantile = known
-                .as_ref()
-                .map(|(spread, all)| all.of_unknown(&spread.covariance, j));
-            let held = quantile.map(|_| {
-                let [low, high] = estimate("", Some(value), error, quantile).interval;
-                low.is_some_and(|low| low <= *k) && high.is_none_or(|high| *k <= high)
+            let held = known.as_ref().map(|(spread, all)| {
+                let (with, variance) = match reproduced {
+                    Some(reproduced) => reproduced.covariance(spread, j),
+                    None => (
+                        spread.covariance.column(j).into_owned(),
+                        spread.covariance[(j, j)].max(0.0),
+                    ),
+                };
+                let quantile = all.of(&with, variance, 0.0);
+                let error = Some(variance.sqrt());
+                let [low, high] = estimate("", Some(value), error, Some(quantile)).interval;
+                low.is_some_and(|low| low <= k) && high.is_none_or(|high| k <= high)
             });
             holds.push(held);
         }

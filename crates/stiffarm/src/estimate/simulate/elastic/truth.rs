@@ -4,12 +4,14 @@
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::Spread;
 use crate::estimate::freedom::SpreadQuantiles;
+use crate::estimate::mixed::Reproduced;
 use crate::estimate::simulate::normal;
 use crate::model::cell::Cell;
 use crate::model::elastic::{Effect, ElasticSizes, ElasticSizing, fitted, terms};
 use crate::model::measurement::{Displacement, MeasuredPosture};
 use crate::model::observation::PostureTerms;
 use crate::model::posture::Posture;
+use crate::numerics::control::Control;
 use crate::numerics::information::stacked;
 use crate::plan::index::prediction::work_of;
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -19,6 +21,8 @@ use rand_chacha::ChaCha8Rng;
 pub(super) struct Truth {
     /// Prior stiffness of the axes \[N·m/rad\].
     pub(super) prior: Vec<f64>,
+    /// What makes of all compliances those of joint axes that alone reproduce the arm.
+    pub(super) reproduced: Reproduced,
     /// Its compliance.
     axes: DVector<f64>,
     /// Standard deviation of each entry of the springs.
@@ -27,12 +31,16 @@ pub(super) struct Truth {
 
 impl Truth {
     /// # Errors
-    /// No prior.
-    pub(super) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
+    /// No prior; as [`Reproduced::over_cell`].
+    pub(super) fn new(cell: &Cell, sizes: &ElasticSizes, control: Control<'_>) -> Result<Self> {
         let prior = cell.require_prior()?.to_vec();
         let effects = springs(cell);
-        let deviation = effects.iter().map(|e| e.scale * sizes.of(e.class));
+        let deviation = effects
+            .iter()
+            .map(|e| e.scale * sizes.of(e.class))
+            .collect::<Vec<_>>();
         Ok(Truth {
+            reproduced: Reproduced::over_cell(cell, &terms(&effects), control)?,
             axes: DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k)),
             deviations: DVector::from_iterator(effects.len(), deviation),
             prior,

@@ -13,7 +13,7 @@ use super::base_motion::on_a_line;
 use super::messages::{length, postures, postures_first};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
-use crate::measure::registration::{Pair, PointPair, Registration};
+use crate::measure::registration::{Pair, PointPair, Registration, rms};
 use crate::measure::series::{PostureSeries, StateSamples};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
@@ -173,6 +173,33 @@ pub(super) fn registration(
     check_own(&summary, findings);
     summary.fit = Some(fit.registration);
     Ok((Some(summary), transform))
+}
+
+/// Registers readings by themselves: the transform from tracker to base, and the pairs of the postures that agree.
+///
+/// # Errors
+/// As [`registration`] without a transform that is given.
+pub(in crate::measure) fn by_themselves(
+    cell: &Cell,
+    series: &[PostureSeries<'_>],
+) -> Result<(Isometry3<f64>, Vec<Pair>)> {
+    let seen: Vec<Seen<'_>> = series.iter().filter_map(|p| Seen::new(cell, p)).collect();
+    enough(&seen)?;
+    let fit = robust_fit(&seen, cell.noise.reading_variance.sqrt())?;
+    let used = seen.iter().zip(&fit.used).filter(|(_, used)| **used);
+    let pairs = used.flat_map(|(own, _)| own.positions()).collect();
+    Ok((fit.registration.base_from_tracker, pairs))
+}
+
+/// True where a transform fits pairs as well as the best one does, which leaves `best` \[m\].
+pub(in crate::measure) fn fits(
+    cell: &Cell,
+    transform: &Isometry3<f64>,
+    pairs: &[Pair],
+    best: f64,
+) -> bool {
+    let noise = ABOVE_NOISE * cell.noise.reading_variance.sqrt();
+    rms(transform, pairs) <= (WORSE * best).max(noise).max(ROUNDING)
 }
 
 /// At least three points that are not on a line.
