@@ -79,6 +79,7 @@ pub fn cell(kind: Kind) -> Cell {
                 mount: Mount::Flange,
                 pose: Isometry3::new(Vector3::new(0.0, 0.01, 0.08), Vector3::new(0.0, 0.0, 0.7)),
                 reports_by_robot: true,
+                mirrored: None,
             });
         }
     }
