@@ -285,7 +285,8 @@ fn identify_says_when_the_sign_is_wrong_and_when_only_a_bound_is_left() {
     folder.write("wrong-sign.csv", lines.join("\n"));
     let ran = folder.run("identify builtin:comau wrong-sign.csv");
     assert_eq!(ran.code, Some(1));
-    assert!(ran.out.contains("SERIOUS: joint 1"), "{}", ran.out);
+    let said = "SERIOUS: The points move against the stated load";
+    assert!(ran.out.contains(said), "{}", ran.out);
     assert!(ran.out.contains("negative"), "{}", ran.out);
 
     let cell = stiffarm_files::builtin::cell_text("comau").unwrap();

@@ -175,9 +175,17 @@ fn a_day_says_what_identify_says_of_the_readings() {
     let found = judged(&turned, table.clone());
     assert!(found.is_serious(), "{:?}", found.readings);
     let of_identify = identified(&turned, &table);
-    for finding in of_identify.identification.estimates.findings() {
-        assert!(found.readings.contains(&finding), "{finding:?}");
-    }
+    let rejected = of_identify.rejected().unwrap();
+    assert!(found.readings.contains(rejected), "{rejected:?}");
+    // The loading point it is; a joint that yields against its torque only follows.
+    assert_eq!(rejected.subject, "tool.loading_point_mm");
+    let of_joints = found.readings.iter();
+    assert_eq!(
+        of_joints
+            .filter(|f| f.code == "negative-compliance")
+            .count(),
+        0
+    );
     let standing = found.standing.as_ref().unwrap();
     assert!(standing.residual_std_m.unwrap() > 1.5 * standing.expected_std_m);
 

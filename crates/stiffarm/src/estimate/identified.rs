@@ -12,6 +12,7 @@ use crate::estimate::identify::{
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, flange_of, once};
+use crate::estimate::setup;
 use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::findings::{Finding, Severity};
 use crate::measure::Measured;
@@ -170,6 +171,11 @@ impl Identified {
         }
     }
 
+    /// What the readings say against the set-up as the cell states it.
+    pub fn rejected(&self) -> Option<&Finding> {
+        self.diagnosis.as_ref().and_then(Diagnosis::rejected)
+    }
+
     /// What was found wrong with the table.
     pub fn screening(&self) -> Option<&Screening> {
         let readings = self.readings.as_ref().map(|readings| &readings.screening);
@@ -241,6 +247,11 @@ impl Identified {
         }
         let diagnosis = diagnosed(fit, mixed.as_ref());
         out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnosis)?;
+        if out.rejected().is_some() {
+            let readings = out.readings.as_mut().map(|own| &mut own.screening);
+            let screening = readings.or(out.screening.as_mut());
+            screening.into_iter().for_each(setup::leave_out_explained);
+        }
         out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
         let search = GlobalOptions {
@@ -303,7 +314,8 @@ impl Identified {
     }
 }
 
-/// What the residuals say. What speaks against the axes alone has its answer in the mixed model, where it predicts.
+/// What the residuals say. What speaks against the axes alone has its answer in the mixed model, where it predicts; what
+/// follows from a set-up that is rejected is no finding of its own.
 ///
 /// # Errors
 /// As [`diagnose`].
@@ -312,6 +324,17 @@ pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis
     let of_axes = ["residuals-above-noise", "further-term"];
     out.findings
         .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
+    if !setup::is_doubtful(fit.measured()) {
+        out.set_up = setup::set_up(fit, mixed)?;
+    }
+    if out.rejected().is_some() {
+        out.findings.retain(|finding| !setup::follows(finding));
+    }
+    let found = out
+        .set_up
+        .iter()
+        .filter_map(|set_up| set_up.finding.clone());
+    out.findings.splice(0..0, found.collect::<Vec<_>>());
     Ok(out)
 }
 

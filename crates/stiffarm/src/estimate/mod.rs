@@ -15,6 +15,7 @@ pub mod identify;
 pub mod mixed;
 pub mod next_posture;
 pub mod saved;
+pub mod setup;
 pub mod simulate;
 pub mod simulated;
 pub mod standing;

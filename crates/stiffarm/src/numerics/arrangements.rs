@@ -1,4 +1,6 @@
-//! Subsets and orders of a few numbers.
+//! Subsets and orders of a few numbers, and of axes.
+
+use nalgebra::Matrix3;
 
 /// Most numbers that are put in every order, not only exchanged by twos.
 const ALL_ORDERS: usize = 4;
@@ -86,4 +88,22 @@ pub fn exchanges_first(count: usize) -> Vec<Vec<usize>> {
         out.extend(others);
     }
     out
+}
+
+/// All signed exchanges of three axes: 24 turns and as many with a mirror.
+pub fn signed_axes() -> impl Iterator<Item = Matrix3<f64>> {
+    const ORDERS: [[usize; 3]; 6] = [
+        [0, 1, 2],
+        [1, 0, 2],
+        [2, 1, 0],
+        [0, 2, 1],
+        [1, 2, 0],
+        [2, 0, 1],
+    ];
+    ORDERS.into_iter().flat_map(|order| {
+        (0..8_u32).map(move |signs| {
+            let sign = |i: usize| if signs >> i & 1 == 1 { -1.0 } else { 1.0 };
+            Matrix3::from_fn(|i, j| if order[i] == j { sign(i) } else { 0.0 })
+        })
+    })
 }

@@ -4,6 +4,7 @@ use crate::error::{Code, Result};
 use crate::estimate::identified::{diagnosed, doubts};
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
+use crate::estimate::setup;
 use crate::estimate::standing::{SoFar, Standing, is_better, standing};
 use crate::findings::{Finding, Severity};
 use crate::measure::reduction::ReduceOptions;
@@ -189,7 +190,11 @@ pub fn judge(
             return Ok(out);
         }
     };
-    out.readings.extend(of_fit(&fit, &so_far, left.len())?);
+    let of_fit = of_fit(&fit, &so_far, left.len())?;
+    if of_fit.iter().any(|finding| finding.code == setup::REJECTS) {
+        out.readings.retain(|finding| !setup::is_explained(finding));
+    }
+    out.readings.extend(of_fit);
     if let Some(goal) = options.until_deflection_m {
         let mut found = deflection(&fit, &so_far, goal)?;
         found.reached &= so_far.missing_postures(left.len()) == 0;
@@ -213,7 +218,6 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let mut estimates = fit.identification()?.estimates.clone();
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
-    let joints = joints.filter(|f| f.code == "negative-compliance");
     let diagnosis = match diagnosed(fit, so_far.mixed()) {
         Ok(diagnosis) => Some(diagnosis),
         Err(error) if error.code() == Code::Interrupted => return Err(error),
@@ -223,6 +227,11 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let is_due = |f: &Finding| {
         f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()))
     };
+    // A joint that yields against its torque follows from a set-up that is rejected.
+    let is_rejected = diagnosis
+        .as_ref()
+        .is_some_and(|own| own.rejected().is_some());
+    let joints = joints.filter(|f| f.code == "negative-compliance" && !is_rejected);
     let of_fit = doubts(fit, diagnosis.as_ref())?;
     Ok(joints.chain(of_fit.into_iter().filter(is_due)).collect())
 }

@@ -57,6 +57,7 @@ mod screening;
 mod screening_base;
 mod selection;
 mod servo;
+mod set_up;
 mod shapes;
 mod sources;
 mod space_filling;

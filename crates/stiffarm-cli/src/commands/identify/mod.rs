@@ -48,7 +48,9 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
     let exit = if result.not_computed.is_empty() {
-        Exit::finding(!result.is_complete() || implausible || serious)
+        Exit::finding(
+            !result.is_complete() || implausible || serious || result.rejected().is_some(),
+        )
     } else {
         Exit::Interrupted
     };

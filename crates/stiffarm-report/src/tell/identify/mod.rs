@@ -85,6 +85,9 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         Some(basis::section(given, &found)),
     ];
     let mut all = joints.estimates.findings();
+    // It follows from a set-up that is rejected.
+    let is_rejected = found.rejected().is_some();
+    all.retain(|f| !(is_rejected && f.code == "negative-compliance"));
     all.extend(findings.data);
     findings::sort(&mut all);
     Ok(Told {

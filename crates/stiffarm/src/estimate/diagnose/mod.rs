@@ -24,6 +24,7 @@ pub use terms::{TermTrial, TermTrials, try_terms};
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
 use crate::estimate::mixed::MixedFit;
+use crate::estimate::setup::{REJECTS, SetUp};
 use crate::findings::{Finding, list};
 use serde::{Deserialize, Serialize};
 
@@ -51,10 +52,22 @@ pub struct Diagnosis {
     pub correlated: Vec<CorrelatedPair>,
     /// Extra terms, each tried alone; `None` for a single posture.
     pub terms: Option<TermTrials>,
+    /// What the cell states of the set-up against the readings, springs beyond the axes granted; left out where it was
+    /// not looked at.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub set_up: Option<SetUp>,
     /// What each joint carries and moves.
     pub signals: Vec<JointSignal>,
     /// What to know, in sentences.
     pub findings: Vec<Finding>,
+}
+
+impl Diagnosis {
+    /// What the readings say against the set-up as the cell states it.
+    pub fn rejected(&self) -> Option<&Finding> {
+        let found = self.set_up.as_ref()?.finding.as_ref();
+        found.filter(|finding| finding.code == REJECTS)
+    }
 }
 
 /// Diagnoses an identification.
@@ -133,6 +146,7 @@ pub(crate) fn diagnose_in(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnos
         second_order,
         correlated,
         terms,
+        set_up: None,
         signals,
         findings,
     })

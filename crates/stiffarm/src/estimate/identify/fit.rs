@@ -398,6 +398,11 @@ impl Fit {
         Restricted::new(self.prepared().whitened(), self.white())
     }
 
+    /// −2 ln of the restricted likelihood at the estimate, up to a constant that all fits to as many displacements share.
+    pub(crate) fn restricted_value(&self) -> f64 {
+        self.likelihood().value(self.solution().gamma)
+    }
+
     /// The estimate.
     pub(crate) fn solution(&self) -> &Solution {
         &self.inner.solution

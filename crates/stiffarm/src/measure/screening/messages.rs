@@ -2,7 +2,7 @@
 
 use super::severity::{code, severity};
 use super::slip::slip;
-use super::{Cause, Suspicion};
+use super::{Cause, Suspicion, tool};
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;
@@ -17,7 +17,7 @@ pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
 fn subject(s: &Suspicion) -> String {
     if s.postures.is_empty() {
         return match s.cause {
-            Cause::ToolUnits | Cause::Drawing => "tool.measuring_point",
+            Cause::ToolUnits | Cause::Drawing | Cause::ToolPlace => "tool.measuring_point",
             Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
             Cause::GivenTransform => "tracker",
             Cause::LoadUnits | Cause::LoadEntry | Cause::MomentUnits => "load",
@@ -95,6 +95,13 @@ fn fall(s: &Suspicion) -> String {
     match (s.before_m, s.after_m) {
         (Some(before), Some(after)) => format!("from {} to {}", mm(before), mm(after)),
         _ => "clearly".to_string(),
+    }
+}
+
+fn copied(s: &Suspicion) -> String {
+    match s.alternatives.as_slice() {
+        [] => String::new(),
+        same => format!(" Its angles equal those of posture {}: copied?", list(same)),
     }
 }
 
@@ -278,6 +285,7 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 slips => format!("First check {slips}: so the tracker stands as given, or parallel to the base."),
             }
         ),
+        Cause::ToolPlace => tool::sentence(s, &fall(s)),
         // The tool is all that hangs on the last joint.
         Cause::JointOffset if is_last(cell, s) => format!(
             "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {}.{} Check the turn of \
@@ -362,11 +370,12 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             s.before_m.map_or_else(String::new, mm)
         ),
         Cause::UnexplainedPosture => format!(
-            "{opening}: the points lie {} from the kinematic model, in the other postures {}. No single slip of an \
+            "{opening}: the points lie {} from the kinematic model, in the other postures {}.{} No single slip of an \
              angle or a name explains it: check its angles and readings, and that the tracker stood still, or leave it \
              out.",
             s.before_m.map_or_else(String::new, mm),
-            s.after_m.map_or_else(String::new, mm)
+            s.after_m.map_or_else(String::new, mm),
+            copied(s)
         ),
         Cause::UnexplainedModel => format!(
             "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \

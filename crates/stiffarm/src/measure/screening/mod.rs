@@ -34,6 +34,7 @@ mod shape;
 mod sheet;
 mod slip;
 mod states;
+mod tool;
 
 use super::series::PostureSeries;
 use super::stations;
@@ -85,6 +86,8 @@ pub enum Cause {
     Coupling,
     /// A constant offset of a joint angle.
     JointOffset,
+    /// All measuring points, and the tool with them, sit elsewhere on the flange than the cell says.
+    ToolPlace,
     /// Joint angles in radians under a heading in degrees.
     Radians,
     /// The transform that is given for the tracker does not fit the readings.
@@ -194,6 +197,9 @@ pub struct Suspicion {
     pub evidence: Option<Evidence>,
     /// Angle as written and as the readings have it, or offset of a joint \[deg\].
     pub angles_deg: Vec<f64>,
+    /// Shift of all measuring points, flange axes \[mm\]; `angles_deg` then holds their turn vector.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tool_shift_mm: Vec<f64>,
     /// Postures that were read partly before the tracker was moved and partly after.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub divided: Vec<String>,
@@ -229,6 +235,7 @@ impl Suspicion {
             confirmed_by: Vec::new(),
             evidence: None,
             angles_deg: Vec::new(),
+            tool_shift_mm: Vec::new(),
             divided: Vec::new(),
             station: None,
             likely_station: None,

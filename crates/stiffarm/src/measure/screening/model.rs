@@ -2,7 +2,7 @@
 //! every posture alike.
 
 use super::frame::{self, Frame, item_pairs, items, judge, register};
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, moved};
+use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, moved, tool};
 use crate::measure::registration::axis_slips;
 use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::order::sort_by_number;
@@ -42,6 +42,8 @@ enum Change {
     Chain(Vec<usize>, Option<f64>),
     /// A joint's angle has an offset \[rad\].
     Offset(usize, f64),
+    /// The measuring points sit elsewhere on the flange.
+    Tool(Isometry3<f64>),
     /// The angles are radians.
     Radians,
     /// The angles are degrees, read as radians.
@@ -56,6 +58,7 @@ impl Change {
             Change::Order(order) => (0..order.len()).filter(|a| order[*a] != *a).count() - 1,
             Change::Chain(signs, coupling) => signs.len() + usize::from(coupling.is_some()),
             Change::Offset(..) => 2,
+            Change::Tool(_) => 6,
         }
     }
 
@@ -84,6 +87,7 @@ impl Change {
             Change::Offset(j, offset) => {
                 each_angle(work, |i, q| if i == *j { q + offset } else { q })
             }
+            Change::Tool(motion) => tool::apply(work, motion),
             Change::Radians => each_angle(work, |_, q| rad_to_deg(q)),
             Change::Degrees => each_angle(work, |_, q| deg_to_rad(q)),
         }
@@ -92,6 +96,7 @@ impl Change {
     fn suspicion(&self, work: &Work) -> Suspicion {
         match self {
             Change::Mirror(_) => Suspicion::new(Cause::MirroredFrame),
+            Change::Tool(motion) => tool::suspicion(motion),
             Change::Radians => Suspicion::new(Cause::Radians),
             Change::Degrees => Suspicion::new(Cause::Degrees),
             Change::Order(order) => exchanged(work, order),
@@ -245,6 +250,12 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
                 consider(&mut believed, change);
             }
         }
+    }
+    // Six numbers explain much: they are asked where nothing simpler does.
+    if believed.is_empty()
+        && let Some(motion) = tool::place(few.as_ref().unwrap_or(work))
+    {
+        consider(&mut believed, Change::Tool(motion));
     }
     let noise = work.sheet.typical_std();
     let weighed = |t: &Trial| match t.change {

@@ -113,9 +113,15 @@ fn report_unexplained(work: &mut Work, frame: &Frame, p: usize) {
     if another_state_fits(work, frame, reference) {
         return;
     }
-    let suspicion = Suspicion::new(Cause::UnexplainedPosture)
+    let mut suspicion = Suspicion::new(Cause::UnexplainedPosture)
         .posture(&posture.name)
         .misfit(before, frame.level);
+    // A row copied from another posture keeps its angles.
+    let is_same = |other: &&super::sheet::Posture| {
+        other.name != posture.name && other.states.iter().any(|state| state.q == q)
+    };
+    let same = work.sheet.postures.iter().filter(is_same);
+    suspicion.alternatives = same.map(|other| other.name.clone()).collect();
     work.found.push(suspicion);
 }
 

@@ -27,6 +27,7 @@ pub(super) fn code(cause: Cause) -> &'static str {
         Cause::JointSign => "joint-sign",
         Cause::Coupling => "joint-coupling",
         Cause::JointOffset => "joint-offset",
+        Cause::ToolPlace => "tool-place",
         Cause::Radians => "angles-in-radians",
         Cause::GivenTransform => "tracker-transform",
         Cause::MovedTracker => "moved-tracker",

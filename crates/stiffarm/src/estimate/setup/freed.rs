@@ -1,0 +1,217 @@
+//! One quantity freed: where the readings want it, and how much likelier they are with it there.
+
+use super::quantity::{Frame, Kind, Place, step};
+use crate::error::Result;
+use crate::estimate::elastic::carried;
+use crate::estimate::identify::{Experiment, Fit, Response};
+use crate::estimate::mixed::MixedFit;
+use crate::numerics::information::Factor;
+use nalgebra::{DMatrix, DVector};
+use std::sync::Arc;
+
+/// Most steps of Gauss and Newton, and how often one is tried, each time shorter: of the axes alone, and of the dearer
+/// model with springs beyond them, which begins where the axes end.
+const AXES: (usize, usize) = (15, 4);
+const MIXED: (usize, usize) = (1, 2);
+/// Longest step \[m; rad\], and of a force \[N\].
+const FAR: f64 = 0.5;
+const FAR_FORCE: f64 = 200.0;
+/// Change of −2 ln L that ends the search.
+const STILL: f64 = 1e-2;
+
+/// The experiment fitted with a quantity at some value.
+#[derive(Clone)]
+pub(super) struct At {
+    pub place: Place,
+    pub fit: Fit,
+    /// Springs beyond the axes, where they are granted.
+    pub mixed: Option<Arc<MixedFit>>,
+    /// −2 ln L, restricted, with them or of the axes alone.
+    pub value: f64,
+}
+
+/// −2 ln L, restricted, of a fit or of the mixed model that goes on from it. That no joint yields against its torque is
+/// known beforehand: each compliance below zero adds the square of how far, in standard errors.
+pub(super) fn value(fit: &Fit, mixed: Option<&MixedFit>) -> f64 {
+    let ratio = mixed.map_or(0.0, MixedFit::likelihood_ratio);
+    // In units of the cell's noise, so that fits which determine more joints or fewer can be compared.
+    let free = fit.solution().degrees_of_freedom as f64;
+    let unit = free * ((free * fit.cell().noise.displacement_variance()).ln() - 1.0);
+    fit.restricted_value() - unit - ratio + below_zero(fit, mixed)
+}
+
+/// The squares of the compliances below zero in their standard errors.
+pub(super) fn below_zero(fit: &Fit, mixed: Option<&MixedFit>) -> f64 {
+    let solution = fit.solution();
+    let spread = mixed.and_then(|mixed| mixed.compliance().spread.as_ref());
+    let (values, covariance) = match (mixed, spread) {
+        (Some(mixed), Some(spread)) => (&mixed.compliance().values, Some(&spread.covariance)),
+        _ => (&solution.values, solution.covariance.as_ref()),
+    };
+    let springs = 0..fit.system().springs;
+    let below = springs.filter(|j| values[*j] < 0.0 && !solution.undetermined.contains(j));
+    let squares = below.filter_map(|j| Some(values[j].powi(2) / covariance?[(j, j)]));
+    squares.filter(|square| square.is_finite()).sum()
+}
+
+/// One step of least squares with the quantity among the unknowns.
+struct Step {
+    change: DVector<f64>,
+    errors: DVector<f64>,
+    /// Sum of squares before, and what the step takes off.
+    squares: [f64; 2],
+}
+
+impl At {
+    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them.
+    pub(super) fn new(place: Place, fit: Fit, is_mixed: bool) -> Result<Self> {
+        let mixed = if is_mixed { carried(&fit)?.ok() } else { None };
+        Ok(At {
+            place,
+            value: value(&fit, mixed.as_ref()),
+            mixed: mixed.map(Arc::new),
+            fit,
+        })
+    }
+}
+
+impl Frame<'_> {
+    /// The fit with the quantity at `place`; `None` where it cannot be had.
+    pub(super) fn at(&self, kind: Kind, place: Place, is_mixed: bool) -> Option<At> {
+        let (cell, measured) = self.changed(kind, &place).ok()?;
+        let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
+        let found = At::new(place, fit, is_mixed).ok()?;
+        found.value.is_finite().then_some(found)
+    }
+
+    /// What the displacements and Ψ h differ by, for each number of the quantity: the derivative of Ψ h − Δ.
+    fn columns(&self, kind: Kind, at: &At, values: &DVector<f64>) -> Option<DMatrix<f64>> {
+        let system = at.fit.system();
+        let left = |place: &Place| {
+            let (cell, measured) = self.changed(kind, place).ok()?;
+            let options = at.fit.options();
+            let experiment = Experiment::new(&cell, measured).ok()?;
+            let system = experiment.system(&options.extra, options.weights).ok()?;
+            Some(&system.psi * values - &system.delta)
+        };
+        let count = at.place.values.len();
+        let mut out = DMatrix::zeros(system.delta.len(), count);
+        for k in 0..count {
+            let beside = |by: f64| {
+                let mut place = at.place.clone();
+                place.values[k] += by;
+                left(&place)
+            };
+            let h = step(kind);
+            out.set_column(k, &((beside(h)? - beside(-h)?) / (2.0 * h)));
+        }
+        Some(out)
+    }
+
+    fn step(
+        &self,
+        kind: Kind,
+        at: &At,
+        response: &Response<'_>,
+        values: &DVector<f64>,
+    ) -> Option<Step> {
+        let springs = at.fit.system().psi.ncols();
+        let columns = self.columns(kind, at, &values.rows(0, springs).into_owned())?;
+        let left = |weighed: &DVector<f64>| response.left(weighed, &response.of(weighed));
+        let rest = left(response.delta());
+        let own: Vec<DVector<f64>> = columns
+            .column_iter()
+            .map(|column| left(&response.weighed(&column.into_owned())))
+            .collect();
+        if own.is_empty() {
+            return None;
+        }
+        let own = DMatrix::from_columns(&own);
+        let factor = Factor::new(&own).ok()?;
+        let change = factor.solve(&rest);
+        let after = (&rest - &own * &change).norm_squared();
+        let before = rest.norm_squared();
+        let free = rest.len().saturating_sub(springs + change.len()).max(1);
+        let sigma = at
+            .fit
+            .solution()
+            .sigma
+            .unwrap_or((after / free as f64).sqrt());
+        let errors = factor.standard_errors();
+        let errors = errors
+            .into_iter()
+            .map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
+        Some(Step {
+            errors: DVector::from_iterator(change.len(), errors),
+            change,
+            squares: [before, before - after],
+        })
+    }
+
+    fn step_of(&self, kind: Kind, at: &At) -> Option<Step> {
+        match &at.mixed {
+            Some(mixed) => {
+                let response = mixed.response().ok()?;
+                self.step(kind, at, &response, &mixed.compliance().values)
+            }
+            None => {
+                let response = Response::new(&at.fit).ok()?;
+                self.step(kind, at, &response, &at.fit.solution().values)
+            }
+        }
+    }
+
+    /// By how much −2 ln L of the axes alone would fall with the quantity freed, by the derivatives at its stated value.
+    pub(super) fn score(&self, kind: Kind, stated: &At) -> f64 {
+        let Some(step) = self.step_of(kind, stated) else {
+            return 0.0;
+        };
+        let [before, less] = step.squares;
+        let free = stated.fit.solution().degrees_of_freedom;
+        let rest = (1.0 - less / before).max(f64::MIN_POSITIVE);
+        -(free as f64) * rest.ln()
+    }
+
+    /// The value that suits the readings best near `start`.
+    pub(super) fn refined(&self, kind: Kind, start: At) -> At {
+        let is_mixed = start.mixed.is_some();
+        let (steps, shorter) = if is_mixed { MIXED } else { AXES };
+        let mut at = start;
+        for _ in 0..steps {
+            let Some(step) = self.step_of(kind, &at) else {
+                return at;
+            };
+            let is_force = matches!(kind, Kind::Beside | Kind::Offset);
+            let far = if is_force { FAR_FORCE } else { FAR };
+            let mut share = (far / step.change.norm()).min(1.0);
+            let mut better = None;
+            for _ in 0..shorter {
+                let place = Place {
+                    turn: at.place.turn,
+                    values: &at.place.values + &step.change * share,
+                };
+                let next = self.at(kind, place, is_mixed);
+                better = next.filter(|next| next.value < at.value);
+                if better.is_some() {
+                    break;
+                }
+                share *= 0.25;
+            }
+            let Some(next) = better else { return at };
+            let fall = at.value - next.value;
+            at = next;
+            if fall < STILL {
+                break;
+            }
+        }
+        at
+    }
+
+    /// Standard errors of the numbers of a quantity where it is; `None` where the readings do not tell one.
+    pub(super) fn errors(&self, kind: Kind, at: &At) -> Vec<Option<f64>> {
+        let step = self.step_of(kind, at);
+        let errors = step.map(|step| step.errors);
+        let one = |i: usize| Some(errors.as_ref()?[i]).filter(|error| error.is_finite());
+        (0..at.place.values.len()).map(one).collect()
+    }
+}

@@ -1,0 +1,201 @@
+//! Does what the cell states of the set-up fit the readings?
+//!
+//! Springs beyond the axes are flexible enough to swallow an anchor or a loading point that is written down wrongly: what
+//! is left looks like noise, and the stiffness is wrong. So each quantity of the set-up is freed in turn and found by
+//! Gauss and Newton beside the compliances, and the explanations compete by restricted likelihood, of the axes alone and
+//! of the mixed model. A quantity is rejected where the readings are far likelier with another value of it, springs
+//! beyond the axes granted before and after.
+
+mod explained;
+mod freed;
+mod quantity;
+mod starts;
+mod words;
+
+pub(crate) use explained::{follows, is_doubtful, is_explained, leave_out_explained};
+
+use crate::error::Result;
+use crate::estimate::elastic::{FEWEST_POSTURES, carried};
+use crate::estimate::identify::{Fit, IdentifyOptions, rms};
+use crate::estimate::mixed::MixedFit;
+use crate::findings::Finding;
+use crate::numerics::jobs::in_order;
+use crate::numerics::order::sort_by_number;
+use freed::{At, below_zero, value};
+use quantity::{Frame, Kind};
+use serde::{Deserialize, Serialize};
+
+/// Code of the finding about a quantity that is rejected.
+pub const REJECTS: &str = "set-up";
+/// Fall of −2 ln L from which a quantity is rejected, and what each of its numbers adds: sound days of arms with springs
+/// beyond the axes, drift and shared shifts stay below.
+const REJECTED: f64 = 22.0;
+const EACH: f64 = 4.0;
+/// Fall of −2 ln L, by derivatives at the stated value, below which nothing is looked for.
+const WORTH: f64 = 15.0;
+/// Residuals this many times the expected noise hold more than noise.
+const MORE_THAN_NOISE: f64 = 1.3;
+/// Starts that are followed for each quantity.
+const FOLLOWED: usize = 2;
+/// Quantities that are tried beside springs beyond the axes.
+const TRIED: usize = 3;
+/// Standard uncertainties within which a declared quantity may lie.
+const WIDE: f64 = 3.0;
+/// Explanations whose −2 ln L lies within this of the best explain as well.
+const ALIKE: f64 = 10.0;
+
+/// A quantity of the set-up that the readings want elsewhere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Freed {
+    /// Stable name: `anchor`, `loading-point`, `gravity`, `force-beside`, `common-shift`, `sensor-axes`,
+    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`,
+    /// `lost-motion`.
+    pub name: String,
+    /// What the cell or the table states, SI: a place, a direction, a turn vector, a force, angles.
+    pub stated: Vec<f64>,
+    /// What the readings ask for.
+    pub asked: Vec<f64>,
+    /// Its standard errors; `null` where the readings do not tell a number.
+    pub standard_error: Vec<Option<f64>>,
+    /// Fall of −2 ln L (restricted) of the best model, axes alone or mixed.
+    pub likelihood_ratio: f64,
+    /// RMS of what the joint axes alone leave of the displacements, as stated and with the quantity freed \[m\].
+    pub residual_rms_m: [f64; 2],
+}
+
+/// The set-up against the readings.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SetUp {
+    /// What was freed beside springs beyond the axes, the likeliest first.
+    pub freed: Vec<Freed>,
+    /// What is rejected, in a sentence.
+    pub finding: Option<Finding>,
+}
+
+/// Tests what the cell states of the set-up behind `fit`, whose mixed model is `mixed` where it is known. `None` where
+/// the readings are too few.
+///
+/// # Errors
+/// A decomposition that fails; stopped.
+pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
+    let options = IdentifyOptions {
+        extra: fit.options().extra.clone(),
+        weights: fit.options().weights,
+        ..IdentifyOptions::default()
+    };
+    let own = mixed.filter(|_| *fit.options() == options);
+    let fit = fit.with(&options)?;
+    let found = fit.identification()?;
+    let left = found.total_std_m.unwrap_or(0.0);
+    if fit.system().blocks.len() < FEWEST_POSTURES || found.expected_std_m <= 0.0 || left <= 0.0 {
+        return Ok(None);
+    }
+    let is_more = left > MORE_THAN_NOISE * found.expected_std_m || below_zero(&fit, None) > WORTH;
+    let frame = Frame::new(&fit);
+    let kinds = frame.quantities();
+    let alone = in_order(&kinds, |(_, kind)| {
+        fit.control().check()?;
+        Ok(freed_alone(&frame, *kind, is_more).map(|at| (*kind, at)))
+    })?;
+    let mut alone: Vec<(Kind, At)> = alone.into_iter().flatten().collect();
+    let price = |(kind, at): &(Kind, At)| at.value + EACH * frame.dimension(*kind) as f64;
+    sort_by_number(&mut alone, price);
+    alone.truncate(TRIED);
+    if alone.is_empty() {
+        return Ok(Some(SetUp::default()));
+    }
+    // Springs beyond the axes granted on both sides.
+    let grants = options.extra.is_empty();
+    let before = match own {
+        Some(mixed) => value(&fit, Some(mixed)),
+        None if grants => value(&fit, carried(&fit)?.ok().as_ref()),
+        None => value(&fit, None),
+    };
+    let mut beside = in_order(&alone, |(_, (kind, at))| {
+        fit.control().check()?;
+        let at = At::new(at.place.clone(), at.fit.clone(), grants)?;
+        Ok((*kind, frame.refined(*kind, at)))
+    })?;
+    sort_by_number(&mut beside, price);
+    let described = beside.iter().map(|(kind, at)| Freed {
+        name: words::name(*kind).to_string(),
+        stated: words::stated(fit.cell(), *kind),
+        asked: words::asked(fit.cell(), *kind, &at.place),
+        standard_error: frame.errors(*kind, at),
+        likelihood_ratio: before - at.value,
+        residual_rms_m: [&fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
+    });
+    let freed: Vec<Freed> = described.collect();
+    let (kind, at) = &beside[0];
+    let least = REJECTED + EACH * frame.dimension(*kind) as f64;
+    let is_rejected = freed[0].likelihood_ratio > least
+        && !is_within_stated(&fit, *kind, at, &freed[0].standard_error)
+        && without_worst(&fit, at, grants)? > 0.5 * least;
+    let alike = |own: &Freed| freed[0].likelihood_ratio - own.likelihood_ratio < ALIKE;
+    let alike = freed
+        .iter()
+        .zip(&beside)
+        .skip(1)
+        .filter(|(own, _)| alike(own));
+    let alike: Vec<Kind> = alike.map(|(_, (kind, _))| *kind).collect();
+    let finding =
+        is_rejected.then(|| words::finding(fit.cell(), *kind, &at.place, &freed[0], &alike));
+    Ok(Some(SetUp { freed, finding }))
+}
+
+/// A quantity freed beside the axes alone; `None` where that is not worth a second look.
+fn freed_alone(frame: &Frame<'_>, kind: Kind, is_more: bool) -> Option<At> {
+    let mut places = frame.starts(kind).into_iter();
+    let stated = frame.at(kind, places.next()?, false)?;
+    let before = stated.value;
+    let score = frame.score(kind, &stated);
+    let mut starts: Vec<At> = Vec::new();
+    if is_more {
+        starts.extend(places.filter_map(|place| frame.at(kind, place, false)));
+        starts.retain(|at| at.value < before);
+        sort_by_number(&mut starts, |at| at.value);
+        starts.truncate(FOLLOWED);
+    }
+    starts.extend((score > WORTH).then_some(stated));
+    let ends = starts.into_iter().map(|at| frame.refined(kind, at));
+    let best = ends.min_by(|a, b| a.value.total_cmp(&b.value))?;
+    (before - best.value > WORTH).then_some(best)
+}
+
+/// Whether the cell declares the quantity as uncertain as that: then the intervals hold it.
+fn is_within_stated(fit: &Fit, kind: Kind, at: &At, errors: &[Option<f64>]) -> bool {
+    let given = &fit.cell().uncertainty;
+    let declared = match kind {
+        Kind::Anchor(_) => given.anchor,
+        Kind::LoadingPoint(_) => given.loading_point,
+        _ => None,
+    };
+    let is_within = |size: f64| {
+        let mut both = at.place.values.iter().zip(errors);
+        both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
+    };
+    declared.is_some_and(is_within)
+}
+
+/// By how much −2 ln L falls without the posture that gains most: one bad posture is no set-up.
+fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<f64> {
+    let squares = |fit: &Fit, block: usize| {
+        let rows = fit.system().blocks[block].rows.clone();
+        fit.residual().rows(rows.start, rows.len()).norm_squared()
+    };
+    let gain = |block: &usize| squares(fit, *block) - squares(&at.fit, *block);
+    let blocks = 0..fit.system().blocks.len();
+    let Some(worst) = blocks.max_by(|a, b| gain(a).total_cmp(&gain(b))) else {
+        return Ok(0.0);
+    };
+    let value = |fit: &Fit| {
+        let rows = fit.system().blocks[worst].rows.clone();
+        match fit.filtered(|label| !rows.contains(&label.rows.start))? {
+            Some(fit) => Ok(At::new(at.place.clone(), fit, grants)?.value),
+            None => Ok(f64::INFINITY),
+        }
+    };
+    Ok(value(fit)? - value(&at.fit)?)
+}

@@ -1,0 +1,80 @@
+//! From which values a quantity is looked for: the stated one, and the slips that people make of it.
+
+use super::quantity::{Frame, Kind, Place, anchor, loading_point};
+use crate::numerics::arrangements::signed_axes;
+use nalgebra::{Matrix3, Vector3};
+
+impl Frame<'_> {
+    /// Values to begin with, the stated one first.
+    pub fn starts(&self, kind: Kind) -> Vec<Place> {
+        let cell = self.fit.cell();
+        let zeros = |count: usize| vec![0.0; count];
+        let mut out = vec![Place::new(Matrix3::identity(), zeros(self.dimension(kind)))];
+        match kind {
+            Kind::LoadingPoint(_) => {
+                let stated = loading_point(cell, kind);
+                let mut others: Vec<Vector3<f64>> = exchanges().map(|turn| turn * stated).collect();
+                let points = &cell.setup.tool.measuring_points;
+                others.extend(points.iter().map(|point| point.position));
+                let cases = cell.setup.load.cases().iter();
+                others.extend(cases.filter_map(|case| case.loading_point));
+                let moves = others.into_iter().map(|other| other - stated);
+                out.extend(
+                    moves.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())),
+                );
+            }
+            Kind::Anchor(i) => {
+                let stated = anchor(cell, i);
+                let turned = exchanges().map(|turn| turn * stated - stated);
+                out.extend(
+                    turned.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())),
+                );
+            }
+            Kind::Gravity => out.extend(signed_axes().map(|turn| Place::new(turn, zeros(2)))),
+            Kind::SensorAxes | Kind::TableAxes => {
+                // All three against is the sign.
+                let turns = signed_axes().filter(|turn| *turn != -Matrix3::identity());
+                out.extend(turns.map(|turn| Place::new(turn, zeros(3))));
+            }
+            Kind::Points => {
+                let turns = signed_axes().filter(|turn| turn.determinant() > 0.0);
+                out.extend(turns.map(|turn| Place::new(turn, zeros(6))));
+            }
+            Kind::Sign => out.push(Place::new(-Matrix3::identity(), Vec::new())),
+            Kind::SensorInBase => {
+                out.push(out[0].clone());
+                out[0].turn = Matrix3::zeros();
+            }
+            Kind::Angle(_) => {
+                for turn in [1.0, -1.0] {
+                    for quarter in 0..4 {
+                        let offset = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
+                        out.push(Place::new(Matrix3::identity() * turn, vec![offset]));
+                    }
+                }
+            }
+            Kind::Coupling => {
+                out.extend([1.0, -1.0].map(|by| Place::new(Matrix3::identity() * by, Vec::new())));
+                out[0].turn = Matrix3::zeros();
+            }
+            _ => {}
+        }
+        let mut seen: Vec<Place> = Vec::new();
+        out.retain(|place| {
+            let is_new = !seen.contains(place);
+            seen.push(place.clone());
+            is_new
+        });
+        out
+    }
+}
+
+/// Those that people make of a place: signs alone, two axes exchanged, quarter turns about z.
+fn exchanges() -> impl Iterator<Item = Matrix3<f64>> {
+    let likely = |turn: &Matrix3<f64>| {
+        let is_diagonal = turn.diagonal().iter().all(|v| *v != 0.0);
+        let is_plain = turn.iter().all(|v| *v >= 0.0) && turn.determinant() < 0.0;
+        is_diagonal || is_plain || (turn[(2, 2)] == 1.0 && turn.determinant() > 0.0)
+    };
+    signed_axes().filter(likely)
+}

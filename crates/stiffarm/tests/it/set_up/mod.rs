@@ -1,0 +1,284 @@
+//! What the cell states of the set-up is held against the readings.
+
+mod days;
+mod mistakes;
+
+use crate::common::prelude::*;
+use days::{Beyond, Day, Kind, day, displacements};
+use mistakes::{MISTAKES, Mistake, Plant};
+use rayon::prelude::*;
+use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::estimate::setup::{REJECTS, SetUp, set_up};
+use stiffarm::model::measurement::Measurements;
+use stiffarm::work::judged::{Options as JudgeOptions, judge};
+
+const QUIET: JudgeOptions = JudgeOptions {
+    until_stiffness: None,
+    until_deflection_m: None,
+    search: false,
+};
+
+/// The cell as it is stated, and what was read.
+fn planted(mistake: &Mistake, beyond: Beyond, seed: u64) -> (Cell, Measurements) {
+    let Day {
+        mut cell,
+        mut table,
+    } = day(mistake.kind, beyond, 12, mistake.states, seed);
+    match mistake.plant {
+        Plant::Cell(plant) => plant(&mut cell),
+        Plant::Readings(plant) => plant(&cell, &mut table),
+        Plant::Table(plant) => {
+            let mut measured = displacements(&cell, &table);
+            plant(&mut measured);
+            return (cell, measured.into());
+        }
+        Plant::CellOfTable(plant) => {
+            let measured = displacements(&cell, &table);
+            plant(&mut cell);
+            return (cell, measured.into());
+        }
+    }
+    (cell, table.into())
+}
+
+/// All that `measure` says of the readings.
+fn said(cell: &Cell, measurements: Measurements) -> Vec<Finding> {
+    let reduce = ReduceOptions::default();
+    match judge(
+        (cell, &[]),
+        Ok(measurements),
+        &reduce,
+        (&QUIET, 1),
+        Control::default(),
+    ) {
+        Ok(found) => found.readings,
+        Err(error) => vec![Finding::serious("error", "", error.to_string())],
+    }
+}
+
+/// `named` where a finding has the words, `misled` where another quantity of the set-up is rejected, `noticed` where
+/// something else is said, `silent`; with what is said.
+fn outcome(mistake: &Mistake, beyond: Beyond, seed: u64) -> (&'static str, String) {
+    let (cell, measurements) = planted(mistake, beyond, seed);
+    let short = |f: &Finding| format!("{}: {}", f.code, f.subject);
+    let found = said(&cell, measurements);
+    let is_it = |f: &&Finding| mistake.words.iter().all(|word| f.sentence.contains(word));
+    let mut heard: Vec<&Finding> = found
+        .iter()
+        .filter(|f| f.severity > Severity::Note)
+        .collect();
+    heard.sort_by_key(|f| std::cmp::Reverse(f.severity));
+    let has_words = !mistake.words.is_empty();
+    let named = found.iter().find(|f| has_words && is_it(f));
+    let other = |f: &&Finding| f.code == REJECTS && !(has_words && is_it(f));
+    match (named, found.iter().find(other)) {
+        (_, Some(other)) => return ("misled", short(other)),
+        (Some(named), None) => return ("named", short(named)),
+        (None, None) => {}
+    }
+    match heard.first() {
+        Some(first) => ("noticed", short(first)),
+        None => ("silent", String::new()),
+    }
+}
+
+fn tested(cell: &Cell, measurements: impl Into<Measurements>) -> SetUp {
+    let measured = prepare(cell, measurements, &Default::default()).unwrap();
+    let fit = Fit::new(cell, measured, &Default::default()).unwrap();
+    set_up(&fit, None).unwrap().unwrap_or_default()
+}
+
+/// What came of each row: `named`, `misled`, `noticed` or `silent`, and the finding behind it.
+fn outcomes(rows: &[&Mistake], beyond: Beyond) -> Vec<(&'static str, String)> {
+    let all = rows.par_iter().map(|mistake| outcome(mistake, beyond, 1));
+    all.collect()
+}
+
+fn count(outcomes: &[(&'static str, String)], of: &str) -> usize {
+    outcomes.iter().filter(|(own, _)| *own == of).count()
+}
+
+/// Rigid links, so that only the planted mistake is in the readings.
+#[test]
+fn mistakes_are_named() {
+    let rows: Vec<&Mistake> = MISTAKES.iter().collect();
+    let found = outcomes(&rows, Beyond::Nothing);
+    let line = |(mistake, (outcome, said)): (&&Mistake, &(&str, String))| {
+        format!("{} | {outcome} | {said}\n", mistake.name)
+    };
+    let table: String = rows.iter().zip(&found).map(line).collect();
+    insta::assert_snapshot!("mistakes", table);
+    for (mistake, (outcome, said)) in rows.iter().zip(&found) {
+        // What no reading can tell has no words.
+        let is_told = !mistake.words.is_empty();
+        assert_ne!(*outcome, "misled", "{}: {said}", mistake.name);
+        assert!(*outcome != "silent" || !is_told, "{}", mistake.name);
+    }
+    assert!(count(&found, "named") >= 90, "{table}");
+}
+
+/// Springs beyond the axes hide the smaller mistakes; they make no other quantity of them.
+#[test]
+fn a_soft_structure_misleads_nobody() {
+    let of_default = |m: &&Mistake| m.kind != Kind::Lever;
+    let rows: Vec<&Mistake> = MISTAKES.iter().filter(of_default).step_by(3).collect();
+    let found = outcomes(&rows, Beyond::Structure("arm_4"));
+    for (mistake, (outcome, said)) in rows.iter().zip(&found) {
+        assert_ne!(*outcome, "misled", "{}: {said}", mistake.name);
+    }
+    let named = count(&found, "named");
+    assert!(3 * named >= 2 * rows.len(), "{named} of {}", rows.len());
+}
+
+/// Sound days of arms that do more than turn about their axes: no quantity is rejected in more than 2 %.
+#[test]
+fn sound_days_reject_nothing() {
+    const WHOLE: u64 = 300;
+    let beyonds = [
+        Beyond::Nothing,
+        Beyond::Tilts(5e-8, 1e-8),
+        Beyond::Tilts(3e-7, 3e-8),
+        Beyond::Structure("realistic"),
+        Beyond::Structure("arm_0"),
+        Beyond::Structure("arm_8"),
+        Beyond::Structure("links_half"),
+        Beyond::Structure("bearings_double"),
+        Beyond::LostMotion(0.3),
+        Beyond::Drift(4e-9),
+        Beyond::Common(3e-5),
+    ];
+    let kinds = [
+        Kind::Rope,
+        Kind::Lever,
+        Kind::Weight,
+        Kind::Sensor,
+        Kind::Forces,
+    ];
+    let runs = runs(WHOLE / 10);
+    let rejected = |run: u64| {
+        let i = run as usize;
+        let beyond = beyonds[i % beyonds.len()];
+        // The structures are those of the default cell's arm.
+        let kind = match (kinds[i % kinds.len()], beyond) {
+            (Kind::Lever, Beyond::Structure(_)) => Kind::Rope,
+            (kind, _) => kind,
+        };
+        let is_table = i.is_multiple_of(3) && !matches!(kind, Kind::Sensor | Kind::Forces);
+        let states = if is_table { 2 } else { 3 };
+        let Day { cell, table } = day(kind, beyond, [6, 12, 9][i % 4 % 3], states, 1000 + run);
+        let found = match is_table {
+            true => tested(&cell, displacements(&cell, &table)),
+            false => tested(&cell, table),
+        };
+        let finding = found.finding.filter(|finding| finding.code == REJECTS)?;
+        Some(format!("{kind:?} {beyond:?} {run}: {}", finding.sentence))
+    };
+    let found: Vec<String> = (0..runs).into_par_iter().filter_map(rejected).collect();
+    println!("{} of {runs}\n{}", found.len(), found.join("\n"));
+    assert!(
+        found.len() as u64 <= most(0.02, runs, WHOLE),
+        "{}",
+        found.join("\n")
+    );
+}
+
+#[test]
+fn the_measured_robot_has_no_mistake() {
+    let (cell, measured) = common::readings::measured_robot();
+    let fit = Fit::new(&cell, measured, &Default::default()).unwrap();
+    let found = set_up(&fit, None).unwrap().unwrap();
+    assert_eq!(found.finding, None);
+    assert!(
+        found.freed.iter().all(|f| f.likelihood_ratio < 20.0),
+        "{found:#?}"
+    );
+}
+
+/// One row by its name.
+fn mistake(name: &str) -> &'static Mistake {
+    MISTAKES.iter().find(|m| m.name == name).unwrap()
+}
+
+/// `identify` says it too, and what only follows from it is not said beside it.
+#[test]
+fn identify_says_what_measure_says() {
+    let mut sentences = String::new();
+    for name in [
+        "lever 50 mm too long",
+        "gravity upside down",
+        "all loaded 0.05 mm later",
+        "joint 6 off by 180°, displacements",
+    ] {
+        let (cell, measurements) = planted(mistake(name), Beyond::Nothing, 1);
+        let by_measure = said(&cell, measurements.clone());
+        let measured = prepare(&cell, measurements, &Default::default()).unwrap();
+        let fit = Fit::new(&cell, measured, &Default::default()).unwrap();
+        let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+        let rejected = all.rejected().unwrap().clone();
+        assert_eq!(&rejected, the(&by_measure, REJECTS));
+        assert_eq!(rejected.severity, Severity::Serious);
+        let serious = by_measure
+            .iter()
+            .filter(|f| f.severity == Severity::Serious);
+        assert_eq!(serious.count(), 1, "{by_measure:#?}");
+        let screening = all.screening().map(|s| s.findings.len());
+        assert_eq!(screening.unwrap_or(0), 0, "{name}");
+        sentences += &(rejected.sentence.clone() + "\n");
+        // What predicts later says so.
+        let doubts = all.sealed.unwrap().predictor.doubts;
+        the(&doubts, "stiffness-doubtful");
+    }
+    insta::assert_snapshot!("sentences", sentences);
+}
+
+/// The value that the readings ask for is the true one, within its errors.
+#[test]
+fn what_the_readings_ask_for_is_true() {
+    let (mut outside, mut all) = (0, 0);
+    for seed in 0..runs(8) {
+        for (name, truth) in [
+            ("anchor 300 mm too low", [1.8, 0.0, 0.0]),
+            ("lever 50 mm too long", [0.2, 0.0, 0.25]),
+        ] {
+            let (cell, measurements) = planted(mistake(name), Beyond::Nothing, 50 + seed);
+            let found = tested(&cell, measurements);
+            let first = &found.freed[0];
+            assert!(found.finding.is_some(), "{name} {seed} {found:#?}");
+            for i in 0..3 {
+                let off = (first.asked[i] - truth[i]) / first.standard_error[i].unwrap();
+                assert!(off.abs() < 5.0, "{name} {seed}: {first:#?}");
+                outside += u64::from(off.abs() > 2.0);
+                all += 1;
+            }
+        }
+    }
+    assert!(outside <= most(0.06, all, 3000), "{outside} of {all}");
+}
+
+/// The springs of the structural code give what it gives, but for its second order.
+#[test]
+fn the_structures_are_those_of_the_structural_code() {
+    let cell = reference_cell();
+    let data: serde_json::Value =
+        serde_json::from_str(include_str!("../../golden/structural-springs.json")).unwrap();
+    for check in common::list(&data["check"]) {
+        let q: Vec<f64> = common::numbers(&check["q_deg"])
+            .iter()
+            .map(|q| q.to_radians())
+            .collect();
+        let mut cell = cell.clone();
+        cell.setup.tool.loading_point = cell.setup.tool.tcp();
+        cell.setup.load = Load::Constant {
+            wrench: Wrench::force(common::vector3(&check["force_n"])),
+            axes: Axes::Base,
+        };
+        let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+        let joints = terms.block(&cell.setup.robot) * compliance_of(cell.require_prior().unwrap());
+        let beyond = days::structural(&cell, &days::structure("realistic"), &q, 1.0);
+        for (a, expected) in common::list(&check["displacement_mm"]).iter().enumerate() {
+            let all = joints.fixed_rows::<3>(3 * a) + beyond[a];
+            let off = (all * 1e3 - common::vector3(expected)).norm();
+            assert!(off < 0.05 && beyond[a].norm() > 1e-4, "point {a}: {off} mm");
+        }
+    }
+}
