@@ -13,7 +13,7 @@ random postures (or those of a plan), and predicted at 200 others:
 - factor: true factor of compensation at new postures under the same load, and what `validate` promises over it;
 - outlying: share of the experiments in which a sound posture is called outlying.
 
-    python3 bench/structural_arms.py --arms crates/stiffarm/tests/data/structural-arms.json --stiffarm target/release/stiffarm
+    python3 bench/structural_arms.py --arms arms.json --stiffarm target/release/stiffarm
 
 FILE holds {"arms": {name: {"springs_beyond_axes": 7 symmetric 6 x 6 at the base and the frames of the six modified
 Denavit-Hartenberg rows, shift [m] and turn [rad] per force [N] and moment [N m]; "joint_stiffness_nm_per_rad": 6}}}.

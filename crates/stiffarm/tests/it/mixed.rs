@@ -257,11 +257,7 @@ fn beams_are_many_short_springs() {
                     let shift = turn.cross(&(p - at));
                     sum += Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z);
                 }
-                let beam = ExtraTerm::Beam {
-                    joint,
-                    part,
-                    twist,
-                };
+                let beam = ExtraTerm::Beam { joint, part, twist };
                 let ours = beam.twist(&terms, &p);
                 assert!(
                     (ours - sum).norm() < 1e-6 * sum.norm().max(1e-3),

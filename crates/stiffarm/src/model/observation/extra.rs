@@ -403,7 +403,9 @@ const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 pub(crate) fn row_part(frames: &Frames, joint: usize, part: RowPart) -> [Vector3<f64>; 2] {
     let (axis, start) = (frames.axes()[joint], frames.origins()[joint]);
     let next = frames.origins().get(joint + 1);
-    let end = next.copied().unwrap_or_else(|| frames.flange().translation.vector);
+    let end = next
+        .copied()
+        .unwrap_or_else(|| frames.flange().translation.vector);
     let along = axis * axis.dot(&(end - start));
     match part {
         RowPart::Axis => [start, along],

@@ -109,6 +109,11 @@ const OFFSETS: [f64; 6] = [0.83, 0.0, 0.0, 1.444, 0.0, 0.23];
 /// What seven springs beyond the axes add to the points' displacement, base axes.
 pub fn structural(cell: &Cell, arm: &[Matrix6<f64>], q: &[f64], factor: f64) -> Vec<Vector3<f64>> {
     let terms = PostureTerms::new(&cell.setup, q, None).unwrap();
+    structural_at(&terms, arm, factor)
+}
+
+/// The same at a posture under a load.
+pub fn structural_at(terms: &PostureTerms, arm: &[Matrix6<f64>], factor: f64) -> Vec<Vector3<f64>> {
     let mut frames = vec![Isometry3::identity()];
     let rows = terms.frames().links().iter().zip(OFFSETS);
     frames.extend(rows.map(|(link, d)| link * Translation3::new(0.0, 0.0, d)));

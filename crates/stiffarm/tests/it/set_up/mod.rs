@@ -1,6 +1,6 @@
 //! What the cell states of the set-up is held against the readings.
 
-mod days;
+pub mod days;
 mod mistakes;
 
 use crate::common::prelude::*;
