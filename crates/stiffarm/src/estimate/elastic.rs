@@ -138,13 +138,24 @@ pub fn elastic(fit: &Fit, compare: bool) -> Result<(Elastic, Option<MixedFit>)> 
 /// # Errors
 /// As [`elastic`].
 pub(crate) fn carried(fit: &Fit) -> Result<std::result::Result<MixedFit, String>> {
+    carried_near(fit, None)
+}
+
+/// The same, its sizes looked for near those of `other`.
+///
+/// # Errors
+/// As [`elastic`].
+pub(crate) fn carried_near(
+    fit: &Fit,
+    other: Option<&MixedFit>,
+) -> Result<std::result::Result<MixedFit, String>> {
     let postures = fit.system().blocks.len();
     if postures < FEWEST_POSTURES {
         return Ok(Err(format!(
             "Fewer than {FEWEST_POSTURES} postures cannot show what gives way beyond them."
         )));
     }
-    match MixedFit::new(fit) {
+    match MixedFit::near(fit, other) {
         Ok(mixed) => Ok(Ok(mixed)),
         Err(error) if [Code::TooFewData, Code::NotIdentifiable].contains(&error.code()) => {
             Ok(Err(error.message().to_string()))

@@ -11,7 +11,9 @@ use crate::measure::screening::{
 use crate::measure::series::PostureSeries;
 use crate::measure::stations;
 use crate::model::cell::{Cell, Noise};
-use crate::model::measurement::{MeasuredPosture, Measurements, ReadingScatter, Role};
+use crate::model::measurement::{
+    MeasuredPosture, Measurements, ReadingScatter, ReadingTable, Role,
+};
 use crate::model::observation::ExtraTerm;
 
 /// Readings behind a displacement that was reduced from raw readings: a loaded
@@ -229,7 +231,7 @@ pub fn prepare(
     let series = PostureSeries::all(&table);
     let screening = match doubtful {
         // Frames say nothing where the model fits from no station: one by itself tells why.
-        Some(station) => stations::screened_alone(cell, &table, &series, &station)?,
+        Some(station) => screened_alone(cell, &table, &series, &station)?,
         None => None,
     };
     let screening = match screening {
@@ -285,4 +287,24 @@ fn follows(screening: &Screening, finding: &Finding) -> bool {
         }),
         _ => false,
     }
+}
+
+/// What is wrong with the robot's description by the readings of one station; `None` where they say nothing serious.
+///
+/// # Errors
+/// As [`screen`](crate::measure::screening::screen).
+fn screened_alone(
+    cell: &Cell,
+    table: &ReadingTable,
+    series: &[PostureSeries<'_>],
+    station: &str,
+) -> Result<Option<Screening>> {
+    let own = series.iter();
+    let own = own.filter(|s| s.readings.station.as_deref() == Some(station));
+    let own: Vec<PostureSeries<'_>> = own.cloned().collect();
+    let found = screen_series(cell, table, &own, None)?;
+    let is_common = found.suspicions.iter().zip(&found.findings);
+    let mut is_common =
+        is_common.filter(|(s, f)| s.postures.is_empty() && f.severity == Severity::Serious);
+    Ok(is_common.next().is_some().then_some(found))
 }

@@ -7,10 +7,9 @@
 use super::reduction::UnloadedRegistration;
 use super::reduction::unloaded::{by_themselves, fits};
 use super::registration::{Pair, is_spread, rigid_transform, rms};
-use super::screening::{Screening, screen_series};
 use super::series::PostureSeries;
 use crate::error::{Error, Result};
-use crate::findings::{Finding, Severity, length, list};
+use crate::findings::{Finding, length, list};
 use crate::model::cell::Cell;
 use crate::model::measurement::{PostureReadings, ReadingTable, ReadingTarget, Role};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -171,26 +170,6 @@ fn tied(
     let agrees = fits(cell, &tied, &both, 0.0)
         && fits(cell, &to_base, &own.pairs, own.rms.max(reference.rms));
     agrees.then_some(tied)
-}
-
-/// What is wrong with the robot's description by the readings of one station; `None` where they say nothing serious.
-///
-/// # Errors
-/// As [`screen`](super::screening::screen).
-pub(super) fn screened_alone(
-    cell: &Cell,
-    table: &ReadingTable,
-    series: &[PostureSeries<'_>],
-    station: &str,
-) -> Result<Option<Screening>> {
-    let own = series.iter();
-    let own = own.filter(|s| s.readings.station.as_deref() == Some(station));
-    let own: Vec<PostureSeries<'_>> = own.cloned().collect();
-    let found = screen_series(cell, table, &own, None)?;
-    let is_common = found.suspicions.iter().zip(&found.findings);
-    let mut is_common =
-        is_common.filter(|(s, f)| s.postures.is_empty() && f.severity == Severity::Serious);
-    Ok(is_common.next().is_some().then_some(found))
 }
 
 /// Each station as it was used; none where there is but one.

@@ -352,12 +352,16 @@ fn k_reproduces_the_arm_over_the_cell() {
         right += axes.tr_mul(&(&all * &found.values));
     }
     let direct = information.try_inverse().unwrap() * right;
+    // Springs by chance, as large as these: 4000 postures against 1000 leave some percent.
+    let mut apart: f64 = 0.0;
     for (joint, h) in mixed.joints().unwrap().iter().zip(direct.iter()) {
         let ratio = joint.stiffness.unwrap() * h;
-        println!("{}: {ratio}", joint.name);
+        assert!((ratio - 1.0).abs() < 0.12, "{}: {ratio}", joint.name);
         let own = found.values[joint.name[6..].parse::<usize>().unwrap() - 1];
-        println!("{}: reproduced over own {}", joint.name, h / own);
+        apart = apart.max((h / own - 1.0).abs());
     }
+    // It is not what the model has for the joint's own axis.
+    assert!(apart > 0.5, "{apart}");
 }
 
 fn simulated(seed: u64) -> (Cell, Vec<MeasuredPosture>) {

@@ -88,13 +88,13 @@ pub(super) fn doubt(
 
     // Σ W_kl E[∂v/∂θ_k ∂vᵀ/∂θ_l]/σ² of the scaled solution v.
     let mut more = DMatrix::zeros(count, count);
+    let mut weighed = DMatrix::zeros(count, count);
     for (c, class) in classes.iter().enumerate() {
-        let left = inverse.columns(class.start, class.len());
         for (d, other) in classes.iter().enumerate() {
             let weight = spread[(1 + shared + c, 1 + shared + d)];
-            let block = seen.view((class.start, other.start), (class.len(), other.len()));
-            let right = inverse.rows(other.start, other.len());
-            more += (left * block) * right * weight;
+            let at = ((class.start, other.start), (class.len(), other.len()));
+            let block = seen.view(at.0, at.1) * weight;
+            weighed.view_mut(at.0, at.1).copy_from(&block);
         }
         if let Some((_, both)) = &by_ratio {
             let cross = both.columns(class.start, class.len())
@@ -104,6 +104,7 @@ pub(super) fn doubt(
             more -= cross.transpose();
         }
     }
+    more += &inverse * weighed * &inverse;
     if let Some((own, _)) = &by_ratio {
         more += own * spread[(1, 1)];
     }

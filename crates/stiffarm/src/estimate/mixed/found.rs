@@ -3,12 +3,13 @@
 use super::likelihood::{Likelihood, Sizes};
 use super::means::gathered;
 use super::sums::Rows;
-use super::too_few;
+use super::{compliance, too_few};
 use crate::error::Result;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::Fit;
-use crate::model::elastic::{Effect, ElasticClass};
+use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted};
 use crate::numerics::information::scale_columns;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
 /// A mixed model with its sizes.
@@ -20,22 +21,51 @@ pub(super) struct Found {
     pub(super) values: [f64; 2],
 }
 
-/// The model of `effects`, whose columns in the terms' units are `columns`; its sizes are looked for near those of another
-/// model, where there is one.
+/// The likeliest model of all postures but `left_out` (ascending), whose axes alone have the compliances `axes` and the
+/// ratio `gamma`; `columns` are those of the terms in their units. The sizes are looked for near `near`, or from several
+/// starts.
+///
+/// # Errors
+/// As [`found`]; interrupted.
+pub(super) fn likeliest(
+    fit: &Fit,
+    columns: &DMatrix<f64>,
+    axes: &DVector<f64>,
+    gamma: f64,
+    left_out: &[usize],
+    near: Option<&Sizes>,
+) -> Result<(ElasticSizing, Found)> {
+    let of = |sizing, near| {
+        fit.control().check()?;
+        found(fit, columns, axes, gamma, left_out, sizing, near)
+    };
+    let alike = of(ElasticSizing::Alike, near)?;
+    let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes))?;
+    // As likely with entries that are alike is no reason to take others.
+    Ok(match by_joint.values[0] < alike.values[0] - SAME {
+        true => (ElasticSizing::ByJoint, by_joint),
+        false => (ElasticSizing::Alike, alike),
+    })
+}
+
+/// The model with entries of this sizing; its sizes are looked for near those of another model, where there is one.
 ///
 /// # Errors
 /// Nothing left of the displacements, or no degree of freedom.
 pub(super) fn found(
     fit: &Fit,
     columns: &DMatrix<f64>,
-    effects: Vec<Effect>,
+    axes: &DVector<f64>,
+    gamma: f64,
+    left_out: &[usize],
+    sizing: ElasticSizing,
     near: Option<&Sizes>,
 ) -> Result<Found> {
-    let solution = fit.solution();
+    let effects = fitted(&fit.cell().setup.robot, &joint_give(fit, axes), sizing);
     let mut random = columns.clone();
     scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
     gathered(&mut random, &means(&effects));
-    let whitened = fit.prepared().whitened();
+    let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
     let shifts = whitened.is_separable() && !solution.independent_rows;
     let classes = classes(&effects);
     let idle = solution.undetermined.as_slice();
@@ -43,9 +73,9 @@ pub(super) fn found(
     if rows.rest() <= ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
-    let likelihood = Likelihood::new(&rows, &[]);
+    let likelihood = Likelihood::new(&rows, left_out);
     let none = Sizes {
-        gamma: solution.gamma,
+        gamma,
         classes: vec![0.0; rows.classes.len()],
     };
     let (Some((sizes, value)), Some(without)) = (
@@ -68,13 +98,23 @@ pub(super) fn found(
     })
 }
 
+impl Found {
+    /// The solution of the mixed-model equations of all postures but `left_out`.
+    pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
+        let likelihood = Likelihood::new(&self.rows, left_out);
+        compliance(fit, &self.rows, &self.effects, &likelihood, &self.sizes)
+    }
+}
+
+/// Differences of −2 ln L_R below this are none.
+const SAME: f64 = 1e-6;
 /// Residuals below this share of the displacements are rounding.
 const ROUNDING: f64 = 1e-11;
 
 /// Compliance of each joint as the axes alone have it, for what is sized by it.
-pub(super) fn joint_give(fit: &Fit) -> Vec<Option<f64>> {
+fn joint_give(fit: &Fit, axes: &DVector<f64>) -> Vec<Option<f64>> {
     let robot = &fit.cell().setup.robot;
-    let springs = fit.solution().values.rows(0, robot.spring_count());
+    let springs = axes.rows(0, robot.spring_count());
     // Springs that are no joints give to each by the squares of their shares.
     let give = match robot.spring_mixing() {
         None => springs.into_owned(),

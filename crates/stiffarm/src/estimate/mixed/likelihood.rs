@@ -53,8 +53,10 @@ pub(super) struct Solved {
     pub(super) variance: f64,
     /// ν.
     pub(super) free: usize,
-    /// Factor of A.
+    /// Factor of A without the columns that Λ leaves nothing of: A is the identity there.
     factor: Cholesky,
+    /// The columns of the factor.
+    kept: Vec<usize>,
     /// Λ^(1/2) of each column, 1 for fixed effects.
     scale: DVector<f64>,
 }
@@ -70,12 +72,22 @@ impl Solved {
 
     /// Inverse of the mixed-model equations: times s² the covariance of h and u − û.
     pub(super) fn inverse(&self) -> DMatrix<f64> {
-        self.scaled(self.factor.inverse())
+        self.scaled(self.scaled_inverse())
     }
 
     /// Inverse of A, both triangles the same.
     pub(super) fn scaled_inverse(&self) -> DMatrix<f64> {
-        self.factor.inverse()
+        let (count, inverse) = (self.scale.len(), self.factor.inverse());
+        if self.kept.len() == count {
+            return inverse;
+        }
+        let mut out = DMatrix::identity(count, count);
+        for (j, to) in self.kept.iter().enumerate() {
+            for (i, row) in self.kept.iter().enumerate() {
+                out[(*row, *to)] = inverse[(i, j)];
+            }
+        }
+        out
     }
 
     /// Λ^(1/2) of each column, 1 for fixed effects.
@@ -137,13 +149,16 @@ impl<'a> Likelihood<'a> {
                 .fill(size.sqrt());
         }
         let gram = &sums.gram;
-        let mut matrix = DMatrix::from_fn(unknowns, unknowns, |i, j| {
-            gram[(i, j)] * scale[i] * scale[j]
+        let kept: Vec<usize> = (0..unknowns).filter(|i| scale[*i] > 0.0).collect();
+        let mut matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
+            gram[(kept[i], kept[j])] * scale[kept[i]] * scale[kept[j]]
         });
-        for i in fixed..unknowns {
+        for i in fixed..kept.len() {
             matrix[(i, i)] += 1.0;
         }
-        let right = DVector::from_fn(unknowns, |i, _| gram[(i, unknowns)] * scale[i]);
+        let right = DVector::from_fn(kept.len(), |i, _| {
+            gram[(kept[i], unknowns)] * scale[kept[i]]
+        });
         let factor = Cholesky::new(&matrix)?;
         let solution = factor.solve(&right);
         let left = gram[(unknowns, unknowns)] - right.dot(&solution);
@@ -152,12 +167,17 @@ impl<'a> Likelihood<'a> {
         }
         let determinant = factor.ln_determinant();
         let variance = left / free as f64;
+        let mut change = DVector::zeros(unknowns);
+        for (i, value) in kept.iter().zip(solution.iter()) {
+            change[*i] = value * scale[*i];
+        }
         Some(Solved {
             value: free as f64 * variance.ln() + sums.logarithms + determinant,
-            change: solution.component_mul(&scale),
+            change,
             variance,
             free,
             factor,
+            kept,
             scale,
         })
     }
@@ -167,7 +187,7 @@ impl<'a> Likelihood<'a> {
     pub(super) fn value_and_gradient(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>)> {
         let solved = self.solve(sizes)?;
         let fixed = self.rows.fixed;
-        let inverse = solved.factor.inverse();
+        let inverse = solved.scaled_inverse();
         let mut gradient = Vec::with_capacity(4);
         if self.rows.has_shifts() {
             let unknowns = solved.change.len();
@@ -203,13 +223,14 @@ impl<'a> Likelihood<'a> {
             bounds: Vec::new(),
             // Logarithm of the λ that gives a row the variance of the noise.
             units: units.iter().map(|unit| -unit.ln()).collect(),
+            nothing: vec![false; units.len()],
         };
         if self.rows.has_shifts() {
             problem.bounds.push(RATIO);
         }
         problem.bounds.extend(units.iter().map(|_| SHARES));
         let starts: Vec<Vec<f64>> = match near {
-            Some(sizes) => vec![problem.place(sizes)],
+            Some(sizes) => vec![problem.start(sizes)],
             None => STARTS
                 .iter()
                 .map(|share| {
@@ -265,6 +286,8 @@ struct Search<'a, 'b> {
     likelihood: &'b Likelihood<'a>,
     bounds: Vec<[f64; 2]>,
     units: Vec<f64>,
+    /// Classes that are nothing and stay so.
+    nothing: Vec<bool>,
 }
 
 impl Search<'_, '_> {
@@ -273,8 +296,27 @@ impl Search<'_, '_> {
         let classes = x[shared..].iter().zip(&self.units);
         Sizes {
             gamma: if shared == 1 { x[0].exp() } else { 0.0 },
-            classes: classes.map(|(x, unit)| (x + unit).exp()).collect(),
+            classes: classes
+                .zip(&self.nothing)
+                .map(|((x, unit), nothing)| if *nothing { 0.0 } else { (x + unit).exp() })
+                .collect(),
         }
+    }
+
+    /// Where a search near `sizes` starts. A class that was nothing starts as little, or stays nothing where it would be
+    /// less likely as that.
+    fn start(&mut self, sizes: &Sizes) -> Vec<f64> {
+        let shared = usize::from(self.likelihood.rows.has_shifts());
+        let place = self.place(sizes);
+        if sizes.classes.iter().any(|size| *size == 0.0)
+            && let Some((_, gradient)) = self.likelihood.value_and_gradient(&self.sizes(&place))
+        {
+            let classes = sizes.classes.iter().zip(&gradient[shared..]);
+            self.nothing = classes
+                .map(|(size, slope)| *size == 0.0 && *slope >= 0.0)
+                .collect();
+        }
+        place
     }
 
     fn place(&self, sizes: &Sizes) -> Vec<f64> {

@@ -44,7 +44,7 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Found, classes, found, joint_give, means, moved};
+use found::{Found, classes, found, likeliest, means, moved};
 use likelihood::{Likelihood, Sizes};
 use means::{gathered, scattered};
 use nalgebra::{DMatrix, DVector};
@@ -115,6 +115,14 @@ impl MixedFit {
     /// Another estimator than that of two variances, noise that is given, extra terms;
     /// a joint that the data do not determine though it carries load; no degree of freedom.
     pub fn new(fit: &Fit) -> Result<Self> {
+        MixedFit::near(fit, None)
+    }
+
+    /// The same, its sizes looked for near those of `other`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn near(fit: &Fit, other: Option<&MixedFit>) -> Result<Self> {
         if let Some(conflict) = MixedFit::excluded_by(fit.options()) {
             return Err(conflict);
         }
@@ -129,34 +137,23 @@ impl MixedFit {
                 ),
             ));
         }
-        let give = joint_give(fit);
         let robot = &fit.cell().setup.robot;
-        let terms = terms(&fitted(robot, &give, ElasticSizing::Alike));
-        let random = fit.columns(&terms);
-        let system = extended(fit.system(), &terms, &random);
-        let mut best: Option<(ElasticSizing, Found)> = None;
-        for sizing in ElasticSizing::ALL {
-            let effects = fitted(robot, &give, sizing);
-            let near = best.as_ref().map(|(_, other)| &other.sizes);
-            let found = found(fit, &random, effects, near)?;
-            fit.control().check()?;
-            // As likely with entries that are alike is no reason to take others.
-            let is_better = |best: &Found| found.values[0] < best.values[0] - SAME;
-            if best.as_ref().is_none_or(|(_, best)| is_better(best)) {
-                best = Some((sizing, found));
-            }
-        }
-        let Some((sizing, found)) = best else {
-            return Err(too_few("nothing was tried"));
-        };
+        // Which terms they are does not depend on their sizes.
+        let terms = terms(&fitted(robot, &[], ElasticSizing::Alike));
+        let columns = fit.columns(&terms);
+        let system = extended(fit.system(), &terms, &columns);
+        let near = other.map(|other| &other.sizes);
+        let (axes, gamma) = (&solution.values, solution.gamma);
+        let (sizing, found) = likeliest(fit, &columns, axes, gamma, &[], near)?;
+        let compliance = found
+            .compliance(fit, &[])
+            .ok_or_else(|| too_few("the equations are singular"))?;
         let Found {
             effects,
             rows,
             sizes,
             values,
         } = found;
-        let compliance = compliance(fit, &rows, &effects, &Likelihood::new(&rows, &[]), &sizes)
-            .ok_or_else(|| too_few("the equations are singular"))?;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
             sizing,
@@ -272,20 +269,27 @@ impl MixedFit {
         if plain.solution.undetermined != self.rows.idle {
             return Ok(out);
         }
-        // The sizes are searched for afresh: those of all postures know the others.
-        let likelihood = Likelihood::new(&self.rows, &plain.left_out);
-        let found = likelihood.best(None, self.fit.control());
-        out.mixed = found.and_then(|(sizes, _)| self.compliance_of(&likelihood, &sizes));
+        // All is searched for afresh: what was found of all postures knows the others.
+        let (axes, gamma) = (&plain.solution.values, plain.solution.gamma);
+        let found = likeliest(
+            &self.fit,
+            &self.columns(),
+            axes,
+            gamma,
+            &plain.left_out,
+            None,
+        )
+        .ok();
+        out.mixed = found.and_then(|(_, found)| found.compliance(&self.fit, &plain.left_out));
         out.axes = Some(plain.solution.values);
         Ok(out)
     }
 
-    fn compliance_of(
-        &self,
-        likelihood: &Likelihood<'_>,
-        sizes: &Sizes,
-    ) -> Option<IdentifiedCompliance> {
-        compliance(&self.fit, &self.rows, &self.effects, likelihood, sizes)
+    /// Columns of the terms in their own units.
+    fn columns(&self) -> DMatrix<f64> {
+        let fixed = self.rows.fixed;
+        let psi = &self.system.psi;
+        psi.columns(fixed, psi.ncols() - fixed).into_owned()
     }
 
     fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
@@ -301,24 +305,30 @@ impl MixedFit {
     }
 
     fn folds_from(&self, plain: &[Fold]) -> Result<Vec<MixedFold>> {
-        let control = self.fit.control();
+        let (control, columns) = (self.fit.control(), self.columns());
         in_order_watched(plain, "leaving postures out", control, |(_, fold)| {
-            let likelihood = Likelihood::new(&self.rows, &fold.left_out);
-            let determined = fold.solution.undetermined == self.rows.idle;
-            let found = determined
-                .then(|| likelihood.best(Some(&self.sizes), control))
-                .flatten()
-                .and_then(|(sizes, _)| self.compliance_of(&likelihood, &sizes));
+            let (solution, left_out) = (&fold.solution, fold.left_out.as_slice());
+            let (axes, gamma, near) = (&solution.values, solution.gamma, Some(&self.sizes));
+            let found = || {
+                let found = found(
+                    &self.fit,
+                    &columns,
+                    axes,
+                    gamma,
+                    left_out,
+                    self.sizing,
+                    near,
+                );
+                found.ok()?.compliance(&self.fit, left_out)
+            };
+            let determined = solution.undetermined == self.rows.idle;
             Ok(MixedFold {
                 left_out: fold.left_out.clone(),
-                compliance: found,
+                compliance: determined.then(found).flatten(),
             })
         })
     }
 }
-
-/// Differences of −2 ln L_R below this are none.
-const SAME: f64 = 1e-6;
 
 fn too_few(why: &str) -> Error {
     Error::new(
@@ -387,11 +397,10 @@ fn compliance(
         covariance.row_mut(*j).fill(0.0);
         covariance.column_mut(*j).fill(0.0);
     }
-    for j in 0..covariance.ncols() {
-        for i in 0..covariance.nrows() {
-            covariance[(i, j)] *= scale(i) * scale(j);
-        }
-    }
+    // Rounding makes the two sides differ in the last digit.
+    let covariance = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+        covariance[(i.max(j), i.min(j))] * (scale(i) * scale(j))
+    });
     let sigma = solved.variance.sqrt();
     let std = |class| sizes.std(class, sigma);
     Some(IdentifiedCompliance {

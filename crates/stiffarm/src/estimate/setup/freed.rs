@@ -2,7 +2,7 @@
 
 use super::quantity::{Frame, Kind, Place, step};
 use crate::error::Result;
-use crate::estimate::elastic::carried;
+use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Experiment, Fit, Response};
 use crate::estimate::mixed::MixedFit;
 use crate::numerics::information::Factor;
@@ -63,9 +63,18 @@ struct Step {
 }
 
 impl At {
-    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them.
-    pub(super) fn new(place: Place, fit: Fit, is_mixed: bool) -> Result<Self> {
-        let mixed = if is_mixed { carried(&fit)?.ok() } else { None };
+    /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
+    /// near those of `near`.
+    pub(super) fn new(
+        place: Place,
+        fit: Fit,
+        is_mixed: bool,
+        near: Option<&MixedFit>,
+    ) -> Result<Self> {
+        let mixed = match is_mixed {
+            true => carried_near(&fit, near)?.ok(),
+            false => None,
+        };
         Ok(At {
             place,
             value: value(&fit, mixed.as_ref()),
@@ -77,10 +86,16 @@ impl At {
 
 impl Frame<'_> {
     /// The fit with the quantity at `place`; `None` where it cannot be had.
-    pub(super) fn at(&self, kind: Kind, place: Place, is_mixed: bool) -> Option<At> {
+    pub(super) fn at(
+        &self,
+        kind: Kind,
+        place: Place,
+        is_mixed: bool,
+        near: Option<&MixedFit>,
+    ) -> Option<At> {
         let (cell, measured) = self.changed(kind, &place).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
-        let found = At::new(place, fit, is_mixed).ok()?;
+        let found = At::new(place, fit, is_mixed, near).ok()?;
         found.value.is_finite().then_some(found)
     }
 
@@ -190,7 +205,7 @@ impl Frame<'_> {
                     turn: at.place.turn,
                     values: &at.place.values + &step.change * share,
                 };
-                let next = self.at(kind, place, is_mixed);
+                let next = self.at(kind, place, is_mixed, at.mixed.as_deref());
                 better = next.filter(|next| next.value < at.value);
                 if better.is_some() {
                     break;

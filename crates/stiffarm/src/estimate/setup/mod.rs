@@ -115,7 +115,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     };
     let mut beside = in_order(&alone, |(_, (kind, at))| {
         fit.control().check()?;
-        let at = At::new(at.place.clone(), at.fit.clone(), grants)?;
+        let at = At::new(at.place.clone(), at.fit.clone(), grants, own)?;
         Ok((*kind, frame.refined(*kind, at)))
     })?;
     sort_by_number(&mut beside, price);
@@ -148,12 +148,12 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
 /// A quantity freed beside the axes alone; `None` where that is not worth a second look.
 fn freed_alone(frame: &Frame<'_>, kind: Kind, is_more: bool) -> Option<At> {
     let mut places = frame.starts(kind).into_iter();
-    let stated = frame.at(kind, places.next()?, false)?;
+    let stated = frame.at(kind, places.next()?, false, None)?;
     let before = stated.value;
     let score = frame.score(kind, &stated);
     let mut starts: Vec<At> = Vec::new();
     if is_more {
-        starts.extend(places.filter_map(|place| frame.at(kind, place, false)));
+        starts.extend(places.filter_map(|place| frame.at(kind, place, false, None)));
         starts.retain(|at| at.value < before);
         sort_by_number(&mut starts, |at| at.value);
         starts.truncate(FOLLOWED);
@@ -193,7 +193,7 @@ fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<f64> {
     let value = |fit: &Fit| {
         let rows = fit.system().blocks[worst].rows.clone();
         match fit.filtered(|label| !rows.contains(&label.rows.start))? {
-            Some(fit) => Ok(At::new(at.place.clone(), fit, grants)?.value),
+            Some(fit) => Ok(At::new(at.place.clone(), fit, grants, at.mixed.as_deref())?.value),
             None => Ok(f64::INFINITY),
         }
     };

@@ -12,7 +12,6 @@ use crate::model::measurement::{
 };
 use crate::model::observation::{PostureTerms, Setup};
 use crate::model::posture::{Posture, PostureGroup};
-use crate::model::scene::Station;
 use crate::model::stiffness::joint_compliance;
 use crate::model::tool::NamedPoint;
 use crate::numerics::streams::experiment_rng;
@@ -177,14 +176,6 @@ impl Experiment {
     /// the force of the rope, cylinder or weight; the noise of the cell, which plans and forecasts
     /// count with, whatever `tracker.accuracy` says.
     pub fn as_measured(cell: &Cell) -> Self {
-        let sight = cell.scene.sight().filter(|sight| sight.stations.len() > 1);
-        let stations = sight.iter().flat_map(|sight| &sight.stations);
-        // Set up by hand, each in axes of its own.
-        let set_up = |(number, station): (usize, &Station)| {
-            let turn = UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4 - 1.1 * number as f64);
-            let frame = Isometry3::from_parts(Translation3::from(station.position), turn);
-            (station.name.clone(), frame)
-        };
         let named = |prefix: &str, factor: f64, otherwise: &str| match cell.setup.load.size() {
             Some(size) => format!("{prefix}-{}", (size * factor).round()),
             None => otherwise.to_string(),
@@ -201,7 +192,7 @@ impl Experiment {
                     UnitQuaternion::from_euler_angles(0.02, -0.03, 2.4),
                 )
             }),
-            stations: stations.enumerate().map(set_up).collect(),
+            stations: tracker::set_up(cell),
             states: match cell.setup.load.cases() {
                 [] => vec![
                     state("unloaded".to_string(), 0.0),

@@ -83,7 +83,7 @@ pub fn simulate_elastic(
     for group in groups {
         check_determined(cell, group)?;
     }
-    let truth = Truth::new(cell, &sizes, control)?;
+    let truth = Truth::new(cell, &sizes)?;
     let work = Work::new(cell)?;
     let all = groups.iter().map(|group| Group::new(cell, &group.postures));
     let experiment = Experiment {
@@ -140,7 +140,7 @@ pub fn simulate_elastic_measurements(
     postures: &[Posture],
     seed: u64,
 ) -> Result<Vec<MeasuredPosture>> {
-    let truth = Truth::new(cell, &cell.elastic_sizes()?.0, Control::default())?;
+    let truth = Truth::new(cell, &cell.elastic_sizes()?.0)?;
     let model = Model::Equilibrium;
     let mut out = simulate_measurements(cell, postures, &truth.prior, model, seed, 0)?;
     let (group, level) = MEASUREMENTS;

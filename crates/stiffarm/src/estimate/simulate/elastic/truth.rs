@@ -32,7 +32,7 @@ pub(super) struct Truth {
 impl Truth {
     /// # Errors
     /// No prior; as [`Reproduced::over_cell`].
-    pub(super) fn new(cell: &Cell, sizes: &ElasticSizes, control: Control<'_>) -> Result<Self> {
+    pub(super) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
         let prior = cell.require_prior()?.to_vec();
         let effects = springs(cell);
         let deviation = effects
@@ -40,7 +40,7 @@ impl Truth {
             .map(|e| e.scale * sizes.of(e.class))
             .collect::<Vec<_>>();
         Ok(Truth {
-            reproduced: Reproduced::over_cell(cell, &terms(&effects), control)?,
+            reproduced: Reproduced::over_cell(cell, &terms(&effects), Control::default())?,
             axes: DVector::from_iterator(prior.len(), prior.iter().map(|k| 1.0 / k)),
             deviations: DVector::from_iterator(effects.len(), deviation),
             prior,
