@@ -111,7 +111,7 @@ fn bars_of_the_stiffness_end_where_the_table_says() {
     let page = report(&[Given::new(&saved, Some(&cell))]).unwrap();
     let html = render_page(&page);
     assert!(
-        html.contains("joint 6: 0.2060 (0.13"),
+        html.contains("joint 6: 0.206 (0.13"),
         "what the pointer meets"
     );
     let csv = figure_csv(&figure);
