@@ -61,9 +61,9 @@ MEMBERS = [
         ((0.25, 0.354, 0), 2, IRON, (0.26, 0.016), (0.23, 0.016), None),
     ],
     [
-        ((0, 0, -0.20), 7, ALUMINIUM, (0.23, 0.014), (0.17, 0.012), None),
-        ((0, -0.09, -0.12), 1, ALUMINIUM, (0.16, 0.17, 0.02), (0.10, 0.15, 0.02), X),
-        ((0, -0.09, 0), 1, ALUMINIUM, (0.15, 0.06, 0.02), (0.15, 0.06, 0.02), X),
+        ((0, 0, -0.20), 7, ALUMINIUM, (0.26, 0.016), (0.20, 0.014), None),
+        ((0, -0.09, -0.12), 1, ALUMINIUM, (0.19, 0.19, 0.025), (0.14, 0.17, 0.025), X),
+        ((0, -0.09, 0), 1, ALUMINIUM, (0.16, 0.09, 0.022), (0.16, 0.09, 0.022), X),
         ((0, -0.07, 0), 1, ALUMINIUM, (0.13, 0.02), (0.13, 0.02), None),
     ],
     [
@@ -308,18 +308,13 @@ def made(arm, seed, count=20):
     found["asymmetry"] = max(asymmetry)
 
     # Along the force, at its point: there the parts' shares add up.
-    share = lambda part, axes: np.einsum("ni,ni->n", part_of(part, axes), force) / np.einsum("ni,ni->n", of_model[:, 0], force)
-    part_of = lambda part, axes: predicted(part, axes, q, force)[:, 0]
-    nothing = np.zeros(JOINTS)
-    base = np.zeros_like(springs)
-    base[0] = springs[0]
+    at = postures(rng, 500), forces(rng, 500, 200, 1000)
+    along = lambda part, axes=np.zeros(JOINTS): np.einsum("ni,ni->n", predicted(part, axes, *at)[:, 0], at[1])
+    only = lambda part, place: part * (np.arange(JOINTS + 1) == place)[:, None, None]
+    base = only(springs, 0)
     links = springs - tilts - shifts - base
-    shares = [(np.zeros_like(springs), 1 / arm.axes), (tilts, nothing), (shifts, nothing), (links, nothing), (base, nothing)]
-    found["shares"] = [float(100 * share(*s).mean()) for s in shares]
-    for place in (2, 4):
-        own = np.zeros_like(springs)
-        own[place] = links[place]
-        found["shares"].append(float(100 * share(own, nothing).mean()))
+    parts = [along(0 * springs, 1 / arm.axes), *map(along, (tilts, shifts, links, base, only(links, 2), only(links, 4)))]
+    found["shares"] = [float(100 * part.sum() / along(springs, 1 / arm.axes).sum()) for part in parts]
 
     force *= 500 / np.linalg.norm(force, axis=1)[:, None]
     bent = responses(arm, q, force, of=corotational_response)
