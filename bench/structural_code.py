@@ -1,17 +1,26 @@
 #!/usr/bin/env python3
 """Make arms for bench/structural_arms.py with a structural code, OpenSees, instead of with the springs that stiffarm assumes.
 
-An arm is a finite-element model here: links as tapered tubes and boxes of iron and aluminium (3D elastic beams between
-some 45 nodes), a bearing at every joint that tilts and shifts, four anchor bolts under the base, and a spring about each
-joint's axis. Geometry is that of the default cell's robot; sizes are drawn around usual ones, the first arm has these.
+An arm is a finite-element model here of 53 nodes: links as tapered tubes and boxes of iron and aluminium (3D elastic
+beams), a bearing at every joint that tilts and shifts, four anchor bolts under the base, and a spring about each joint's
+axis. Geometry is that of the default cell's robot; sizes are drawn around usual ones, the first arm has these.
 
 The seven 6 x 6 compliances that structural_arms.py reads come out of it by unit loads, body by body. Nothing is written
 unless the whole model, built in other postures, agrees with
 - the joints' model, Eq. (7), d = J inv(K) J' F, where all else is stiff, and
 - what the seven compliances predict, at 20 random postures under random forces,
 
-both to 1e-9 of the largest deflection (`--tolerance`). Also printed: how far the arm's equilibrium in corotational
-geometry is from the linear one and from that of the seven springs, at 500 N, and which parts make the deflection.
+both to 1e-9 of the largest deflection (`--tolerance`). In the table:
+
+- joints alone, seven springs: largest difference in these two checks; at 1e6: the first with all else 1e6 times stiffer,
+  where the others' share is what is left;
+- asymmetry: of the compliances, before they are made symmetric;
+- axes, tilt, shift (of bearings), links, base, and of the links two: share of the deflection of the loaded point along a
+  random force, over 500 postures;
+- 500 N: RMS deflection in corotational geometry, and its difference to the linear one and to the exact equilibrium of the
+  seven springs.
+
+`check` in FILE is the corotational answer, so that it differs from the linear one by the second order.
 
     pip install numpy==2.4.6 openseespylinux==3.7.1.2
     python3 bench/structural_code.py --arms 8 --seed 1 --output arms.json
@@ -134,7 +143,8 @@ class Model:
             self.others += 1
             tags.append(self.others)
             ops.uniaxialMaterial("Elastic", self.others, float(k))
-        ops.element("zeroLength", 5000 + self.others, first, last, "-mat", *tags, "-dir", *stiffness, "-orient", *rotation[:, 0], *rotation[:, 1])
+        axes = (*rotation[:, 0], *rotation[:, 1])
+        ops.element("zeroLength", 5000 + self.others, first, last, "-mat", *tags, "-dir", *stiffness, "-orient", *axes)
 
     def solved(self, node, wrench):
         """Loads one node. Newton's later steps correct the rounding of the first where geometry is linear."""
