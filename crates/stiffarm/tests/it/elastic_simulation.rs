@@ -93,7 +93,9 @@ fn springs_make_the_axes_err_and_the_mixed_model_as_much_as_the_index_says() {
     // What the index expects of known sizes; these are estimated.
     let ratio = mixed.prediction_rms_m / level.expected_prediction_m.unwrap();
     assert!((0.75..1.4).contains(&ratio), "{ratio}");
-    assert!(mixed.band_share.unwrap() > 0.85 && holds(mixed) > 0.85);
+    // Entries around zero are not what arms have: 24 runs of six postures.
+    let shares = (mixed.band_share.unwrap(), holds(mixed));
+    assert!(shares.0 > 0.8 && shares.1 > 0.8, "{shares:?}");
     assert!(
         found.verdict().contains("with the mixed model"),
         "{}",

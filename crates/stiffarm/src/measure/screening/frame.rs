@@ -132,3 +132,19 @@ fn with_transform(
         level,
     }
 }
+
+/// Misfit above which a cause counts as undone \[m\]: an uncalibrated robot has a few mm.
+pub(super) const PLAUSIBLE: f64 = 8e-3;
+
+/// Registration by the readings themselves, or the given transform where they
+/// do not determine one.
+pub(super) fn fitted(work: &Work, given: Option<&Isometry3<f64>>) -> Option<Frame> {
+    let at = items(work);
+    let pairs = item_pairs(work, work.setup(), &at);
+    match register(&pairs) {
+        Some(frame) => Some(frame),
+        None => given
+            .filter(|_| !pairs.is_empty())
+            .map(|transform| judge(&pairs, transform)),
+    }
+}

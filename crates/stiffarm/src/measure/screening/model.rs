@@ -1,7 +1,7 @@
 //! The robot's description against all unloaded readings: what is wrong with
 //! every posture alike.
 
-use super::frame::{self, Frame, item_pairs, items, judge, register};
+use super::frame::{self, Frame, PLAUSIBLE, fitted, item_pairs, items};
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, moved, tool};
 use crate::measure::registration::axis_slips;
 use crate::numerics::arrangements::exchanges_first;
@@ -11,8 +11,6 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Misfit of most postures above which causes are looked for \[m\].
 const SUSPICIOUS: f64 = 2e-3;
-/// Misfit above which a cause counts as undone \[m\]: an uncalibrated robot has a few mm.
-pub(super) const PLAUSIBLE: f64 = 8e-3;
 /// Misfit that is reported where no cause is found \[m\].
 const UNEXPLAINED: f64 = 1e-2;
 /// Angles that all lie below this may be radians \[deg\].
@@ -157,19 +155,6 @@ pub(super) fn explain(work: &mut Work, given: Option<&Isometry3<f64>>) -> Option
     }
     check_given(work, given, &before);
     Some(before)
-}
-
-/// Registration by the readings themselves, or the given transform where they
-/// do not determine one.
-pub(super) fn fitted(work: &Work, given: Option<&Isometry3<f64>>) -> Option<Frame> {
-    let at = items(work);
-    let pairs = item_pairs(work, work.setup(), &at);
-    match register(&pairs) {
-        Some(frame) => Some(frame),
-        None => given
-            .filter(|_| !pairs.is_empty())
-            .map(|transform| judge(&pairs, transform)),
-    }
 }
 
 /// A given transform that is far from what the readings say.

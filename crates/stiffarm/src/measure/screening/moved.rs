@@ -4,9 +4,8 @@
 //! A run ends where the longest one does that still fits like the best short ones; single postures that fit no run may
 //! stand between. Two runs are believed when one frame for all leaves five times as much.
 
-use super::frame::{Frame, item_pairs, items, rms, state_pairs};
+use super::frame::{Frame, PLAUSIBLE, fitted, item_pairs, items, rms, state_pairs};
 use super::misfit::give;
-use super::model::{PLAUSIBLE, fitted};
 use super::{BELIEVED, Cause, Suspicion, Work};
 use crate::findings::list;
 use crate::measure::registration::{Agreement, Pair, moved, rigid_transform, robust};

@@ -1,9 +1,9 @@
 //! Single postures and states that disagree with the kinematic model while the
 //! others fit.
 
-use super::frame::{Frame, items, rms, state_pairs};
+use super::frame::{Frame, fitted, items, rms, state_pairs};
 use super::misfit::{first_angles, gap, give, state_rms};
-use super::model::{exchanged, fitted};
+use super::model::exchanged;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, states};
 use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::order::sort_by_number;
