@@ -31,6 +31,10 @@ pub const REJECTS: &str = "set-up";
 /// beyond the axes, drift and shared shifts stay below.
 const REJECTED: f64 = 22.0;
 const EACH: f64 = 4.0;
+/// Share of what the axes alone leave to which that falls where a quantity is wrong; where springs beyond the axes hide
+/// it, −2 ln L falls by so much.
+const CLEAR: f64 = 0.85;
+const ANYHOW: f64 = 60.0;
 /// Fall of −2 ln L, by derivatives at the stated value, below which nothing is looked for.
 const WORTH: f64 = 15.0;
 /// Residuals this many times the expected noise hold more than noise.
@@ -130,7 +134,10 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let freed: Vec<Freed> = described.collect();
     let (kind, at) = &beside[0];
     let least = REJECTED + EACH * frame.dimension(*kind) as f64;
-    let is_rejected = freed[0].likelihood_ratio > least
+    let [stated, left] = freed[0].residual_rms_m;
+    let is_clear = left < CLEAR * stated || freed[0].likelihood_ratio > ANYHOW;
+    let is_rejected = is_clear
+        && freed[0].likelihood_ratio > least
         && !is_within_stated(&fit, *kind, at, &freed[0].standard_error)
         && without_worst(&fit, at, grants)? > 0.5 * least;
     let alike = |own: &Freed| freed[0].likelihood_ratio - own.likelihood_ratio < ALIKE;

@@ -42,9 +42,15 @@ fn poses_and_jacobians_are_those_of_the_descriptions() {
             .map(|n| n.as_str().unwrap())
             .collect();
         assert_eq!(read.robot.joint_names, names, "{name}");
-        let limits = read.robot.limits.as_ref().unwrap();
         let known = data["joint_limits_deg"].as_array().unwrap();
         let endless = |joint: &str| read.findings.iter().any(|f| f.subject == joint);
+        let Some(limits) = read.robot.limits.as_ref() else {
+            assert!(
+                names.iter().all(|joint| endless(joint)),
+                "{name} has no limits"
+            );
+            continue;
+        };
         for ((own, limit), joint) in limits.iter().zip(known).zip(names) {
             for (own, limit) in own.iter().zip(numbers(limit)) {
                 let limit = if endless(joint) {
