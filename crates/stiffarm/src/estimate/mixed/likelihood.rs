@@ -308,7 +308,7 @@ impl Search<'_, '_> {
     fn start(&mut self, sizes: &Sizes) -> Vec<f64> {
         let shared = usize::from(self.likelihood.rows.has_shifts());
         let place = self.place(sizes);
-        if sizes.classes.iter().any(|size| *size == 0.0)
+        if sizes.classes.contains(&0.0)
             && let Some((_, gradient)) = self.likelihood.value_and_gradient(&self.sizes(&place))
         {
             let classes = sizes.classes.iter().zip(&gradient[shared..]);
