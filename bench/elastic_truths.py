@@ -16,6 +16,7 @@ reads each experiment as a table of displacements, and what it says is held agai
 
 import argparse
 import concurrent.futures
+import functools
 import json
 import math
 import os
@@ -264,6 +265,14 @@ def cell_of(folder, errors, declared):
     return cell
 
 
+def ask(command, *words):
+    """What the command says to these words, read from its JSON."""
+    done = subprocess.run([command, *map(str, words), "--json"], capture_output=True, text=True)
+    if done.returncode not in (0, 1) or not done.stdout:
+        raise RuntimeError(f"{words}: {done.stdout}{done.stderr}")
+    return json.loads(done.stdout)["result"]
+
+
 def experiment(folder, args, truth, count, plan, seed):
     """One arm, one experiment: what holds."""
     springs_of, size, errors = TRUTHS[truth]
@@ -304,12 +313,7 @@ def experiment(folder, args, truth, count, plan, seed):
     stiffness = Path(folder, "stiffness.json")
     cell = cell_of(folder, errors, args.declared)
 
-    def run(*words):
-        done = subprocess.run([args.stiffarm, *map(str, words), "--json"], capture_output=True, text=True)
-        if done.returncode not in (0, 1) or not done.stdout:
-            raise RuntimeError(f"{words}: {done.stdout}{done.stderr}")
-        return json.loads(done.stdout)["result"]
-
+    run = functools.partial(ask, args.stiffarm)
     identified = run("identify", cell, table, *args.options.split(), "--output", stiffness, "--force")
     joints = identified["joints"]
     elastic = identified.get("elastic") or {}

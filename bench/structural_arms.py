@@ -21,10 +21,10 @@ Denavit-Hartenberg rows, shift [m] and turn [rad] per force [N] and moment [N m]
 
 import argparse
 import concurrent.futures
+import functools
 import json
 import math
 import os
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -32,7 +32,7 @@ from pathlib import Path
 import numpy as np
 
 import elastic_truths as truths
-from elastic_truths import CELL, FORCE, JOINTS, NOISE, POINTS, bent, frames, linear, postures, reproduced, unloaded
+from elastic_truths import CELL, FORCE, JOINTS, NOISE, POINTS, ask, bent, frames, linear, postures, reproduced, unloaded
 
 AT_ORIGINS = np.ones(JOINTS)
 WORK = 200
@@ -62,12 +62,7 @@ def experiment(folder, args, springs, count, seed):
     readings = table(Path(folder, "readings.csv"), ["posture", "point", "dx_mm", "dy_mm", "dz_mm", *angles], rows)
     stiffness = Path(folder, "stiffness.json")
 
-    def run(*words):
-        done = subprocess.run([args.stiffarm, *map(str, words), "--json"], capture_output=True, text=True)
-        if done.returncode not in (0, 1) or not done.stdout:
-            raise RuntimeError(f"{words}: {done.stdout}{done.stderr}")
-        return json.loads(done.stdout)["result"]
-
+    run = functools.partial(ask, args.stiffarm)
     found = run("identify", CELL, readings, *args.options.split(), "--output", stiffness, "--force")
 
     # Each posture with its own force on the first point, in base axes.

@@ -48,6 +48,12 @@ impl SizeDoubt {
         }
         2.0 * f * f / slope.dot(&(&self.covariance * &slope))
     }
+
+    /// The same, no more than `most`.
+    pub(crate) fn bounded(&self, most: f64, with: &DVector<f64>, variance: f64, noise: f64) -> f64 {
+        let n = self.degrees_of_freedom(with, variance, noise);
+        if n.is_finite() { n.min(most) } else { most }
+    }
 }
 
 /// Degrees of freedom that are looked up; beyond them the normal is near.
@@ -118,8 +124,7 @@ impl SpreadQuantiles {
     pub(crate) fn of(&self, with: &DVector<f64>, variance: f64, noise: f64) -> f64 {
         match &self.doubted {
             Some((most, table, doubt)) if variance + noise > 0.0 => {
-                let n = doubt.degrees_of_freedom(with, variance, noise);
-                table.at(if n.is_finite() { n.min(*most) } else { *most })
+                table.at(doubt.bounded(*most, with, variance, noise))
             }
             _ => self.plain,
         }

@@ -138,11 +138,7 @@ impl ElasticSizing {
 /// joint \[rad/(N·m)\], in units of the geometric mean), a base that tilts a tenth of the stiffest joint, and even
 /// beams along each row of the robot. What they are in units of was counted on arms of a structural code
 /// (bench/structural_arms.py).
-pub(crate) fn fitted(
-    robot: &Robot,
-    compliance: &[Option<f64>],
-    sizing: ElasticSizing,
-) -> Vec<Effect> {
+pub(crate) fn fitted(robot: &Robot, compliance: &[f64], sizing: ElasticSizing) -> Vec<Effect> {
     let joints = robot.joint_count();
     let of_joint = relative(joints, compliance);
     let base = BASE * of_joint.iter().copied().fold(f64::INFINITY, f64::min);
@@ -179,8 +175,8 @@ pub(crate) fn fitted(
 }
 
 /// Compliance of each joint over the geometric mean; one where it is not known or not positive.
-fn relative(joints: usize, compliance: &[Option<f64>]) -> Vec<f64> {
-    let known = |j: usize| compliance.get(j).copied().flatten().filter(|h| *h > 0.0);
+fn relative(joints: usize, compliance: &[f64]) -> Vec<f64> {
+    let known = |j: usize| compliance.get(j).copied().filter(|h| *h > 0.0);
     let logarithms: Vec<f64> = (0..joints).filter_map(known).map(f64::ln).collect();
     let mean = logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64;
     let size = |j: usize| known(j).map_or(1.0, |h| (h.ln() - mean).exp());

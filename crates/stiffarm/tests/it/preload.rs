@@ -125,15 +125,7 @@ fn intervals_and_bands_at_work_hold_with_a_preload() {
     let cell = default_cell();
     let truth = cell.require_prior().unwrap();
     let arm = LoadedArm::from_stiffness(&cell, truth).unwrap();
-    let mut dice = Dice::new(5);
-    let work: Vec<LoadedPosture> = (0..6)
-        .map(|i| {
-            let base = &cell.tasks[i % 3].q;
-            let q: Vec<f64> = base.iter().map(|a| a + dice.between(-0.3, 0.3)).collect();
-            let force = Vector3::from_fn(|_, _| dice.between(-350.0, 350.0));
-            LoadedPosture::new(format!("{i}"), q, Wrench::force(force))
-        })
-        .collect();
+    let work = work_near_tasks(&cell, &mut Dice::new(5));
     let mut predicting = PredictOptions::default();
     predicting.model = Model::Linear;
     let count = runs(100);

@@ -378,14 +378,7 @@ fn total_bands_hold_where_common_errors_are_real() {
     let stiffness = cell.prior.clone().unwrap();
     let arm = LoadedArm::from_stiffness(&cell, &stiffness).unwrap();
     let mut dice = Dice::new(5);
-    let work: Vec<LoadedPosture> = (0..6)
-        .map(|i| {
-            let base = &cell.tasks[i % 3].q;
-            let q: Vec<f64> = base.iter().map(|a| a + dice.between(-0.3, 0.3)).collect();
-            let force = Vector3::from_fn(|_, _| dice.between(-350.0, 350.0));
-            LoadedPosture::new(format!("{i}"), q, Wrench::force(force))
-        })
-        .collect();
+    let work = work_near_tasks(&cell, &mut dice);
     let mut predicting = PredictOptions::default();
     predicting.model = Model::Linear;
     let experiments = 250;

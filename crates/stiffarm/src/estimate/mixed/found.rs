@@ -1,13 +1,15 @@
 //! The sizes of one choice of random effects, and where its classes stand.
 
+use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes};
 use super::means::gathered;
 use super::sums::Rows;
-use super::{compliance, too_few};
+use super::too_few;
 use crate::error::Result;
-use crate::estimate::compliance::IdentifiedCompliance;
+use crate::estimate::compliance::{IdentifiedCompliance, Spread};
+use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::identify::Fit;
-use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted};
+use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted, terms};
 use crate::numerics::information::scale_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -61,7 +63,11 @@ pub(super) fn found(
     sizing: ElasticSizing,
     near: Option<&Sizes>,
 ) -> Result<Found> {
-    let effects = fitted(&fit.cell().setup.robot, &joint_give(fit, axes), sizing);
+    let effects = fitted(
+        &fit.cell().setup.robot,
+        joint_give(fit, axes).as_slice(),
+        sizing,
+    );
     let mut random = columns.clone();
     scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
     gathered(&mut random, &means(&effects));
@@ -99,10 +105,82 @@ pub(super) fn found(
 }
 
 impl Found {
-    /// The solution of the mixed-model equations of all postures but `left_out`.
+    /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
     pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
-        let likelihood = Likelihood::new(&self.rows, left_out);
-        compliance(fit, &self.rows, &self.effects, &likelihood, &self.sizes)
+        let Found {
+            effects,
+            rows,
+            sizes,
+            ..
+        } = self;
+        let likelihood = Likelihood::new(rows, left_out);
+        let plain = fit.solution();
+        let fixed = rows.fixed;
+        let scale = |i: usize| {
+            if i < fixed {
+                1.0
+            } else {
+                effects[i - fixed].scale
+            }
+        };
+        let solved = likelihood.solve(sizes)?;
+        let means = moved(means(effects), fixed);
+        let (mut covariance, of_sizes) = doubt(rows, &likelihood, sizes, &solved);
+        // u = L w.
+        let mut values = DMatrix::from_columns(&[solved.values(rows)]).transpose();
+        gathered(&mut values, &means);
+        for _ in 0..2 {
+            gathered(&mut covariance, &means);
+            covariance = covariance.transpose();
+        }
+        let mut values = values.transpose().column(0).into_owned();
+        for (i, value) in values.iter_mut().enumerate() {
+            *value *= scale(i);
+        }
+        for j in &rows.idle {
+            covariance.row_mut(*j).fill(0.0);
+            covariance.column_mut(*j).fill(0.0);
+        }
+        // Rounding makes the two sides differ in the last digit.
+        let covariance = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+            covariance[(i.max(j), i.min(j))] * (scale(i) * scale(j))
+        });
+        let sigma = solved.variance.sqrt();
+        let std = |class| sizes.std(class, sigma);
+        Some(IdentifiedCompliance {
+            values,
+            extra: terms(effects),
+            spread: Some(Spread {
+                covariance,
+                sigma,
+                shift: sigma * sizes.gamma.sqrt(),
+                degrees_of_freedom: plain.t_degrees_of_freedom.map(|dof| dof.min(solved.free)),
+                doubt: Some(size_doubt(effects, fixed, std, of_sizes)),
+                confidence: fit.options().confidence,
+            }),
+            undetermined: rows.idle.clone(),
+            common: Default::default(),
+            doubts: Vec::new(),
+        })
+    }
+}
+
+/// What is known of the sizes `std` of the classes, with the covariance of their
+/// logarithms.
+fn size_doubt(
+    effects: &[Effect],
+    fixed: usize,
+    std: impl Fn(ElasticClass) -> f64,
+    covariance: DMatrix<f64>,
+) -> SizeDoubt {
+    SizeDoubt {
+        classes: moved(classes(effects), fixed),
+        means: moved(means(effects), fixed),
+        prior: DVector::from_fn(fixed + effects.len(), |i, _| match i.checked_sub(fixed) {
+            Some(i) => (std(effects[i].class) * effects[i].scale).powi(2),
+            None => 0.0,
+        }),
+        covariance,
     }
 }
 
@@ -112,15 +190,14 @@ const SAME: f64 = 1e-6;
 const ROUNDING: f64 = 1e-11;
 
 /// Compliance of each joint as the axes alone have it, for what is sized by it.
-fn joint_give(fit: &Fit, axes: &DVector<f64>) -> Vec<Option<f64>> {
+fn joint_give(fit: &Fit, axes: &DVector<f64>) -> DVector<f64> {
     let robot = &fit.cell().setup.robot;
     let springs = axes.rows(0, robot.spring_count());
     // Springs that are no joints give to each by the squares of their shares.
-    let give = match robot.spring_mixing() {
+    match robot.spring_mixing() {
         None => springs.into_owned(),
         Some(mixing) => mixing.map(|share| share * share) * springs,
-    };
-    give.iter().copied().map(Some).collect()
+    }
 }
 
 /// Columns of each class that scatter about a mean.
@@ -131,7 +208,7 @@ pub(super) fn means(effects: &[Effect]) -> Vec<Range<usize>> {
 }
 
 /// Columns of each class.
-pub(super) fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
+fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
     let of = |class| {
         let start = effects.iter().position(|e| e.class == class).unwrap_or(0);
         start..start + effects.iter().filter(|e| e.class == class).count()
@@ -140,7 +217,7 @@ pub(super) fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
 }
 
 /// Columns behind `fixed` others.
-pub(super) fn moved(columns: Vec<Range<usize>>, fixed: usize) -> Vec<Range<usize>> {
+fn moved(columns: Vec<Range<usize>>, fixed: usize) -> Vec<Range<usize>> {
     let own = |class: Range<usize>| fixed + class.start..fixed + class.end;
     columns.into_iter().map(own).collect()
 }

@@ -34,8 +34,7 @@ pub use result::{ElasticElement, ElasticSize, GeneralSpring, MixedResult};
 pub(crate) use seen::Seen;
 
 use crate::error::{Code, Error, Result};
-use crate::estimate::compliance::{IdentifiedCompliance, Spread};
-use crate::estimate::freedom::SizeDoubt;
+use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{
     Estimator, Fit, Fold, IdentifyOptions, MeasuredSystem, NoiseSource, Response, rounding,
 };
@@ -44,9 +43,9 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Found, classes, found, likeliest, means, moved};
-use likelihood::{Likelihood, Sizes};
-use means::{gathered, scattered};
+use found::{Found, found, likeliest, means};
+use likelihood::Sizes;
+use means::scattered;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
 use std::sync::OnceLock;
@@ -358,83 +357,5 @@ fn extended(
         psi,
         extra: terms.to_vec(),
         ..system.clone()
-    }
-}
-
-/// The solution of the mixed-model equations of all postures but `left_out` in the
-/// effects' own units.
-fn compliance(
-    fit: &Fit,
-    rows: &Rows,
-    effects: &[Effect],
-    likelihood: &Likelihood<'_>,
-    sizes: &Sizes,
-) -> Option<IdentifiedCompliance> {
-    let plain = fit.solution();
-    let fixed = rows.fixed;
-    let scale = |i: usize| {
-        if i < fixed {
-            1.0
-        } else {
-            effects[i - fixed].scale
-        }
-    };
-    let solved = likelihood.solve(sizes)?;
-    let means = moved(means(effects), fixed);
-    let (mut covariance, of_sizes) = doubt::doubt(rows, likelihood, sizes, &solved);
-    // u = L w.
-    let mut values = DMatrix::from_columns(&[solved.values(rows)]).transpose();
-    gathered(&mut values, &means);
-    for _ in 0..2 {
-        gathered(&mut covariance, &means);
-        covariance = covariance.transpose();
-    }
-    let mut values = values.transpose().column(0).into_owned();
-    for (i, value) in values.iter_mut().enumerate() {
-        *value *= scale(i);
-    }
-    for j in &rows.idle {
-        covariance.row_mut(*j).fill(0.0);
-        covariance.column_mut(*j).fill(0.0);
-    }
-    // Rounding makes the two sides differ in the last digit.
-    let covariance = DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
-        covariance[(i.max(j), i.min(j))] * (scale(i) * scale(j))
-    });
-    let sigma = solved.variance.sqrt();
-    let std = |class| sizes.std(class, sigma);
-    Some(IdentifiedCompliance {
-        values,
-        extra: terms(effects),
-        spread: Some(Spread {
-            covariance,
-            sigma,
-            shift: sigma * sizes.gamma.sqrt(),
-            degrees_of_freedom: plain.t_degrees_of_freedom.map(|dof| dof.min(solved.free)),
-            doubt: Some(size_doubt(effects, fixed, std, of_sizes)),
-            confidence: fit.options().confidence,
-        }),
-        undetermined: rows.idle.clone(),
-        common: Default::default(),
-        doubts: Vec::new(),
-    })
-}
-
-/// What is known of the sizes `std` of the classes, with the covariance of their
-/// logarithms.
-fn size_doubt(
-    effects: &[Effect],
-    fixed: usize,
-    std: impl Fn(ElasticClass) -> f64,
-    covariance: DMatrix<f64>,
-) -> SizeDoubt {
-    SizeDoubt {
-        classes: moved(classes(effects), fixed),
-        means: moved(means(effects), fixed),
-        prior: DVector::from_fn(fixed + effects.len(), |i, _| match i.checked_sub(fixed) {
-            Some(i) => (std(effects[i].class) * effects[i].scale).powi(2),
-            None => 0.0,
-        }),
-        covariance,
     }
 }

@@ -186,3 +186,14 @@ pub fn limit_joint(cell: &mut Cell, joint: usize, limits: [f64; 2]) {
     all[joint] = limits;
     cell.setup.robot = robot.clone().with_limits(&all).unwrap();
 }
+
+/// Six postures near the tasks of a cell that has three, each under a force of its own at the tip.
+pub fn work_near_tasks(cell: &Cell, dice: &mut Dice) -> Vec<LoadedPosture> {
+    let one = |i: usize| {
+        let base = &cell.tasks[i % 3].q;
+        let q: Vec<f64> = base.iter().map(|a| a + dice.between(-0.3, 0.3)).collect();
+        let force = Vector3::from_fn(|_, _| dice.between(-350.0, 350.0));
+        LoadedPosture::new(format!("{i}"), q, Wrench::force(force))
+    };
+    (0..6).map(one).collect()
+}

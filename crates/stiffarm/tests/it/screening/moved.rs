@@ -34,6 +34,18 @@ fn moves(screening: &Screening) -> Vec<&Suspicion> {
     all.filter(|s| s.cause == Cause::MovedTracker).collect()
 }
 
+/// So many, and nothing else is suspected.
+fn only_moves(screening: &Screening, count: usize) -> Vec<&Suspicion> {
+    let found = moves(screening);
+    assert_eq!(
+        (found.len(), screening.suspicions.len()),
+        (count, count),
+        "{}",
+        sentences(screening)
+    );
+    found
+}
+
 fn ten() -> Vec<Posture> {
     numbered(random_group(&cell(), StartKind::Uniform, 10, 3, 0).unwrap())
 }
@@ -84,13 +96,7 @@ fn several_moves_and_one_within_a_posture_are_told_apart() {
     put(&mut table, 3, 0, &carried());
     put(&mut table, 7, 0, &shifted(-0.4, [-300.0, 700.0, 0.0]));
     let screening = screen(&cell(), &table, None).unwrap();
-    let found = moves(&screening);
-    assert_eq!(
-        (found.len(), screening.suspicions.len()),
-        (2, 2),
-        "{}",
-        sentences(&screening)
-    );
+    let found = only_moves(&screening, 2);
     assert_eq!(found[0].postures, names(&["4", "5", "6", "7"]));
     assert_eq!(found[1].postures, names(&["8", "9", "10"]));
     assert_eq!(found[1].likely_station.as_deref(), Some("3"));
@@ -99,13 +105,7 @@ fn several_moves_and_one_within_a_posture_are_told_apart() {
         let mut table = simulated(&cell(), &ten(), 2);
         put(&mut table, 4, 1, &change);
         let screening = screen(&cell(), &table, None).unwrap();
-        let found = moves(&screening);
-        assert_eq!(
-            (found.len(), screening.suspicions.len()),
-            (1, 1),
-            "{}",
-            sentences(&screening)
-        );
+        let found = only_moves(&screening, 1);
         assert_eq!(found[0].divided, ["5"]);
         assert_eq!(found[0].postures, names(&["6", "7", "8", "9", "10"]));
         assert!(
@@ -132,13 +132,7 @@ fn a_station_with_a_name_was_moved() {
     put(&mut table, 7, 0, &shifted(0.02, [40.0, 0.0, 0.0]));
     let moved = prepare(&cell(), table, &ReduceOptions::default()).unwrap();
     let screening = moved.screening.unwrap();
-    let found = moves(&screening);
-    assert_eq!(
-        (found.len(), screening.suspicions.len()),
-        (1, 1),
-        "{}",
-        sentences(&screening)
-    );
+    let found = only_moves(&screening, 1);
     assert_eq!(found[0].postures, names(&["8", "9", "10"]));
     let sentence = &screening.findings[0].sentence;
     assert!(sentence.contains("station B-2 in place of B"), "{sentence}");

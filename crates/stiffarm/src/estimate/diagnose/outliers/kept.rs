@@ -298,7 +298,7 @@ impl<'a> Kept<'a> {
             .degrees_of_freedom
             .map_or(f64::INFINITY, |n| n as f64);
         let free = match &spread.doubt {
-            Some(doubt) => doubt.degrees_of_freedom(&with, variance, noise).min(most),
+            Some(doubt) => doubt.bounded(most, &with, variance, noise),
             None => most,
         };
         let count = rows.len();
