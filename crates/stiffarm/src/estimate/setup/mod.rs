@@ -53,7 +53,7 @@ const ALIKE: f64 = 10.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Freed {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `force-beside`, `common-shift`, `sensor-axes`,
-    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`,
+    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`, `rows`,
     /// `lost-motion`.
     pub name: String,
     /// What the cell or the table states, SI: a place, a direction, a turn vector, a force, angles.

@@ -6,6 +6,7 @@ use crate::estimate::identify::Fit;
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::instruments::{Mount, Sensor};
+use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::MeasuredPosture;
 use crate::model::observation::{ExtraTerm, PostureTerms};
@@ -45,6 +46,8 @@ pub(super) enum Kind {
     Angle(usize),
     /// The angle of axis 3 counts that of axis 2, under a table of displacements.
     Coupling,
+    /// The robot's rows are meant in the other Denavit–Hartenberg convention, under a table of displacements.
+    Rows,
     /// Lost motion of every joint: no error of the set-up, but what else may explain the same.
     LostMotion,
 }
@@ -159,6 +162,7 @@ impl<'a> Frame<'a> {
             let joints = cell.setup.robot.joint_count();
             out.extend((0..joints).map(Kind::Angle));
             out.extend((joints > 2).then_some(Kind::Coupling));
+            out.push(Kind::Rows);
         }
         if cell.route.approach.is_none() {
             out.push(Kind::LostMotion);
@@ -178,8 +182,14 @@ impl<'a> Frame<'a> {
             let Some(terms) = self.fit.experiment().terms(m) else {
                 continue;
             };
-            self.change_wrench(&cell, m, posture, terms, kind, place)?;
             change_posture(posture, terms, kind, place);
+            let frames = match kind {
+                Kind::Angle(_) | Kind::Coupling | Kind::Rows => {
+                    &Frames::new(&cell.setup.robot, &posture.posture.q)
+                }
+                _ => terms.frames(),
+            };
+            self.change_wrench(&cell, m, posture, (terms, frames), kind, place)?;
         }
         let measured = self.fit.measured();
         let measured = Measured {
@@ -196,15 +206,15 @@ impl<'a> Frame<'a> {
         cell: &Cell,
         m: usize,
         posture: &mut MeasuredPosture,
-        terms: &PostureTerms,
+        (terms, frames): (&PostureTerms, &Frames),
         kind: Kind,
         place: &Place,
     ) -> Result<()> {
         let setup = cell.setup.of_state(&posture.state)?;
-        let at = terms.frames().point(&setup.tool.loading_point);
+        let at = frames.point(&setup.tool.loading_point);
         let mut wrench = match self.origins[m] {
             Origin::Own(factor) => {
-                let own = setup.load.wrench(terms.frames(), &at);
+                let own = setup.load.wrench(frames, &at);
                 own.map(|own| own.map(|v| v * factor))
             }
             Origin::Force => posture.wrench,
@@ -252,7 +262,7 @@ impl<'a> Frame<'a> {
         match kind {
             Kind::Gravity => 2,
             Kind::Angle(_) | Kind::Offset => 1,
-            Kind::Coupling | Kind::Sign | Kind::SensorInBase => 0,
+            Kind::Coupling | Kind::Rows | Kind::Sign | Kind::SensorInBase => 0,
             Kind::Points => 6,
             Kind::LostMotion => self.fit.cell().setup.robot.joint_count(),
             _ => 3,
@@ -320,6 +330,11 @@ fn change_cell(cell: &mut Cell, kind: Kind, place: &Place) {
             }
         }
         Kind::LoadingPoint(None) => cell.setup.tool.loading_point += place.vector(),
+        Kind::Rows if place.turn[(0, 0)] > 0.0 => {
+            if let Some(robot) = cell.setup.robot.in_other_convention() {
+                cell.setup.robot = robot;
+            }
+        }
         Kind::LoadingPoint(Some(i)) => {
             if let Load::Cases(cases) = &mut cell.setup.load
                 && let Some(point) = cases
