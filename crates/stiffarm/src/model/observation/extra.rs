@@ -21,66 +21,12 @@
 //! the axis under a unit moment about it. The column of a spring is what it does beside that.
 
 use super::PostureTerms;
-use super::spring::{LoadedSpring, Motion, on_first_axis};
+use super::spring::{LoadedSpring, Motion, link_axes, on_first_axis};
 use crate::error::{Code, Error, Result, did_you_mean};
 use crate::model::kinematics::Frames;
 use crate::model::robot::Robot;
-use nalgebra::{DMatrix, DVector, Matrix6, Vector3, Vector6};
+use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, SMatrix, Vector3, Vector6};
 use serde::{Deserialize, Serialize};
-
-/// What gives way beyond the joint axes and scatters alike: entries of general springs, then what an arm is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum ElasticClass {
-    /// Shifts by forces \[m/N\].
-    Shift,
-    /// Turns by moments, but for the joint's own axis \[rad/(N·m)\].
-    Turn,
-    /// Shifts by moments and turns by forces \[rad/N\].
-    Coupling,
-    /// Tilts of the joints' bearings and of the base \[rad/(N·m)\].
-    Bearing,
-    /// Bending and twist of the links along the robot's rows \[rad/(N·m) per m\].
-    Beam,
-}
-
-impl ElasticClass {
-    /// All classes, in the order of results.
-    pub const ALL: [ElasticClass; 5] = [
-        ElasticClass::Shift,
-        ElasticClass::Turn,
-        ElasticClass::Coupling,
-        ElasticClass::Bearing,
-        ElasticClass::Beam,
-    ];
-    /// Those of the entries of general springs.
-    pub const ENTRIES: [ElasticClass; 3] = [
-        ElasticClass::Shift,
-        ElasticClass::Turn,
-        ElasticClass::Coupling,
-    ];
-
-    /// The class of an entry: rows and columns 0 to 2 are shifts and forces, 3 to 5 turns
-    /// and moments.
-    pub fn of(row: usize, column: usize) -> Self {
-        match (row < 3, column < 3) {
-            (true, true) => ElasticClass::Shift,
-            (false, false) => ElasticClass::Turn,
-            _ => ElasticClass::Coupling,
-        }
-    }
-
-    /// Unit of its compliances.
-    pub fn unit(self) -> &'static str {
-        match self {
-            ElasticClass::Shift => "m/N",
-            ElasticClass::Turn | ElasticClass::Bearing => "rad/(N·m)",
-            ElasticClass::Coupling => "rad/N",
-            ElasticClass::Beam => "rad/(N·m) per m",
-        }
-    }
-}
 
 /// One further unknown of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -188,6 +134,45 @@ impl ExtraTerm {
             _ => true,
         };
         entry && self.joint().is_none_or(|j| j < joints)
+    }
+
+    /// The spring that one unit of an elastic term is: the joint whose frame it stands in, `None` for the base, and its
+    /// compliance there, the same at all postures, of which `frames` are one; zeros for lost motion.
+    pub(crate) fn compliance(self, frames: &Frames) -> (Option<usize>, Matrix6<f64>) {
+        let mut out = Matrix6::zeros();
+        let mut turns = |at: Vector3<f64>, turn: Matrix3<f64>| {
+            // A turn at p shifts the origin by p × turn, and a force there has the moment −p × f about p.
+            let mut motion = SMatrix::<f64, 6, 3>::zeros();
+            motion
+                .fixed_view_mut::<3, 3>(0, 0)
+                .copy_from(&at.cross_matrix());
+            motion.fixed_view_mut::<3, 3>(3, 0).fill_with_identity();
+            out += motion * turn * motion.transpose();
+        };
+        match self {
+            ExtraTerm::Spring { row, column, .. } => {
+                out[(row, column)] = 1.0;
+                out[(column, row)] = 1.0;
+            }
+            ExtraTerm::JointTilt(_) => turns(Vector3::zeros(), across(&Vector3::z())),
+            ExtraTerm::BaseTilt => turns(Vector3::zeros(), across(&frames.axes()[0])),
+            ExtraTerm::Beam { joint, part, twist } => {
+                let [start, way] = row_part(frames, joint, part);
+                let axes = link_axes(frames, joint).transpose();
+                let (start, way) = (axes * (start - frames.origins()[joint]), axes * way);
+                let bending = across(&way.normalize());
+                let turn = if twist {
+                    Matrix3::identity() - bending
+                } else {
+                    bending
+                };
+                for share in GAUSS {
+                    turns(start + way * share, turn * (way.norm() / 2.0));
+                }
+            }
+            ExtraTerm::LostMotion(_) => {}
+        }
+        (self.joint(), out)
     }
 
     /// The terms that `word` names: `tilt` (all joints), `tilt3`, `base`,
@@ -392,6 +377,11 @@ impl Elements {
         let rest = rest.map(|(term, value)| term.twist(terms, at) * *value);
         springs.chain(rest).sum()
     }
+}
+
+/// What turns about the axes across the unit vector `line` alone.
+fn across(line: &Vector3<f64>) -> Matrix3<f64> {
+    Matrix3::identity() - line * line.transpose()
 }
 
 /// Places at which a polynomial of third degree over [0, 1] is sampled for its mean: half the sum (Gauss). The shift by an

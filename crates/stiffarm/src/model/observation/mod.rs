@@ -4,11 +4,13 @@
 //! per spring. Ψ_ij = J^m_ij · Γ_j with Γ = (J^f)ᵀ W, where J^f belongs to the
 //! loading point and J^m to the measuring point.
 
+mod class;
 mod extra;
 mod spring;
 
-pub use extra::{ElasticClass, ExtraTerm, RowPart};
+pub use class::ElasticClass;
 pub(crate) use extra::{Elements, places, row_part};
+pub use extra::{ExtraTerm, RowPart};
 pub(crate) use spring::{link_axes, on_first_axis};
 /// What tests turn springs with.
 pub(crate) mod internals {

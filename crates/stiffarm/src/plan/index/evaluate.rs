@@ -288,9 +288,9 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
             psi.push(block.clone());
             whiten_posture(&mut block, rho);
             rows.push(block);
-            if let Some((model, stack)) = &mut predicting {
-                stack.push(model.readings(terms));
-            }
+        }
+        if let Some((model, stack)) = &mut predicting {
+            stack.push(model.readings(own.as_ref()));
         }
         let rows = rows.into_matrix();
         each.add(&rows);

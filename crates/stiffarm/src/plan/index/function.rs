@@ -411,6 +411,11 @@ impl IndexFunction {
     }
 
     /// The index prediction.
+    pub(crate) fn prediction(&self) -> Option<&PredictionFunction> {
+        self.prediction.as_deref()
+    }
+
+    /// The index prediction, to hold other postures.
     pub(crate) fn prediction_mut(&mut self) -> Option<&mut PredictionFunction> {
         self.prediction.as_deref_mut()
     }

@@ -9,6 +9,7 @@ mod from_group;
 mod global;
 mod load_design;
 mod posture_value;
+mod predicting;
 mod price;
 mod repair;
 mod search;

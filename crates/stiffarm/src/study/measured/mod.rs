@@ -15,7 +15,6 @@ use crate::estimate::identify::{Fit, IdentifyOptions, MeasuredSystem, missed};
 use crate::estimate::mixed::MixedFit;
 use crate::measure::Measured;
 use crate::model::cell::Cell;
-use crate::model::elastic::ElasticSizes;
 use crate::model::measurement::Candidate;
 use crate::numerics::control::Control;
 use crate::numerics::jobs::as_far_as;
@@ -98,7 +97,6 @@ struct Setting<'a> {
     /// By position of its block in the system.
     candidates: Vec<Candidate>,
     pool: usize,
-    sizes: ElasticSizes,
     guessed: bool,
     /// Ways to choose: (postures, choice).
     ways: Vec<(usize, Choice)>,
@@ -134,7 +132,6 @@ impl<'a> Setting<'a> {
         let guessed = cell.prior.is_none();
         let springs = cell.setup.robot.spring_count();
         cell.prior.get_or_insert_with(|| vec![GUESS; springs]);
-        let sizes = cell.elastic_sizes()?.0.times(options.size_factor);
         let known = Candidate::of_measured(&fit.cell().setup, fit.postures());
         let candidates = fit
             .system()
@@ -154,7 +151,6 @@ impl<'a> Setting<'a> {
             options,
             candidates,
             pool,
-            sizes,
             guessed,
             ways,
         })
@@ -185,7 +181,7 @@ impl<'a> Setting<'a> {
                     options.starts = STARTS;
                     options.seed = self.options.seed;
                     options.bound = false;
-                    options.sizes = Some(self.sizes);
+                    options.size_factor = self.options.size_factor;
                     options.limits = false;
                     match select_candidates(&self.cell, *index, *count, &list, &options, control) {
                         Ok(found) => Some(found.chosen.iter().map(|p| pool[*p]).collect()),

@@ -165,8 +165,8 @@ fn noisier(cell: &Cell, factor: f64) -> Cell {
 
 fn expected_prediction(cell: &Cell, group: &PostureGroup) -> Option<f64> {
     // The index does not exist without noise.
-    let model = PredictionModel::of_cell(cell).ok()?;
-    model.value(&posture_terms(cell, &group.postures).ok()?.concat())
+    let model = PredictionModel::alike(cell, &cell.elastic_sizes().ok()?.0).ok()?;
+    model.value(&posture_terms(cell, &group.postures).ok()?)
 }
 
 /// Everything that the runs share.

@@ -151,7 +151,7 @@ impl Work {
     /// # Errors
     /// As [`work_of`].
     pub(super) fn new(cell: &Cell) -> Result<Self> {
-        let (work, springs) = (work_of(cell)?, terms(&springs(cell)));
+        let (work, springs) = (work_of(cell)?.swap_remove(0), terms(&springs(cell)));
         let robot = &cell.setup.robot;
         let tip = |terms: &PostureTerms| {
             let columns = terms.block_with(robot, &springs);

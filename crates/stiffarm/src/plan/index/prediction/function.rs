@@ -1,7 +1,7 @@
 //! The index `prediction` as a function of the postures, with its gradient.
 
 use super::motion::ArmMotion;
-use super::posterior::Posterior;
+use super::posterior::{Equations, Held, Posterior};
 use super::{PredictionModel, Rows};
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -12,74 +12,76 @@ use nalgebra::DMatrix;
 #[derive(Debug, Clone)]
 pub(crate) struct PredictionFunction {
     model: PredictionModel,
-    setup: Setup,
-    /// Terms of each free posture.
-    terms: Vec<PostureTerms>,
-    arms: Vec<ArmMotion>,
+    /// Terms of each free posture under each load.
+    terms: Vec<Vec<PostureTerms>>,
+    arms: Vec<Vec<ArmMotion>>,
     /// Rows of the given postures, then of the free ones.
     rows: Rows,
     /// Rows of the given postures.
     given: usize,
+    /// What is held beside one free posture, without given ones.
+    held: Option<Held>,
     /// Derivative of ln(index) by the rows, after an evaluation.
     adjoint: Option<DMatrix<f64>>,
 }
 
 impl PredictionFunction {
     /// # Errors
-    /// As [`PredictionModel::new`]; given angles of the wrong number or not finite.
+    /// As [`PredictionModel::of_cell`]; given angles of the wrong number or not finite.
     pub(crate) fn new<Q: AsRef<[f64]>>(cell: &Cell, count: usize, given: &[Q]) -> Result<Self> {
-        let model = PredictionModel::of_cell(cell)?;
-        let setup = cell.setup.clone();
+        let model = PredictionModel::of_cell(cell)?.condensed(cell)?;
+        let under_each = |q: &[f64]| -> Result<Vec<PostureTerms>> {
+            let under = |setup: &Setup| PostureTerms::new(setup, q, None);
+            model.cases.iter().map(under).collect()
+        };
         let mut blocks = Vec::with_capacity(given.len() + count);
         for q in given {
-            let terms = PostureTerms::new(&setup, q.as_ref(), None)?;
-            blocks.push(model.readings(&terms));
+            blocks.push(model.readings(&under_each(q.as_ref())?));
         }
-        let zero = vec![0.0; setup.robot.joint_count()];
-        let terms = vec![PostureTerms::new(&setup, &zero, None)?; count];
-        let arms: Vec<ArmMotion> = terms.iter().map(|terms| model.arm(terms)).collect();
+        let terms = under_each(&vec![0.0; cell.setup.robot.joint_count()])?;
         let per = model.rows_per_posture();
         blocks.extend((0..count).map(|_| DMatrix::zeros(per, model.unknowns())));
         Ok(PredictionFunction {
             rows: model.stacked(&blocks),
             given: per * given.len(),
+            arms: vec![model.arms(&terms); count],
+            terms: vec![terms; count],
             model,
-            setup,
-            terms,
-            arms,
+            held: None,
             adjoint: None,
         })
     }
 
-    /// Of `candidates` the one that is worth most beside the free postures `q` \[rad\] but the one at `at`; `None`
-    /// where the others do not determine every joint.
-    pub(crate) fn best_instead(
-        &mut self,
-        q: &[f64],
-        at: usize,
-        candidates: &[&[f64]],
-    ) -> Option<usize> {
-        if !self.place(q) {
-            return None;
-        }
-        let per = self.model.rows_per_posture();
-        let others = Rows {
-            all: self
-                .rows
-                .all
-                .clone()
-                .remove_rows(self.given + per * at, per),
-            fixed: self.rows.fixed,
+    /// The model.
+    pub(crate) fn model(&self) -> &PredictionModel {
+        &self.model
+    }
+
+    /// Readings at postures \[rad\] under each load, one below the other; `None` where a load has no direction.
+    pub(crate) fn readings(&self, postures: &[&[f64]]) -> Option<DMatrix<f64>> {
+        let under_each = |q: &&[f64]| {
+            let under = |setup| PostureTerms::new(setup, q, None).ok();
+            self.model
+                .cases
+                .iter()
+                .map(under)
+                .collect::<Option<Vec<_>>>()
         };
-        let mut terms = self.terms[at].clone();
-        let readings = |q: &&[f64]| {
-            terms.update(&self.setup, q).ok()?;
-            Some(self.model.readings(&terms))
-        };
-        let blocks: Option<Vec<DMatrix<f64>>> = candidates.iter().map(readings).collect();
-        let all = self.model.stacked(&blocks?);
-        let (gains, _) = Posterior::new(&others)?.gains(&all, per, self.model.targets())?;
-        (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b]))
+        let terms: Option<Vec<_>> = postures.iter().map(under_each).collect();
+        let each: Vec<_> = terms?.iter().map(|own| self.model.readings(own)).collect();
+        Some(self.model.stacked(&each).all)
+    }
+
+    /// Rows of the given postures.
+    pub(crate) fn given(&self) -> DMatrix<f64> {
+        self.rows.all.rows(0, self.given).into_owned()
+    }
+
+    /// Holds these readings beside the one free posture.
+    pub(crate) fn hold(&mut self, rows: [&DMatrix<f64>; 2]) {
+        let mut equations = Equations::new(self.model.unknowns(), self.rows.fixed);
+        rows.into_iter().for_each(|own| equations.add(own));
+        self.held = Held::new(&equations, self.model.targets());
     }
 
     /// ln of the index at the free postures `q` \[rad\], one after the other; infinite
@@ -89,7 +91,10 @@ impl PredictionFunction {
         if !self.place(q) {
             return f64::INFINITY;
         }
-        let error = Posterior::new(&self.rows).and_then(|found| found.error(self.model.targets()));
+        let error = match &self.held {
+            Some(held) => held.gain(&self.rows.all).map(|gain| held.error - gain),
+            None => Posterior::new(&self.rows).and_then(|own| own.error(self.model.targets())),
+        };
         error.map_or(f64::INFINITY, |error| 0.5 * error.ln())
     }
 
@@ -99,8 +104,14 @@ impl PredictionFunction {
         if !self.place(q) {
             return f64::INFINITY;
         }
-        let found = Posterior::new(&self.rows)
-            .and_then(|found| found.error_and_gradient(self.model.targets()));
+        let found = match &self.held {
+            Some(held) => {
+                let gained = held.gain_and_gradient(&self.rows.all);
+                gained.map(|(gain, by_rows)| (held.error - gain, -by_rows))
+            }
+            None => Posterior::new(&self.rows)
+                .and_then(|own| own.error_and_gradient(self.model.targets())),
+        };
         let Some((error, by_rows)) = found else {
             return f64::INFINITY;
         };
@@ -115,18 +126,21 @@ impl PredictionFunction {
         let Some(adjoint) = &self.adjoint else {
             return;
         };
-        let per = self.model.rows_per_posture();
-        let n = self.setup.robot.joint_count();
+        let robot = &self.model.cases[0].robot;
+        let n = robot.joint_count();
         let (mut by_theta, mut by_q) = (vec![0.0; n], vec![0.0; n]);
-        for (p, arm) in self.arms.iter().enumerate() {
+        let per = self.model.rows_per_load();
+        let mut from = self.given;
+        for (arms, out) in self.arms.iter().zip(gradient.chunks_exact_mut(n)) {
             by_theta.fill(0.0);
-            let own = adjoint.rows(self.given + per * p, per);
-            self.model
-                .add_gradient(arm, &own.into_owned(), &mut by_theta);
-            self.setup
-                .robot
-                .gradient_to_controller(&by_theta, &mut by_q);
-            for (sum, own) in gradient[p * n..(p + 1) * n].iter_mut().zip(&by_q) {
+            for (arm, setup) in arms.iter().zip(&self.model.cases) {
+                let own = adjoint.rows(from, per).into_owned();
+                self.model
+                    .add_gradient(arm, &setup.load, &own, &mut by_theta);
+                from += per;
+            }
+            robot.gradient_to_controller(&by_theta, &mut by_q);
+            for (sum, own) in out.iter_mut().zip(&by_q) {
                 *sum += own;
             }
         }
@@ -134,18 +148,23 @@ impl PredictionFunction {
 
     /// Moves the free postures; false where a load has no direction.
     fn place(&mut self, q: &[f64]) -> bool {
-        let n = self.setup.robot.joint_count();
-        let per = self.model.rows_per_posture();
+        let n = self.model.cases[0].robot.joint_count();
+        let per = self.model.rows_per_load();
+        let mut from = self.given;
         for (p, q) in q.chunks_exact(n).enumerate() {
-            if self.terms[p].update(&self.setup, q).is_err() {
-                return false;
+            for (c, setup) in self.model.cases.iter().enumerate() {
+                let terms = &mut self.terms[p][c];
+                if terms.update(setup, q).is_err() {
+                    return false;
+                }
+                let arm = ArmMotion::new(terms, &setup.load);
+                self.rows
+                    .all
+                    .rows_mut(from, per)
+                    .copy_from(&self.model.readings_of(&arm));
+                self.arms[p][c] = arm;
+                from += per;
             }
-            self.arms[p] = self.model.arm(&self.terms[p]);
-            let own = self.model.readings_of(&self.arms[p]);
-            self.rows
-                .all
-                .rows_mut(self.given + per * p, per)
-                .copy_from(&own);
         }
         true
     }

@@ -4,32 +4,33 @@
 //!
 //! I-optimality (Studden, Annals of Statistics 5, 1977, 411) of a Bayesian linear model
 //! (Chaloner & Verdinelli, Statistical Science 10, 1995, 273–304,
-//! doi:10.1214/ss/1177009939): joint compliances h of which nothing is known, entries u
-//! of general springs at joints and base that scatter as [`ElasticSizes`] says.
+//! doi:10.1214/ss/1177009939): joint compliances h of which nothing is known, and what
+//! gives way besides as [`Prior`] expects it, in the classes that `identify` fits.
 
 mod function;
 mod motion;
 mod posterior;
+mod prior;
 
 pub(crate) use function::PredictionFunction;
-pub(crate) use posterior::{Posterior, Rows};
+use posterior::Posterior;
+pub(crate) use posterior::{Equations, Held, Rows};
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, Task};
-use crate::model::elastic::{Effect, ElasticSizes, ElasticSource, effects};
-use crate::model::load::Load;
-use crate::model::measurement::Candidate;
+use crate::model::elastic::{ElasticSizes, ElasticSource};
+use crate::model::load::{Axes, Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
-use crate::model::robot::Robot;
 use crate::model::tool::Tool;
 use crate::numerics::information::{
     Stack, scale_columns, stacked, symmetric_eigen, whiten_posture,
 };
+use crate::numerics::streams::spread;
 use crate::plan::index::kinds::Index;
 use crate::plan::random::{StartKind, random_group};
 use motion::ArmMotion;
-use nalgebra::{DMatrix, Vector3};
-use std::borrow::Borrow;
+use nalgebra::{DMatrix, DVector, Vector3};
+use prior::Prior;
 
 /// Postures that stand for the work of a cell without tasks.
 const STATED: usize = 20;
@@ -37,6 +38,8 @@ const STATED: usize = 20;
 const STATED_DRAW: (u64, u64) = (1, 0x5747);
 /// Rows of readings that are kept as they are: their covariance is a matrix of as many rows and columns.
 const MOST_ROWS: usize = 1 << 10;
+/// Postures, within bounds alone, that show which effects can be told apart.
+const SAMPLES: u32 = 64;
 /// Directions of the flange in which the points move less than this share of the one in
 /// which they move most (squared) are not seen.
 const UNSEEN: f64 = 1e-13;
@@ -44,11 +47,9 @@ const UNSEEN: f64 = 1e-13;
 /// What the index `prediction` needs of a cell.
 #[derive(Debug, Clone)]
 pub(crate) struct PredictionModel {
-    robot: Robot,
-    loading_point: Vector3<f64>,
-    load: Load,
-    /// The random effects, with their standard deviations as scale.
-    effects: Vec<Effect>,
+    /// The cell's set-up under each of its loads.
+    cases: Vec<Setup>,
+    prior: Prior,
     /// Prior compliance of the springs, the unit of the fixed effects.
     units: Vec<f64>,
     /// From a motion of the flange to what the readings of a posture tell of it, over σ.
@@ -60,20 +61,14 @@ pub(crate) struct PredictionModel {
 }
 
 impl PredictionModel {
-    /// The model with the sizes that the cell declares, or that an arm like it may be
-    /// expected to have.
+    /// The model for deflections at the [work](work_of) of the cell.
     ///
     /// # Errors
-    /// As [`PredictionModel::new`].
+    /// No prior stiffness; no noise; no tasks where the load comes with measurements; no
+    /// posture inside the limits.
     pub(crate) fn of_cell(cell: &Cell) -> Result<Self> {
-        let (sizes, source) = cell.elastic_sizes()?;
-        Ok(PredictionModel::new(cell, &sizes)?.with_source(Some(source)))
-    }
-
-    /// The same with the place that its sizes come from.
-    pub(crate) fn with_source(mut self, source: Option<ElasticSource>) -> Self {
-        self.source = source;
-        self
+        let (prior, source) = Prior::of_cell(cell, 1.0)?;
+        PredictionModel::at_work(cell, prior, Some(source))
     }
 
     /// The same for those who look at `index` alone: `None` where that is another, or the
@@ -85,56 +80,64 @@ impl PredictionModel {
             .flatten()
     }
 
-    /// The model for deflections at the cell's tasks, or where it has none for those of
-    /// the measuring points at random postures inside its limits under its load.
+    /// The same where all entries scatter around zero with these sizes.
     ///
     /// # Errors
-    /// No prior stiffness; no noise; no tasks where the load comes with measurements; no
-    /// posture inside the limits.
-    pub(crate) fn new(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
-        let mut model = PredictionModel::without_targets(cell, sizes)?;
-        let targets: Vec<DMatrix<f64>> = work_of(cell)?
-            .iter()
-            .map(|(setup, terms)| at_point(&model.motions_in(setup, terms), &setup.tool.tcp()))
-            .collect();
+    /// As [`of_cell`](Self::of_cell).
+    pub(crate) fn alike(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
+        let prior = Prior::alike(&cell.setup.robot, sizes);
+        PredictionModel::at_work(cell, prior, None)
+    }
+
+    fn at_work(cell: &Cell, prior: Prior, source: Option<ElasticSource>) -> Result<Self> {
+        let mut model = PredictionModel::without_targets(cell, prior, source)?;
+        let work = work_of(cell)?;
+        let targets: Vec<Vec<DMatrix<f64>>> = work.iter().map(|own| model.at_tip(own)).collect();
         model.set_targets(&targets);
         Ok(model)
     }
 
-    /// The model for the deflections of the measuring points at `candidates`.
+    /// The same, or where the load comes with measurements for deflections at the cell's tasks, if it has any, and of the
+    /// measuring points at `candidates`; what gives way beyond the axes is `factor` times as large as expected.
     ///
     /// # Errors
-    /// No prior stiffness; no noise; as [`PostureTerms::new`].
+    /// As [`of_cell`](Self::of_cell).
     pub(crate) fn at_candidates(
         cell: &Cell,
-        sizes: &ElasticSizes,
-        candidates: &[Candidate],
+        factor: f64,
+        candidates: &[Vec<PostureTerms>],
     ) -> Result<Self> {
-        let mut model = PredictionModel::without_targets(cell, sizes)?;
-        let setup = &cell.setup;
-        let mut targets = Vec::new();
-        for candidate in candidates {
-            let motions = model.motions_in(setup, &candidate.terms(setup)?);
-            for point in &setup.tool.measuring_points {
-                targets.push(at_point(&motions, &point.position));
+        let (prior, source) = Prior::of_cell(cell, factor)?;
+        if cell.setup.load != Load::Measured {
+            return PredictionModel::at_work(cell, prior, Some(source));
+        }
+        let mut model = PredictionModel::without_targets(cell, prior, Some(source))?;
+        let mut of_points = Vec::new();
+        for terms in candidates.iter().flatten() {
+            let motions = model.motions(&ArmMotion::new(terms, &Load::Measured));
+            for point in &cell.setup.tool.measuring_points {
+                of_points.push(at_point(&motions, &point.position));
             }
+        }
+        let mut targets = vec![of_points];
+        if !cell.tasks.is_empty() {
+            targets.push(model.at_tip(&tasks_of(cell)?));
         }
         model.set_targets(&targets);
         Ok(model)
     }
 
-    /// What is said where a cell has several load cases.
-    pub(crate) fn several_loads() -> Error {
-        let message = "The index prediction counts one load per posture, and the cell has several load cases.";
-        Error::new(Code::Unsupported, message)
-            .key("load.case")
-            .hint("choose another index, such as expected_error, or put one of the loads alone into [load]")
+    /// Shifts of the tip there.
+    fn at_tip(&self, work: &[(Setup, PostureTerms)]) -> Vec<DMatrix<f64>> {
+        let each = work.iter();
+        each.map(|(setup, terms)| {
+            let arm = ArmMotion::new(terms, &setup.load);
+            at_point(&self.motions(&arm), &setup.tool.tcp())
+        })
+        .collect()
     }
 
-    fn without_targets(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
-        if cell.setup.load.has_cases() {
-            return Err(PredictionModel::several_loads());
-        }
+    fn without_targets(cell: &Cell, prior: Prior, source: Option<ElasticSource>) -> Result<Self> {
         let std = cell.noise.displacement_std();
         if std <= 0.0 {
             return Err(Error::invalid(
@@ -142,55 +145,97 @@ impl PredictionModel {
             )
             .key("noise.variance_mm2"));
         }
-        let prior = cell.require_prior()?;
-        let (robot, tool) = (&cell.setup.robot, &cell.setup.tool);
-        let mut all = effects(robot.joint_count());
-        for effect in &mut all {
-            effect.scale *= sizes.of(effect.class);
-        }
-        let units: Vec<f64> = prior.iter().map(|k| 1.0 / k).collect();
-        let unknowns = units.len() + all.len();
+        let units: Vec<f64> = cell.require_prior()?.iter().map(|k| 1.0 / k).collect();
+        let tool = &cell.setup.tool;
         Ok(PredictionModel {
             readings: seen(tool, cell.noise.common_weight(tool.point_count()))? / std,
-            robot: robot.clone(),
-            loading_point: tool.loading_point,
-            load: cell.setup.load.clone(),
-            effects: all,
+            cases: cell.setup.cases(),
             targets: Rows {
-                all: DMatrix::zeros(0, unknowns),
+                all: DMatrix::zeros(0, units.len() + prior.root.ncols()),
                 fixed: units.len(),
             },
+            prior,
             units,
-            source: None,
+            source,
         })
     }
 
-    fn set_targets(&mut self, targets: &[DMatrix<f64>]) {
-        let share = 1.0 / (targets.len() as f64).sqrt();
-        self.targets = self.stacked(targets);
-        self.targets.all *= share;
+    /// Each kind of work has the same share in the mean square.
+    fn set_targets(&mut self, kinds: &[Vec<DMatrix<f64>>]) {
+        let each: Vec<DMatrix<f64>> = kinds
+            .iter()
+            .flat_map(|kind| {
+                let share = 1.0 / ((kinds.len() * kind.len()) as f64).sqrt();
+                kind.iter().map(move |rows| rows * share)
+            })
+            .collect();
+        self.targets = self.stacked(&each);
+    }
+
+    /// The same for searches: effects that neither readings under the cell's loads nor what is to be predicted can tell
+    /// apart are one effect, and so are deflections that go together.
+    ///
+    /// # Errors
+    /// Eigenvalues that do not converge.
+    pub(crate) fn condensed(mut self, cell: &Cell) -> Result<Self> {
+        let fixed = self.units.len();
+        let random = self.prior.root.ncols();
+        let mut gram = DMatrix::zeros(random, random);
+        let mut add = |rows: &DMatrix<f64>| {
+            let own = rows.columns(fixed, random);
+            // One scale for all: what counts is what is seen at all.
+            let scale = own.norm_squared();
+            if scale > 0.0 {
+                gram.gemm_tr(1.0 / scale, &own, &own, 1.0);
+            }
+        };
+        add(&self.targets.all);
+        for i in 0..SAMPLES {
+            let q = spread(&cell.bounds, i);
+            let each = self.cases.iter().map(|s| PostureTerms::new(s, &q, None));
+            each.flatten()
+                .for_each(|terms| add(&self.readings(&[terms])));
+        }
+        let (values, vectors) = eigen(gram)?;
+        let kept: Vec<usize> = (0..random)
+            .filter(|i| values[*i] > UNSEEN * values.max())
+            .collect();
+        let seen = vectors.select_columns(&kept);
+        self.prior.root *= &seen;
+        let targets = &self.targets.all;
+        let mut rows = DMatrix::zeros(targets.nrows(), fixed + kept.len());
+        rows.columns_mut(0, fixed)
+            .copy_from(&targets.columns(0, fixed));
+        rows.columns_mut(fixed, kept.len())
+            .copy_from(&(targets.columns(fixed, random) * seen));
+        if rows.nrows() > rows.ncols() {
+            rows = rows.qr().r();
+        }
+        self.targets.all = rows;
+        Ok(self)
     }
 
     /// The motion of the flange by every unknown in its unit, 6 × unknowns.
     fn motions(&self, arm: &ArmMotion) -> DMatrix<f64> {
-        let mut out = arm.columns(&self.robot, &self.effects);
+        let columns = arm.columns(&self.cases[0].robot, &self.prior.entries);
+        let fixed = self.units.len();
+        let mut out = DMatrix::zeros(6, self.unknowns());
+        out.columns_mut(0, fixed)
+            .copy_from(&columns.columns(0, fixed));
         scale_columns(&mut out, self.units.iter().copied());
+        let entries = columns.columns(fixed, columns.ncols() - fixed);
+        out.columns_mut(fixed, self.prior.root.ncols())
+            .gemm(1.0, &entries, &self.prior.root, 0.0);
         out
     }
 
-    /// The same where the arm has another tool or load.
-    fn motions_in(&self, setup: &Setup, terms: &PostureTerms) -> DMatrix<f64> {
-        let arm = ArmMotion::new(terms, &setup.tool.loading_point, &setup.load);
-        self.motions(&arm)
-    }
-
-    /// What the readings at a posture tell: rows over σ.
-    pub(crate) fn readings(&self, terms: &PostureTerms) -> DMatrix<f64> {
-        self.readings_of(&self.arm(terms))
-    }
-
-    fn arm(&self, terms: &PostureTerms) -> ArmMotion {
-        ArmMotion::new(terms, &self.loading_point, &self.load)
+    /// What the readings at a posture tell, under the load of each of `terms`: rows over σ.
+    pub(crate) fn readings(&self, terms: &[PostureTerms]) -> DMatrix<f64> {
+        let each: Vec<DMatrix<f64>> = terms
+            .iter()
+            .map(|own| self.readings_of(&ArmMotion::new(own, &Load::Measured)))
+            .collect();
+        stacked(&each, self.unknowns())
     }
 
     fn readings_of(&self, arm: &ArmMotion) -> DMatrix<f64> {
@@ -198,17 +243,28 @@ impl PredictionModel {
     }
 
     /// Adds the derivatives by the serial joint angles of a function whose derivative by
-    /// the readings' rows at a posture is `adjoint`.
-    fn add_gradient(&self, arm: &ArmMotion, adjoint: &DMatrix<f64>, gradient: &mut [f64]) {
-        let mut by_motions = self.readings.tr_mul(adjoint);
-        scale_columns(&mut by_motions, self.units.iter().copied());
-        arm.add_gradient(
-            &self.robot,
-            &self.load,
-            &self.effects,
-            &by_motions,
-            gradient,
-        );
+    /// the readings' rows at a posture under one load is `adjoint`.
+    fn add_gradient(
+        &self,
+        arm: &ArmMotion,
+        load: &Load,
+        adjoint: &DMatrix<f64>,
+        gradient: &mut [f64],
+    ) {
+        let by_motions = self.readings.tr_mul(adjoint);
+        let fixed = self.units.len();
+        let entries = self.prior.entries.len();
+        let mut by_columns = DMatrix::zeros(6, fixed + entries);
+        by_columns
+            .columns_mut(0, fixed)
+            .copy_from(&by_motions.columns(0, fixed));
+        scale_columns(&mut by_columns, self.units.iter().copied());
+        let by_effects = by_motions.columns(fixed, by_motions.ncols() - fixed);
+        by_columns
+            .columns_mut(fixed, entries)
+            .copy_from(&(by_effects * self.prior.root.transpose()));
+        let robot = &self.cases[0].robot;
+        arm.add_gradient(robot, load, &self.prior.entries, &by_columns, gradient);
     }
 
     /// Number of unknowns, fixed and random.
@@ -216,9 +272,21 @@ impl PredictionModel {
         self.targets.all.ncols()
     }
 
-    /// Rows that the readings of one posture give.
-    pub(crate) fn rows_per_posture(&self) -> usize {
+    /// Rows that the readings of one posture under one load give.
+    pub(crate) fn rows_per_load(&self) -> usize {
         self.readings.nrows()
+    }
+
+    /// Rows that the readings of one posture under all loads of the cell give.
+    pub(crate) fn rows_per_posture(&self) -> usize {
+        self.rows_per_load() * self.cases.len()
+    }
+
+    /// The arm at one posture under each load of the cell.
+    fn arms(&self, terms: &[PostureTerms]) -> Vec<ArmMotion> {
+        let each = terms.iter().zip(&self.cases);
+        each.map(|(terms, setup)| ArmMotion::new(terms, &setup.load))
+            .collect()
     }
 
     /// Rows of several postures, one below the other.
@@ -239,12 +307,12 @@ impl PredictionModel {
         &self.targets
     }
 
-    /// RMS error of the predicted deflections after `postures` were measured \[m\];
-    /// `None` where they do not determine every joint.
-    pub(crate) fn value<T: Borrow<PostureTerms>>(&self, postures: &[T]) -> Option<f64> {
+    /// RMS error of the predicted deflections after `postures` were measured \[m\], each under the load of each of its
+    /// terms; `None` where they do not determine every joint.
+    pub(crate) fn value<T: AsRef<[PostureTerms]>>(&self, postures: &[T]) -> Option<f64> {
         let mut stack = self.stack();
         for terms in postures {
-            stack.push(self.readings(terms.borrow()));
+            stack.push(self.readings(terms.as_ref()));
         }
         self.value_of(stack)
     }
@@ -265,18 +333,22 @@ impl PredictionModel {
     }
 }
 
-/// Where deflections of the first measuring point are to be predicted, and under which
-/// load: at the cell's tasks, or where it has none at random postures inside its limits,
-/// always the same, under its load.
+/// Where deflections of the tip are to be predicted, and under which load: at the cell's tasks if it has any, and
+/// anywhere, which few tasks say nothing of: at random postures inside its limits, always the same, under forces as large
+/// as its load's along each axis at the first measuring point, which together stand for all directions (under a load
+/// without a force as it is).
 ///
 /// # Errors
 /// No tasks where the load comes with measurements; no posture inside the limits.
-pub(crate) fn work_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
+pub(crate) fn work_of(cell: &Cell) -> Result<Vec<Vec<(Setup, PostureTerms)>>> {
+    let mut work = Vec::new();
     if !cell.tasks.is_empty() {
-        let at_task = |task: &Task| task.terms(&cell.setup.robot);
-        return cell.tasks.iter().map(at_task).collect();
+        work.push(tasks_of(cell)?);
     }
-    if cell.setup.load == Load::Measured {
+    if cell.setup.load != Load::Measured {
+        work.push(anywhere(cell)?);
+    }
+    if work.is_empty() {
         return Err(Error::new(
             Code::MissingKey,
             "The load comes with the measurements, and the cell has no tasks: there is no deflection to predict.",
@@ -284,13 +356,43 @@ pub(crate) fn work_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
         .key("task")
         .hint("add [[task]] with q_deg and force_n, once per posture of your work, or choose from --candidates"));
     }
+    Ok(work)
+}
+
+fn tasks_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
+    let at_task = |task: &Task| task.terms(&cell.setup.robot);
+    cell.tasks.iter().map(at_task).collect()
+}
+
+fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
+    let cases = cell.setup.cases();
     let (seed, stream) = STATED_DRAW;
-    let stated = random_group(cell, StartKind::Uniform, STATED, seed, stream)?;
-    let under_load = |q: Vec<f64>| {
-        let terms = PostureTerms::new(&cell.setup, &q, None)?;
-        Ok((cell.setup.clone(), terms))
-    };
-    stated.into_iter().map(under_load).collect()
+    let mut work = Vec::new();
+    for q in random_group(cell, StartKind::Uniform, STATED, seed, stream)? {
+        let loaded: Vec<PostureTerms> = cases
+            .iter()
+            .map(|setup| PostureTerms::new(setup, &q, None))
+            .collect::<Result<_>>()?;
+        let sizes = loaded.iter().map(|terms| terms.wrench().force.norm());
+        let size = sizes.fold(0.0, f64::max);
+        if size <= 0.0 {
+            work.extend(cases.iter().cloned().zip(loaded));
+            continue;
+        }
+        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
+            let task = Task {
+                name: String::new(),
+                q: q.clone(),
+                wrench: Wrench::force(axis * size),
+                axes: Axes::Base,
+                tip: cell.setup.tool.tcp(),
+            };
+            let setup = task.setup(&cell.setup.robot);
+            let terms = PostureTerms::new(&setup, &q, None)?;
+            work.push((setup, terms));
+        }
+    }
+    Ok(work)
 }
 
 /// The shift of a point of the flange \[m\] in flange axes, 3 × unknowns.
@@ -316,15 +418,17 @@ fn seen(tool: &Tool, common_weight: f64) -> Result<DMatrix<f64>> {
     let points: Vec<_> = tool.measuring_points.iter().map(|p| p.position).collect();
     let mut rows = point_rows(&points);
     whiten_posture(&mut rows, common_weight);
-    let (values, vectors) = symmetric_eigen(rows.tr_mul(&rows)).ok_or_else(|| {
-        Error::new(
-            Code::Numerical,
-            "The eigenvalues of the measuring points did not converge.",
-        )
-    })?;
+    let (values, vectors) = eigen(rows.tr_mul(&rows))?;
     let most = values.max();
     let kept: Vec<usize> = (0..6).filter(|i| values[*i] > UNSEEN * most).collect();
     Ok(DMatrix::from_fn(kept.len(), 6, |i, j| {
         vectors[(j, kept[i])] * values[kept[i]].sqrt()
     }))
+}
+
+fn eigen(matrix: DMatrix<f64>) -> Result<(DVector<f64>, DMatrix<f64>)> {
+    symmetric_eigen(matrix).ok_or_else(|| {
+        let message = "The eigenvalues of the model behind the index prediction did not converge.";
+        Error::new(Code::Numerical, message)
+    })
 }

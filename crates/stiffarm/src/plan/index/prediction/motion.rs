@@ -30,8 +30,8 @@ pub(crate) struct ArmMotion {
 }
 
 impl ArmMotion {
-    /// The arm with the wrench of `terms` at the point `loading_point` of the flange \[m\].
-    pub(crate) fn new(terms: &PostureTerms, loading_point: &Vector3<f64>, load: &Load) -> Self {
+    /// The arm with the wrench of `terms`, which `load` gives.
+    pub(crate) fn new(terms: &PostureTerms, load: &Load) -> Self {
         let frames = terms.frames();
         let flange = frames.flange();
         let inverse = flange.rotation.inverse().to_rotation_matrix();
@@ -47,6 +47,8 @@ impl ArmMotion {
             .iter()
             .map(|a| a.column(5).into_owned())
             .collect();
+        let in_flange = |point: &Vector3<f64>| inverse * (point - flange.translation.vector);
+        let loading_point = in_flange(terms.loading_point());
         let stated = terms.wrench();
         let (force, moment) = (inverse * stated.force, inverse * stated.moment);
         let moment = moment + loading_point.cross(&force);
@@ -54,9 +56,9 @@ impl ArmMotion {
             transforms,
             joints,
             wrench: stack(&force, &moment),
-            loading_point: *loading_point,
+            loading_point,
             anchor: match load {
-                Load::Rope { anchor, .. } => Some(inverse * (anchor - flange.translation.vector)),
+                Load::Rope { anchor, .. } => Some(in_flange(anchor)),
                 _ => None,
             },
         }

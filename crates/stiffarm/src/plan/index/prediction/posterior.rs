@@ -11,9 +11,10 @@
 //! 1962, 369–375, doi:10.1080/01621459.1962.10480665). It equals tr(T A⁻¹Tᵀ) with
 //! A = XᵀX + diag(0, I), the matrix of the mixed-model equations.
 
-use crate::numerics::information::Factor;
+use crate::numerics::information::{Factor, symmetric_eigen};
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DMatrixView, Dyn};
+use std::ops::Range;
 
 /// Rows with their fixed effects first.
 #[derive(Debug, Clone)]
@@ -99,24 +100,6 @@ impl<'a> Posterior<'a> {
             .copy_from(&(b * rest * 2.0));
         Some((error, out))
     }
-
-    /// What each candidate, `per` rows of `all`, would take from the mean square error of `targets`, and the error
-    /// without any: with P the covariance of what its readings and the targets leave open, ‖(P_cc + I)^(−1/2) P_ct‖².
-    pub(crate) fn gains(&self, all: &Rows, per: usize, targets: &Rows) -> Option<(Vec<f64>, f64)> {
-        let predicted = self.open(targets)?;
-        let open = self.open(all)?;
-        let cross = open.covariance(&predicted);
-        let gains = (0..all.all.nrows() / per).map(|c| {
-            let own = open.own(per * c, per);
-            let factor = Cholesky::new(own + DMatrix::identity(per, per))?;
-            let mut seen = cross.rows(per * c, per).into_owned();
-            factor
-                .l_dirty()
-                .solve_lower_triangular_mut(&mut seen)
-                .then(|| seen.norm_squared())
-        });
-        Some((gains.collect::<Option<Vec<f64>>>()?, predicted.variance()))
-    }
 }
 
 /// What the readings of a group leave open of further rows: their covariance is
@@ -135,19 +118,119 @@ impl Open<'_> {
         let prior = self.rows.u().norm_squared();
         (prior - self.c.norm_squared()).max(0.0) + self.d.norm_squared()
     }
+}
 
-    /// Covariance with what is left open of other rows.
-    pub(crate) fn covariance(&self, other: &Open<'_>) -> DMatrix<f64> {
-        let prior = self.rows.u() * other.rows.u().transpose();
-        prior - self.c.tr_mul(&other.c) + &self.d * other.d.transpose()
+/// The mixed-model equations of a group, of as many rows as there are unknowns, however many readings it has.
+#[derive(Debug, Clone)]
+pub(crate) struct Equations {
+    /// A = XᵀX + diag(0, I).
+    a: DMatrix<f64>,
+    fixed: usize,
+}
+
+/// Relative standard deviation of a compliance of which nothing is known, where a group leaves some open.
+const NOTHING_KNOWN: f64 = 100.0;
+/// What the other unknowns leave of the information about a fixed effect, below which it is not determined.
+const DETERMINED: f64 = 1e-10;
+
+impl Equations {
+    /// Of no readings at all.
+    pub(crate) fn new(unknowns: usize, fixed: usize) -> Self {
+        let a = DMatrix::from_fn(unknowns, unknowns, |i, j| {
+            f64::from(u8::from(i == j && i >= fixed))
+        });
+        Equations { a, fixed }
     }
 
-    /// Covariance of `count` rows from `start` among themselves.
-    pub(crate) fn own(&self, start: usize, count: usize) -> DMatrix<f64> {
-        let all = self.rows.u();
-        let u = all.rows(start, count);
-        let c = self.c.columns(start, count);
-        let d = self.d.rows(start, count);
-        u * u.transpose() - c.tr_mul(&c) + d * d.transpose()
+    /// Adds readings.
+    pub(crate) fn add(&mut self, rows: &DMatrix<f64>) {
+        self.a.gemm_tr(1.0, rows, rows, 1.0);
+    }
+
+    /// A⁻¹. Where the group does not determine every fixed effect, next to nothing stands in for what is known of them.
+    fn inverse(&self) -> Option<DMatrix<f64>> {
+        let fixed = self.fixed;
+        let random = self.a.ncols() - fixed;
+        let others = Cholesky::new(self.a.view((fixed, fixed), (random, random)).into_owned())?;
+        let cross = self.a.view((fixed, 0), (random, fixed));
+        let seen = others.l_dirty().solve_lower_triangular(&cross)?;
+        let own = self.a.view((0, 0), (fixed, fixed));
+        let left = own - seen.tr_mul(&seen);
+        let scale = own.diagonal().map(|d| if d > 0.0 { d.sqrt() } else { 1.0 });
+        let scaled = DMatrix::from_fn(fixed, fixed, |i, j| left[(i, j)] / (scale[i] * scale[j]));
+        let least = symmetric_eigen(scaled)?.0.min();
+        let mut a = self.a.clone();
+        if least < DETERMINED {
+            for i in 0..fixed {
+                a[(i, i)] += NOTHING_KNOWN.powi(-2);
+            }
+        }
+        Some(Cholesky::new(a)?.inverse())
+    }
+}
+
+/// What is open under a group, for the question what one more posture would take from it.
+#[derive(Debug, Clone)]
+pub(crate) struct Held {
+    /// A⁻¹.
+    inverse: DMatrix<f64>,
+    /// A⁻¹Tᵀ.
+    with: DMatrix<f64>,
+    /// tr(T A⁻¹Tᵀ), the mean square error.
+    pub(crate) error: f64,
+}
+
+impl Held {
+    /// `None` where the equations have no solution.
+    pub(crate) fn new(equations: &Equations, targets: &Rows) -> Option<Self> {
+        let inverse = equations.inverse()?;
+        let with = &inverse * targets.all.transpose();
+        let error = targets.all.transpose().dot(&with);
+        Some(Held {
+            inverse,
+            with,
+            error,
+        })
+    }
+
+    /// X A⁻¹Tᵀ of readings: the squares of a row are the derivative of the error by its weight, with the other sign.
+    pub(crate) fn seen(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        x * &self.with
+    }
+
+    /// What the readings `x` would take: ‖(I + X A⁻¹Xᵀ)^(−1/2) Y‖² with Y = X A⁻¹Tᵀ.
+    pub(crate) fn gain(&self, x: &DMatrix<f64>) -> Option<f64> {
+        Held::taken(&(x * &self.inverse), x, x * &self.with)
+    }
+
+    /// The same of each candidate, the rows of `all` in `of`.
+    pub(crate) fn gains(&self, all: &DMatrix<f64>, of: &[Range<usize>]) -> Option<Vec<f64>> {
+        let (moved, seen) = (all * &self.inverse, all * &self.with);
+        let gain = |rows: &Range<usize>| {
+            let (start, count) = (rows.start, rows.len());
+            let own = moved.rows(start, count).into_owned();
+            let seen = seen.rows(start, count).into_owned();
+            Held::taken(&own, &all.rows(start, count).into_owned(), seen)
+        };
+        of.iter().map(gain).collect()
+    }
+
+    /// From X A⁻¹, X and Y.
+    fn taken(moved: &DMatrix<f64>, x: &DMatrix<f64>, mut seen: DMatrix<f64>) -> Option<f64> {
+        let own = moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
+        let solved = Cholesky::new(own)?
+            .l_dirty()
+            .solve_lower_triangular_mut(&mut seen);
+        solved.then(|| seen.norm_squared())
+    }
+
+    /// The gain with its derivative by x: with M = (I + X A⁻¹Xᵀ)⁻¹ it is 2 M Y (A⁻¹Tᵀ)ᵀ − 2 M Y YᵀM X A⁻¹.
+    pub(crate) fn gain_and_gradient(&self, x: &DMatrix<f64>) -> Option<(f64, DMatrix<f64>)> {
+        let (moved, seen) = (x * &self.inverse, x * &self.with);
+        let own = &moved * x.transpose() + DMatrix::identity(x.nrows(), x.nrows());
+        let solved = Cholesky::new(own)?.solve(&seen);
+        let mut by = &solved * self.with.transpose();
+        by -= (&solved * solved.transpose()) * moved;
+        Some((solved.dot(&seen), by * 2.0))
     }
 }

@@ -9,10 +9,9 @@ use crate::numerics::information::{posture_information, small::packed};
 use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
 use crate::plan::index::inputs::{Inputs, criterion, log_factor};
-use crate::plan::index::prediction::{Posterior, PredictionModel, Rows};
 use crate::plan::select::exchange::Judge;
+use crate::plan::select::predicting::PredictionJudge;
 use nalgebra::DMatrix;
-use nalgebra::linalg::Cholesky;
 
 /// What branch and bound needs beside the judgement.
 pub(super) trait Bounded: Judge + Clone + Send + Sync {
@@ -197,83 +196,9 @@ impl Bounded for InformationJudge {
     }
 }
 
-/// The index `prediction`.
-#[derive(Clone)]
-pub(super) struct PredictionJudge {
-    model: PredictionModel,
-    /// Rows of all candidates, one below the other.
-    all: Rows,
-    held: Vec<usize>,
-    /// Where those held determine every joint: what each candidate would take from the
-    /// error, and the error without any.
-    gains: Option<(Vec<f64>, f64)>,
-}
-
-impl PredictionJudge {
-    pub(super) fn new(model: PredictionModel, terms: &[PostureTerms]) -> Self {
-        let each: Vec<DMatrix<f64>> = terms.iter().map(|own| model.readings(own)).collect();
-        PredictionJudge {
-            all: model.stacked(&each),
-            model,
-            held: Vec::new(),
-            gains: None,
-        }
-    }
-
-    fn rows_of(&self, group: &[usize]) -> Rows {
-        let per = self.model.rows_per_posture();
-        let wanted: Vec<usize> = group.iter().flat_map(|p| per * p..per * (p + 1)).collect();
-        Rows {
-            all: self.all.all.select_rows(&wanted),
-            fixed: self.all.fixed,
-        }
-    }
-}
-
-impl Judge for PredictionJudge {
-    fn hold(&mut self, rest: &[usize]) {
-        self.held = rest.to_vec();
-        let rows = self.rows_of(rest);
-        let per = self.model.rows_per_posture();
-        let posterior = Posterior::new(&rows);
-        self.gains = posterior.and_then(|p| p.gains(&self.all, per, self.model.targets()));
-    }
-
-    fn with(&mut self, candidate: usize) -> f64 {
-        let error = match &self.gains {
-            Some((gains, error)) => Some((error - gains[candidate]).max(0.0)),
-            None => {
-                let mut group = self.held.clone();
-                group.push(candidate);
-                let rows = self.rows_of(&group);
-                Posterior::new(&rows).and_then(|found| found.error(self.model.targets()))
-            }
-        };
-        error.map_or(f64::INFINITY, |error| 0.5 * error.ln())
-    }
-}
-
 impl Bounded for PredictionJudge {
     fn tangent(&mut self, weights: &[f64]) -> Option<Tangent> {
-        // A = Σ w XᵀX + diag(0, I), the matrix of the mixed-model equations.
-        let unknowns = self.all.all.ncols();
-        let per = self.model.rows_per_posture();
-        let mut rows = self.all.all.clone();
-        for (c, weight) in weights.iter().enumerate() {
-            rows.rows_mut(per * c, per).scale_mut(weight.sqrt());
-        }
-        let mut a = rows.tr_mul(&rows);
-        for i in self.all.fixed..unknowns {
-            a[(i, i)] += 1.0;
-        }
-        let targets = self.model.targets();
-        let y = Cholesky::new(a)?.solve(&targets.all.transpose());
-        let value = (0..targets.all.nrows())
-            .map(|t| targets.all.row(t).transpose().dot(&y.column(t)))
-            .sum();
-        let scores = (0..weights.len())
-            .map(|c| (self.all.all.rows(per * c, per) * &y).norm_squared())
-            .collect();
+        let (value, scores) = self.weighted(weights)?;
         Some(Tangent::new(value, weights, scores, None, 0.0))
     }
 

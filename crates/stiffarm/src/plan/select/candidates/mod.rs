@@ -12,7 +12,6 @@ mod tangent;
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
-use crate::model::elastic::ElasticSizes;
 use crate::model::measurement::Candidate;
 use crate::model::observation::PostureTerms;
 use crate::numerics::control::{Control, Termination};
@@ -23,8 +22,9 @@ use crate::plan::index::evaluate_terms;
 use crate::plan::index::prediction::PredictionModel;
 use crate::plan::index::{GroupEvaluation, Index};
 use crate::plan::select::exchange::Exchange;
+use crate::plan::select::predicting::PredictionJudge;
 use exact::{Found, branch_and_bound};
-use judge::{Bounded, InformationJudge, PredictionJudge};
+use judge::{Bounded, InformationJudge};
 use rand::seq::index::sample;
 use serde::{Deserialize, Serialize};
 use tangent::{Tangent, moved};
@@ -49,9 +49,8 @@ pub struct CandidateOptions {
     pub groups: Option<u64>,
     /// False to stop after the exchange, without a bound.
     pub bound: bool,
-    /// Sizes for the index `prediction`; `None` takes those of
-    /// [`Cell::elastic_sizes`](crate::model::cell::Cell::elastic_sizes).
-    pub sizes: Option<ElasticSizes>,
+    /// How many times as large as expected the index `prediction` takes what gives way beyond the axes.
+    pub size_factor: f64,
     /// False to take candidates whatever the bounds and limits of the cell, for postures that
     /// were measured already.
     pub limits: bool,
@@ -64,7 +63,7 @@ impl Default for CandidateOptions {
             seed: 1,
             groups: None,
             bound: true,
-            sizes: None,
+            size_factor: 1.0,
             limits: true,
         }
     }
@@ -170,7 +169,10 @@ pub fn select_candidates(
         .iter()
         .map(|candidate| candidate.states(&cell.setup))
         .collect::<Result<Vec<_>>>()?;
-    let model = match (index, prediction_model(cell, &candidates, options)) {
+    let model = match (
+        index,
+        PredictionModel::at_candidates(cell, options.size_factor, &terms),
+    ) {
         (Index::Prediction, model) => Some(model?),
         // Shown beside the others where the cell has what it needs.
         (_, model) => model.ok(),
@@ -183,7 +185,8 @@ pub fn select_candidates(
     };
     let found = match &model {
         Some(model) if index == Index::Prediction => {
-            search.run(PredictionJudge::new(model.clone(), &alone(&terms)?))?
+            let each: Vec<_> = terms.iter().map(|own| model.readings(own)).collect();
+            search.run(PredictionJudge::new(model, &each, None))?
         }
         _ => search.run(InformationJudge::new(cell, index, &terms)?)?,
     };
@@ -260,35 +263,6 @@ fn too_few(count: usize, candidates: &[Candidate], forbidden: &[ForbiddenCandida
     }
     Error::new(Code::TooFewData, message)
         .hint("give more candidates, ask for fewer postures, or relax [bounds] and [limits]")
-}
-
-/// The terms of candidates that are under one load each.
-fn alone(terms: &[Vec<PostureTerms>]) -> Result<Vec<PostureTerms>> {
-    let single = |own: &Vec<PostureTerms>| match &own[..] {
-        [terms] => Ok(terms.clone()),
-        _ => Err(PredictionModel::several_loads()),
-    };
-    terms.iter().map(single).collect()
-}
-
-fn prediction_model(
-    cell: &Cell,
-    candidates: &[Candidate],
-    options: &CandidateOptions,
-) -> Result<PredictionModel> {
-    let (sizes, source) = match options.sizes {
-        Some(sizes) => (sizes, None),
-        None => {
-            let (sizes, source) = cell.elastic_sizes()?;
-            (sizes, Some(source))
-        }
-    };
-    let model = if cell.tasks.is_empty() {
-        PredictionModel::at_candidates(cell, &sizes, candidates)?
-    } else {
-        PredictionModel::new(cell, &sizes)?
-    };
-    Ok(model.with_source(source))
 }
 
 struct Search<'a> {

@@ -9,6 +9,8 @@ use crate::numerics::control::Control;
 use crate::plan::index::Index;
 use crate::plan::index::criterion::Criterion;
 use crate::plan::select::exchange::Exchange;
+use crate::plan::select::predicting::PredictionJudge;
+use nalgebra::DMatrix;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
@@ -21,6 +23,10 @@ const NEAR: f64 = 0.01;
 /// Largest shift of an angle when postures are shaken \[rad\].
 const SHAKE: f64 = 0.5;
 
+/// Sweeps over the postures of a group, one after the other, and the gain in ln(index) for which there is another.
+const SWEEPS: usize = 6;
+const WORTH_A_SWEEP: f64 = 3e-3;
+
 /// A few passes are enough for a start.
 const ROUGH: Exchange<'_> = Exchange {
     passes: 4,
@@ -29,13 +35,31 @@ const ROUGH: Exchange<'_> = Exchange {
     stop: &|| false,
 };
 
+/// Under the index prediction they are the start: no posture twice.
+const APART: Exchange<'_> = Exchange {
+    passes: 8,
+    repeats: false,
+    ..ROUGH
+};
+
+/// What the index prediction needs.
+#[derive(Debug, Clone)]
+struct Predicting {
+    judge: PredictionJudge,
+    /// The search for one posture beside others.
+    single: Local,
+    /// Readings of the given postures.
+    given: DMatrix<f64>,
+}
+
 /// A chain with its incumbent.
 #[derive(Debug, Clone)]
 pub(super) struct Chain {
     pub local: Local,
     criterion: Criterion,
     base: Base,
-    index: Index,
+    /// Under the index prediction alone.
+    predicting: Option<Predicting>,
     joints: usize,
     count: usize,
     /// Where the chain is now.
@@ -46,14 +70,27 @@ pub(super) struct Chain {
 }
 
 impl Chain {
-    pub fn new(local: Local, criterion: Criterion, index: Index, joints: usize) -> Self {
+    pub fn new(
+        local: Local,
+        single: Option<Local>,
+        criterion: Criterion,
+        index: Index,
+        joints: usize,
+        pool: &Pool,
+    ) -> Self {
         let base = Base::new(index, local.given(), criterion.triangle());
+        let predicting = local.prediction().zip(single);
+        let predicting = predicting.map(|(own, single)| Predicting {
+            judge: pool.judge(own, local.known()),
+            given: own.given(),
+            single,
+        });
         let count = local.angle_count() / joints;
         Chain {
             local,
             criterion,
             base,
-            index,
+            predicting,
             joints,
             count,
             current: None,
@@ -100,13 +137,10 @@ impl Chain {
                     self.fresh(rng, pool, attempt % 2 == 0)
                 }
             };
-            let mut plan = self.local.improve(start, Effort::Rough);
-            // Compare the end of the valley, not where a rough search stops.
-            let near =
-                |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR);
-            if plan.value.is_finite() && near(&self.current) {
-                plan = self.local.refine(plan, Effort::Fine);
-            }
+            let plan = match self.predicting {
+                Some(_) => self.each_in_turn(start),
+                None => self.together(start),
+            };
             if !plan.value.is_finite() {
                 self.idle += 1;
                 continue;
@@ -126,14 +160,66 @@ impl Chain {
         true
     }
 
+    /// The local minimum near `start` over all postures.
+    fn together(&mut self, start: Vec<f64>) -> Plan {
+        let plan = self.local.improve(start, Effort::Rough);
+        // Compare the end of the valley, not where a rough search stops.
+        let near =
+            |old: &Option<Plan>| old.as_ref().is_none_or(|old| plan.value < old.value + NEAR);
+        if plan.value.is_finite() && near(&self.current) {
+            self.local.refine(plan, Effort::Fine)
+        } else {
+            plan
+        }
+    }
+
+    /// Where no posture of a group near `start` can be moved alone to make the index prediction better: beside the
+    /// others an evaluation costs no more with fifty postures than with six.
+    fn each_in_turn(&mut self, start: Vec<f64>) -> Plan {
+        let n = self.joints;
+        let mut plan = self.local.judge(start);
+        for _ in 0..SWEEPS {
+            let before = plan.value;
+            for p in 0..self.count {
+                let (others, Some(rows)) = beside(&self.local, &plan.x, n, p) else {
+                    continue;
+                };
+                let Some(own) = &mut self.predicting else {
+                    break;
+                };
+                let known = self.local.known().iter().map(Vec::as_slice);
+                let known: Vec<&[f64]> = others.into_iter().chain(known).collect();
+                own.single.hold([&own.given, &rows], &known);
+                let own = own
+                    .single
+                    .improve(plan.x[p * n..(p + 1) * n].to_vec(), Effort::Rough);
+                let mut x = plan.x.clone();
+                x[p * n..(p + 1) * n].copy_from_slice(&own.x);
+                let next = self.local.judge(x);
+                if next.value < plan.value {
+                    plan = next;
+                }
+            }
+            if plan.value > before - WORTH_A_SWEEP {
+                break;
+            }
+        }
+        plan
+    }
+
     /// A new group: random, or the best exchange among random candidates.
     fn fresh(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, by_exchange: bool) -> Vec<f64> {
         self.idle = 0;
-        let mut chosen: Vec<usize> = (0..self.count)
-            .map(|_| rng.random_range(0..pool.len()))
-            .collect();
-        if by_exchange && self.is_known(pool) {
-            let candidates = self.candidates(rng, pool);
+        let judge = self.predicting.as_mut().map(|own| &mut own.judge);
+        let of = judge.as_ref().map_or(pool.len(), |judge| judge.len());
+        let mut chosen: Vec<usize> = (0..self.count).map(|_| rng.random_range(0..of)).collect();
+        if let Some(judge) = judge {
+            let candidates: Vec<usize> = (0..of).collect();
+            APART.run(judge, &mut chosen, &candidates);
+        } else if by_exchange && self.is_known(pool) {
+            let candidates: Vec<usize> = (0..CANDIDATES)
+                .map(|_| rng.random_range(0..pool.len()))
+                .collect();
             let mut judge = PoolJudge::new(&mut self.criterion, &self.base, pool);
             ROUGH.run(&mut judge, &mut chosen, &candidates);
         }
@@ -141,27 +227,20 @@ impl Chain {
             .iter()
             .flat_map(|at| pool.angles(*at).iter().copied())
             .collect();
-        if by_exchange {
-            for p in 0..self.count {
-                self.exchange(rng, pool, &mut x, p);
-            }
-        }
         self.add_load(rng, &mut x);
         x
     }
 
-    /// Puts the candidate that is worth most in the place of posture `p`; true where that could be told.
-    fn exchange(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, x: &mut [f64], p: usize) -> bool {
-        if self.index != Index::Prediction {
-            return false;
-        }
-        let drawn = self.candidates(rng, pool);
-        let candidates: Vec<&[f64]> = drawn.iter().map(|at| pool.angles(*at)).collect();
-        let best = self.local.best_instead(x, p, &candidates);
-        if let Some(best) = best {
-            x[p * self.joints..(p + 1) * self.joints].copy_from_slice(candidates[best]);
-        }
-        best.is_some()
+    /// Puts a candidate in the place of posture `p`: that which is worth most, or where that cannot be told any.
+    fn exchange(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, x: &mut [f64], p: usize) {
+        let n = self.joints;
+        let best = self.predicting.as_mut().and_then(|own| {
+            let (others, rows) = beside(&self.local, x, n, p);
+            own.judge.hold_rows(&rows?, &others);
+            own.judge.best()
+        });
+        let at = best.unwrap_or_else(|| rng.random_range(0..pool.len()));
+        x[p * n..(p + 1) * n].copy_from_slice(pool.angles(at));
     }
 
     /// True when the pool's information is that of the search: it is not where
@@ -170,12 +249,6 @@ impl Chain {
         let (lower, _) = self.local.bounds();
         lower.len() == self.local.angle_count()
             && (!pool.information(0).is_empty() || self.base.uses_dexterity)
-    }
-
-    fn candidates(&self, rng: &mut ChaCha8Rng, pool: &Pool) -> Vec<usize> {
-        (0..CANDIDATES)
-            .map(|_| rng.random_range(0..pool.len()))
-            .collect()
     }
 
     /// Load variables at random within their boxes.
@@ -213,12 +286,7 @@ impl Chain {
                     let j = rng.random_range(0..n);
                     own[j] = lower[j] + (upper[j] - lower[j]) * rng.random::<f64>();
                 }
-                _ => {
-                    if !self.exchange(rng, pool, &mut x, p) {
-                        let at = rng.random_range(0..pool.len());
-                        x[p * n..(p + 1) * n].copy_from_slice(pool.angles(at));
-                    }
-                }
+                _ => self.exchange(rng, pool, &mut x, p),
             }
         }
         if self.local.bounds().0.len() > self.local.angle_count() && rng.random::<f64>() < 0.3 {
@@ -227,4 +295,17 @@ impl Chain {
         }
         x
     }
+}
+
+/// The free postures of `x` but `p`, `joints` angles each, and their readings; `None` where a load has no direction.
+fn beside<'a>(
+    local: &Local,
+    x: &'a [f64],
+    joints: usize,
+    p: usize,
+) -> (Vec<&'a [f64]>, Option<DMatrix<f64>>) {
+    let others = x[..local.angle_count()].chunks_exact(joints).enumerate();
+    let others: Vec<&[f64]> = others.filter(|(i, _)| *i != p).map(|(_, q)| q).collect();
+    let rows = local.prediction().and_then(|own| own.readings(&others));
+    (others, rows)
 }

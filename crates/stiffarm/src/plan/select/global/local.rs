@@ -7,9 +7,12 @@ use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::optimise::smooth::{SmoothOptions, minimise_smooth};
 use crate::plan::index::inputs::Given;
+use crate::plan::index::prediction::PredictionFunction;
 use crate::plan::index::{Index, IndexFunction};
 use crate::plan::select::accept::Accept;
 use crate::plan::select::load_design::LoadDesign;
+use crate::plan::select::predicting::alike;
+use nalgebra::DMatrix;
 
 /// Margin kept from every limit \[m\]: hundredths of a millimetre, so that the
 /// penalty need not be driven to rounding errors.
@@ -68,6 +71,8 @@ pub(super) struct Local {
     design: LoadDesign,
     accept: Option<Accept>,
     joints: usize,
+    /// Angles of the given postures.
+    known: Vec<Vec<f64>>,
     angles: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -104,6 +109,7 @@ impl Local {
             design: design.clone(),
             accept: accept.cloned(),
             joints: n,
+            known: given.iter().map(|q| q.as_ref().to_vec()).collect(),
             angles: n * count,
             lower: bounds(0),
             upper: bounds(1),
@@ -111,6 +117,11 @@ impl Local {
             evaluations: 0,
             searches: 0,
         })
+    }
+
+    /// Angles of the given postures \[rad\].
+    pub fn known(&self) -> &[Vec<f64>] {
+        &self.known
     }
 
     /// The given postures.
@@ -134,6 +145,7 @@ impl Local {
         self.design.apply(&x[self.angles..], &mut self.function);
         let value = self.function.value(&x[..self.angles]);
         let met = !self.has_limits || self.function.kernel().violation() <= 0.0;
+        let met = met && (self.function.prediction().is_none() || self.are_apart(&x));
         // Asked last: it may be slow.
         let met = met && value.is_finite() && self.accepts(&x);
         Plan {
@@ -142,16 +154,32 @@ impl Local {
         }
     }
 
+    /// True where no two postures of `x` are as good as the same.
+    fn are_apart(&self, x: &[f64]) -> bool {
+        let free = x[..self.angles].chunks_exact(self.joints);
+        let given = self.known.iter().map(Vec::as_slice);
+        let postures: Vec<&[f64]> = given.chain(free).collect();
+        let alike = |p: usize| postures[..p].iter().any(|other| alike(other, postures[p]));
+        !(self.known.len()..postures.len()).any(alike)
+    }
+
     /// True where the caller's own constraint accepts all postures of `x`.
     pub fn accepts(&self, x: &[f64]) -> bool {
         let accept = self.accept.as_ref();
         accept.is_none_or(|accept| accept.accepts_all(&x[..self.angles], self.joints))
     }
 
-    /// As `PredictionFunction::best_instead`; `None` under another index.
-    pub fn best_instead(&mut self, x: &[f64], at: usize, candidates: &[&[f64]]) -> Option<usize> {
-        let function = self.function.prediction_mut()?;
-        function.best_instead(&x[..self.angles], at, candidates)
+    /// The index prediction.
+    pub fn prediction(&self) -> Option<&PredictionFunction> {
+        self.function.prediction()
+    }
+
+    /// Holds these readings beside the one posture that is searched for, which is to be none of `postures`.
+    pub fn hold(&mut self, rows: [&DMatrix<f64>; 2], postures: &[&[f64]]) {
+        self.known = postures.iter().map(|q| q.to_vec()).collect();
+        if let Some(function) = self.function.prediction_mut() {
+            function.hold(rows);
+        }
     }
 
     /// The local minimum near `start`, or `start` itself where that is better.

@@ -35,6 +35,7 @@ use crate::numerics::streams::chain_rng;
 use crate::plan::index::inputs::{Inputs, criterion};
 use crate::plan::index::{Index, evaluate};
 use crate::plan::random::{StartKind, random_group};
+use crate::plan::select::load_design::LoadDesign;
 use chain::Chain;
 use local::{Effort, Local};
 pub use options::GlobalOptions;
@@ -44,10 +45,8 @@ use pool::Pool;
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// Chains; a number that divides well among the cores of a workshop computer.
-const CHAINS: usize = 16;
 /// Chains that may share the best minimum.
-const SHARING: usize = CHAINS / 4;
+const SHARING: usize = 4;
 /// Rounds after which that many chains are put onto it, where minima are few.
 const MIGRATION: u64 = 6;
 /// Minima this near to each other in ln(index) count as one.
@@ -176,15 +175,29 @@ impl<'a> Global<'a> {
         let wanted = inputs.wanted(true);
         let criterion = criterion(cell, index)?;
         let n = cell.setup.robot.joint_count();
-        let chain = Chain::new(local, criterion, index, n);
+        let accept = options.accept.as_ref();
+        let single = match index {
+            Index::Prediction => Some(Local::new::<Vec<f64>>(
+                cell,
+                index,
+                1,
+                &[],
+                &LoadDesign::default(),
+                accept,
+            )?),
+            _ => None,
+        };
+        let schedule = Schedule::new(index, count, !cell.scene.is_empty());
+        let pool = Pool::new(cell, wanted, options.seed, options.accept.as_ref())?;
+        let chain = Chain::new(local, single, criterion, index, n, &pool);
         Ok(Global {
             cell,
             index,
             count,
             options,
-            schedule: Schedule::new(index, count, !cell.scene.is_empty()),
-            pool: Pool::new(cell, wanted, options.seed, options.accept.as_ref())?,
-            chains: vec![chain; CHAINS],
+            schedule,
+            pool,
+            chains: vec![chain; schedule.chains],
             best: None,
             completed: 0,
             improvements: Vec::new(),
@@ -337,16 +350,20 @@ impl<'a> Global<'a> {
             return Err(self.nothing(termination));
         };
         let local = &mut self.chains[0].local;
-        let mut plan = local.improve(best.x.clone(), Effort::Full);
-        if best.value < plan.value {
-            plan = best;
-        }
+        // Under the index prediction no posture can be moved alone to any use, and together they take too long.
+        let is_done = self.index == Index::Prediction;
+        let mut plan = if is_done {
+            best
+        } else {
+            let plan = local.improve(best.x.clone(), Effort::Full);
+            if best.value < plan.value { best } else { plan }
+        };
         let mut iterations = 0;
         let mut stationarity = None;
         let mut evaluations = self.evaluations();
         // The polish takes a second at most and belongs to the result of the
         // completed rounds; without any there is nothing to reproduce.
-        if self.options.load.is_empty() && self.completed > 0 {
+        if self.options.load.is_empty() && self.completed > 0 && !is_done {
             let rough = plan.clone();
             let (polished, solution) = polish::polish(self.cell, self.index, plan, n, given)?;
             plan = if self.chains[0].local.accepts(&polished.x) {

@@ -39,8 +39,13 @@ impl Default for GlobalOptions {
     }
 }
 
-/// Local searches of each chain and round, and how many rounds to go on.
+/// Chains; a number that divides well among the cores of a workshop computer.
+const CHAINS: usize = 16;
+
+/// Chains of searches, local searches of each and round, and how many rounds to go on.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Schedule {
+    pub chains: usize,
     pub tries: usize,
     pub rounds: u64,
     pub patience: u64,
@@ -50,12 +55,14 @@ impl Schedule {
     /// For groups of `count` postures; where the cell has shapes, beams or torques a search costs ten
     /// times as much, and ends sooner.
     pub fn new(index: Index, count: usize, has_scene: bool) -> Self {
-        // One evaluation takes a hundred times as long as that of the other indices.
+        // One evaluation takes a hundred times as long as that of the other indices, and an exchange among candidates
+        // comes near the best.
         if index == Index::Prediction {
             return Schedule {
+                chains: 4,
                 tries: 1,
-                rounds: 24,
-                patience: 10,
+                rounds: if count > 12 { 1 } else { 6 },
+                patience: 3,
             };
         }
         // Many local minima take more rounds, and large groups longer rounds.
@@ -67,12 +74,14 @@ impl Schedule {
         };
         if has_scene {
             Schedule {
+                chains: CHAINS,
                 tries,
                 rounds: rounds / 4,
                 patience: patience / 2,
             }
         } else {
             Schedule {
+                chains: CHAINS,
                 tries,
                 rounds,
                 patience,

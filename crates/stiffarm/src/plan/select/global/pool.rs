@@ -6,11 +6,15 @@ use crate::model::cell::Cell;
 use crate::numerics::streams::{candidate_rng, uniform};
 use crate::plan::feasibility::nothing_meets;
 use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::index::prediction::PredictionFunction;
 use crate::plan::select::accept::Accept;
+use crate::plan::select::predicting::PredictionJudge;
 use crate::plan::select::repair::repair;
 
 /// Candidates wanted.
 const SIZE: usize = 1024;
+/// Of them, those that the index prediction chooses from: more gain nothing.
+const PREDICTING: usize = 256;
 /// Draws before the ones that were found must do.
 const MAX_DRAWS: usize = 200_000;
 /// With fewer candidates than this, random postures are moved inside the limits.
@@ -123,6 +127,18 @@ impl Pool {
     /// ln k(J_N) of one candidate, 0 where the index does not use it.
     pub fn log_dexterity(&self, at: usize) -> f64 {
         self.log_dexterity.get(at).copied().unwrap_or(0.0)
+    }
+
+    /// The first candidates as the index prediction judges them, in their order.
+    pub fn judge(&self, function: &PredictionFunction, given: &[Vec<f64>]) -> PredictionJudge {
+        let angles: Vec<Vec<f64>> = (0..self.len().min(PREDICTING))
+            .map(|at| self.angles(at).to_vec())
+            .collect();
+        // A load without a direction shows nothing.
+        let none = function.model().stacked(&[]).all;
+        let readings = |q: &Vec<f64>| function.readings(&[q]).unwrap_or_else(|| none.clone());
+        let each: Vec<_> = angles.iter().map(readings).collect();
+        PredictionJudge::new(function.model(), &each, Some(function.given())).apart(angles, given)
     }
 
     /// Keeps those of a chunk of postures, or of fewer, that are inside the limits and accepted; how many are inside.
