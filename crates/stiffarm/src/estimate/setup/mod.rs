@@ -181,25 +181,20 @@ fn freed_alone(frame: &Frame<'_>, linear: &Linear<'_>, kind: Kind, is_more: bool
     (before - best.value > WORTH).then_some(best)
 }
 
-/// Leaves out what springs beyond the axes explain as well: of little use to the axes alone, and by the derivatives of the
-/// mixed model of no use beside them. The dear fits beside them are spared.
+/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
+/// the mixed model helps that no more. The dear fits beside them are spared.
 fn leave_out_swallowed(frame: &Frame<'_>, mixed: &MixedFit, alone: &mut Vec<(Kind, At)>) {
-    let stated = (rms(frame.fit.residual().as_slice()), value(frame.fit, None));
+    let before = value(frame.fit, None);
     let mut linear = None;
     alone.retain(|(kind, at)| {
-        let Some(place) = frame.starts(*kind).into_iter().next() else {
-            return false;
-        };
         // Derivatives at the stated value know nothing of an exchange of axes or a sign.
-        let is_far = at.place.turn != place.turn && stated.1 - at.value > ANYHOW;
-        if is_far || rms(at.fit.residual().as_slice()) < CLEAR * stated.0 {
+        if before - at.value > ANYHOW {
             return true;
         }
         let linear = linear.get_or_insert_with(|| Linear::new(frame.fit, Some(mixed)));
-        let score = linear
-            .as_ref()
-            .map(|linear| frame.score(*kind, &place, linear));
-        score.is_none_or(|score| score > WORTH)
+        let stated = frame.starts(*kind).into_iter().next();
+        let both = linear.as_ref().zip(stated);
+        both.is_none_or(|(linear, stated)| frame.score(*kind, &stated, linear) > WORTH)
     });
 }
 
