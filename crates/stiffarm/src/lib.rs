@@ -88,6 +88,7 @@ pub mod internals {
     };
     pub use crate::estimate::mixed::internals::MixedModel;
     pub use crate::estimate::systematic::posterior::{moments, noise, sizes};
+    pub use crate::model::elastic::elastic_effects;
     pub use crate::model::observation::internals::link_axes;
     pub use crate::numerics::{
         arrangements, half_width, information, jobs, nelder_mead, optimise, sample, scalar, streams,

@@ -14,12 +14,13 @@ pub struct SelectArgs {
     /// Cell file
     #[arg(value_hint = ValueHint::FilePath)]
     pub cell: String,
-    /// Index to improve; `stiffarm evaluate` shows all of them
+    /// Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load parameters
+    /// are chosen too]
     ///
-    /// expected-error, worst-joint, drop-one, d, task, prediction, scaled, scaled-condition; of the paper: novel, classical,
+    /// prediction, expected-error, worst-joint, drop-one, d, task, scaled, scaled-condition; of the paper: novel, classical,
     /// condition; of the literature: o1 to o5.
-    #[arg(long, value_name = "NAME", default_value = "expected-error")]
-    pub index: String,
+    #[arg(long, value_name = "NAME")]
+    pub index: Option<String>,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
     #[arg(long, short = 'n', value_name = "N", value_parser = within::<u64>(1..=MOST_POSTURES),
           conflicts_with_all = ["initial", "given"])]
@@ -33,7 +34,7 @@ pub struct SelectArgs {
     /// Also say what each kind of limit costs: the index of the best plan without it
     #[arg(long, conflicts_with_all = ["initial", "curve"])]
     pub prices: bool,
-    /// Do not compute how good any plan could be (for expected-error, d and task)
+    /// Do not compute how good any plan could be (for prediction, expected-error, d and task)
     #[arg(long)]
     pub no_certificate: bool,
     /// Postures that cover the joint space evenly, without any index: a baseline to compare with

@@ -9,7 +9,7 @@ use stiffarm::findings::{Finding, Severity, list, visible};
 use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Noise, PointBound};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::check::{CellCheck, LEFT_OUT};
+use stiffarm::plan::check::{CellCheck, LEFT_OUT, ONE_LOAD};
 use stiffarm::units::rad_to_shortest_deg;
 
 /// What a result says of `check`.
@@ -39,10 +39,15 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
             format!(", but not for {}", list(&left_out))
         };
         Text::new(format!("The cell can be used{but}; {things} to look at."))
-    } else if check.findings.is_empty() {
+    } else if check.findings.iter().all(|f| f.code == ONE_LOAD) {
         Text::default().strong("Nothing to complain about.")
     } else {
         Text::new("The cell can be used; see the notes.")
+    };
+    let one_load = check.findings.iter().find(|f| f.code == ONE_LOAD);
+    let came = match one_load {
+        Some(found) if !check.is_serious() => came.words(format!(" {}", visible(&found.sentence))),
+        _ => came,
     };
     let next = if check.is_serious() {
         Text::new("Correct the cell file, and check it again.")
@@ -68,7 +73,9 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
             sections.push(given.cell_section(&[group], "The cell as its file describes it.")?);
         }
     }
-    let notes: Vec<Finding> = of(Severity::Note).cloned().collect();
+    // It stands in the verdict.
+    let notes = of(Severity::Note).filter(|f| f.code != ONE_LOAD);
+    let notes: Vec<Finding> = notes.cloned().collect();
     if !notes.is_empty() {
         let notes = vec![Block::Findings(notes)];
         sections.push(Section::new("notes", "Notes", notes).in_summary());

@@ -57,7 +57,7 @@ pub(super) fn index_says(index: Index) -> &'static str {
             "The deflection at the cell's tasks can be expected to be predicted with an RMS error of "
         }
         Index::Prediction => {
-            "Deflections can be expected to be predicted by the mixed elastic model with an RMS error of "
+            "The deflection of the tip at work can be expected to be predicted with an RMS error of "
         }
         Index::Classical => "The classical index, max k(J_N), is ",
         Index::Condition => "The condition number of the observation matrix is ",

@@ -174,6 +174,16 @@ pub(crate) fn fitted(robot: &Robot, compliance: &[f64], sizing: ElasticSizing) -
     all
 }
 
+/// Term, class and relative size of each random effect of [`fitted`], for this project's own tests.
+pub fn elastic_effects(
+    robot: &Robot,
+    compliance: &[f64],
+    sizing: ElasticSizing,
+) -> Vec<(ExtraTerm, ElasticClass, f64)> {
+    let all = fitted(robot, compliance, sizing);
+    all.iter().map(|e| (e.term, e.class, e.scale)).collect()
+}
+
 /// Compliance of each joint over the geometric mean; one where it is not known or not positive.
 fn relative(joints: usize, compliance: &[f64]) -> Vec<f64> {
     let known = |j: usize| compliance.get(j).copied().filter(|h| *h > 0.0);

@@ -18,7 +18,12 @@ use stiffarm::plan::index::Index;
 
 /// Selects, and writes what was asked for.
 pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
-    let index = Index::from_name(&args.index)?;
+    let index = match &args.index {
+        Some(name) => Index::from_name(name)?,
+        // That index counts one load, which is known.
+        None if !load::design(&args.load).is_empty() => Index::ExpectedError,
+        None => Index::Prediction,
+    };
     let outputs = Outputs::new(session, &args.output)?;
     let named = session.read_cell(&args.cell)?;
     outputs.check_states(&named.cell)?;

@@ -30,7 +30,7 @@ pub(super) fn certificate(plan: &Plan) -> Option<Text> {
 }
 
 /// What is measured more than once.
-pub(super) fn repeats(given: &Given<'_>, plan: &Plan) -> Vec<Block> {
+pub(super) fn repeats(plan: &Plan) -> Vec<Block> {
     let times = |count: usize| match count {
         2 => "twice".to_string(),
         count => format!("{count} times"),
@@ -48,15 +48,12 @@ pub(super) fn repeats(given: &Given<'_>, plan: &Plan) -> Vec<Block> {
     if each.is_empty() {
         return Vec::new();
     }
-    let mut why = Text::new(
+    let why = Text::new(
         "Against noise alone they are worth more once again than any other posture; what else may be wrong shows better at \
          another one",
     );
-    // That index counts one load.
-    if given.cell.is_none_or(|cell| !cell.setup.load.has_cases()) {
-        why = why.words(" (").code("--index prediction").words(")");
-    }
-    vec![Block::List(each), Block::Text(why.words("."))]
+    let why = why.words(" (").code("--index prediction").words(").");
+    vec![Block::List(each), Block::Text(why)]
 }
 
 /// What each kind of limit costs.

@@ -63,7 +63,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     sections.extend(way.map(|mut section| {
         let near = near_singular(&plan.posture_names, &plan.evaluation);
         section.blocks.extend(near.map(Block::Text));
-        section.blocks.extend(details::repeats(context, &plan));
+        section.blocks.extend(details::repeats(&plan));
         section
     }));
     sections.extend(details::load_section(context, &plan));

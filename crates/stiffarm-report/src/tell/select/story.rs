@@ -6,6 +6,7 @@ use crate::tell::Text;
 use stiffarm::Termination;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::plan::feasibility::{HIDDEN_POINTS, NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
+use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::Plan;
 use stiffarm::plan::select::different;
 
@@ -96,6 +97,18 @@ fn done(context: &Given<'_>, plan: &Plan) -> Text {
 fn came(context: &Given<'_>, plan: &Plan) -> Text {
     let index = plan.selection.index;
     let mut text = Text::new(index_says(index)).number(index_number(context, index, "/value"));
+    if index == Index::Prediction && plan.evaluation.indices.prediction_range.is_some() {
+        let end = |side: usize| {
+            let below = format!("/evaluation/indices/prediction_range/{side}");
+            index_number(context, index, &below)
+        };
+        text = text
+            .words(" (")
+            .number(end(0))
+            .words(" to ")
+            .number(end(1))
+            .words(" where what gives way beyond the axes is a third or three times as large as expected)");
+    }
     let known = plan.before.as_ref();
     if let Some(before) = known {
         let name = if plan.given_names.is_empty() {
@@ -126,15 +139,16 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
             .words(format!(
                 " No plan of as many{further} postures can be below "
             ))
-            .number(index_number(context, index, "/certificate/bound"))
-            .words(": this one reaches ")
-            .number(
-                context
-                    .number("/certificate/efficiency")
-                    .percent()
-                    .decimals(1),
-            )
-            .words(" of what is possible.");
+            .number(index_number(context, index, "/certificate/bound"));
+        // That bound is of plans that may measure fractions of a posture, which few postures are far from.
+        text = if index == Index::Prediction {
+            text.words(".")
+        } else {
+            let share = context.number("/certificate/efficiency");
+            text.words(": this one reaches ")
+                .number(share.percent().decimals(1))
+                .words(" of what is possible.")
+        };
     }
     if let Some(why) = &plan.certificate_missing {
         text = text.words(format!(
@@ -143,7 +157,29 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
         ));
     }
     let least = least_sure(context, "/evaluation", &plan.evaluation, &plan.joints);
-    text.then(least).words(on_limits(context))
+    text.then(least)
+        .then(further_load(context, plan))
+        .words(on_limits(context))
+}
+
+/// What a second load would bring.
+fn further_load(context: &Given<'_>, plan: &Plan) -> Text {
+    let Some(found) = &plan.further_load else {
+        return Text::default();
+    };
+    let of = |key: &str| index_number(context, Index::Prediction, &format!("/further_load/{key}"));
+    let mut text = Text::new(format!(
+        " With a weight of {:.0} kg hung in the same postures as well (a second ",
+        found.mass_kg
+    ));
+    text = text
+        .code("[[load.case]]")
+        .words(") deflections under forces in all directions would be predicted to ");
+    text = text.number(of("with"));
+    if plan.selection.index != Index::Prediction {
+        text = text.words(" instead of ").number(of("without"));
+    }
+    text.words(".")
 }
 
 /// What to do depends on what is worst about the plan.
@@ -178,7 +214,8 @@ fn next(context: &Given<'_>, plan: &Plan) -> Text {
             .words(").");
     }
     let efficiency = plan.certificate.as_ref().and_then(|found| found.efficiency);
-    let is_loose = efficiency.is_some_and(|share| share < WORTH_SEARCHING);
+    let is_loose = efficiency.is_some_and(|share| share < WORTH_SEARCHING)
+        && plan.selection.index != Index::Prediction;
     let is_short = !matches!(plan.selection.termination, Termination::Converged);
     if is_loose && is_short && plan.selection.rounds.is_some() {
         return Text::new("A longer search may find a better plan: give more ")

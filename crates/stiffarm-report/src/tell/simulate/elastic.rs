@@ -35,7 +35,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         "at the cell's tasks".to_string()
     } else {
         format!(
-            "at {} random postures inside the cell's limits, under its load",
+            "at random postures inside the cell's limits, under forces as large as its load's in all directions ({} deflections)",
             result.predicted_count
         )
     };

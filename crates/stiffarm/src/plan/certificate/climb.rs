@@ -1,11 +1,11 @@
 //! One climb to a local maximum of tr(A·G(q)) over the postures of a cell.
 
+use super::readings::Readings;
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::numerics::optimise::{Evaluation, Options, Problem};
 use crate::plan::active_limits::{ActiveLimits, Limited, minimise_within_limits};
-use crate::plan::index::kernel::Kernel;
 use nalgebra::DMatrix;
 
 /// Violation of bounds \[rad\] or limits \[m\] that counts as met.
@@ -23,7 +23,7 @@ pub(super) struct Climb<'a> {
     adjoint: &'a DMatrix<f64>,
     /// What makes the objective of order one.
     scale: f64,
-    kernel: Kernel,
+    readings: Readings,
     limits: ActiveLimits<'a>,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Climb<'a> {
     /// The cell's load is only known by measurement.
     pub(super) fn new(
         cell: &'a Cell,
-        kernel: &Kernel,
+        readings: &Readings,
         adjoint: &'a DMatrix<f64>,
         scale: f64,
     ) -> Result<Self> {
@@ -42,7 +42,7 @@ impl<'a> Climb<'a> {
             cell,
             adjoint,
             scale,
-            kernel: kernel.clone(),
+            readings: readings.clone(),
             limits: ActiveLimits::new(cell, WATCH_DISTANCE)?,
         })
     }
@@ -95,23 +95,11 @@ impl Problem for Climb<'_> {
             merit: f64::INFINITY,
             violation: 0.0,
         };
-        self.kernel.forward(q);
-        // tr(A G), off-diagonal entries twice.
-        let mut value = 0.0;
-        let mut information = self.kernel.information(0);
-        for i in 0..adjoint.nrows() {
-            for j in 0..=i {
-                let times = if i == j { 1.0 } else { 2.0 };
-                value += times * adjoint[(i, j)] * information.next().unwrap_or(f64::NAN);
-            }
-        }
-        drop(information);
+        let value = self.readings.trace(q, adjoint, &mut out.gradient);
         if value.is_finite() {
             out.objective = -value / self.scale;
             out.merit = out.objective;
         }
-        self.kernel.set_adjoint(None, adjoint.as_slice());
-        self.kernel.reverse(&mut out.gradient);
         for g in &mut out.gradient {
             *g /= -self.scale;
         }

@@ -3,7 +3,7 @@
 
 use super::criterion::{Criterion, Prepared, Tangent, trace_of_product};
 use super::design::{ContinuousDesign, DesignOptions, DesignSpace, Effort, Verification};
-use super::weights::{WeightProblem, optimal_weights};
+use super::weights::{WeightProblem, near_optimal_weights, optimal_weights};
 use crate::error::{Code, Error, Result};
 use crate::findings::list;
 use crate::numerics::control::Termination;
@@ -34,6 +34,10 @@ const ZERO_WEIGHT: f64 = 0.02;
 const SMALL_WEIGHTS: [f64; 2] = [10.0, 1.0];
 /// Equivalence condition asked for on the points at hand.
 const WEIGHT_TOLERANCE: f64 = 1e-9;
+/// Unknowns for which a Hessian of the weights is worth its time.
+const FEW_UNKNOWNS: usize = 32;
+/// With more unknowns, points of the design that the search goes on from: all of them would be hundreds.
+const HEAVIEST: usize = 16;
 /// Passes of taking back points that were dropped.
 const RECALLS: usize = 8;
 /// Unknowns whose column is below this share of the largest have no information.
@@ -216,7 +220,12 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
             constant: &self.constant,
             points: &points,
         };
-        let all = optimal_weights(&problem, WEIGHT_TOLERANCE).ok_or_else(singular)?;
+        let all = if problem.constant.ncols() > FEW_UNKNOWNS {
+            near_optimal_weights(&problem, 0.5 * self.tolerance)
+        } else {
+            optimal_weights(&problem, WEIGHT_TOLERANCE)
+        };
+        let all = all.ok_or_else(singular)?;
         let zero = ZERO_WEIGHT * self.tolerance.min(1e-3);
         let (kept, mut weights): (Vec<usize>, Vec<f64>) = active
             .iter()
@@ -254,10 +263,18 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         let information = self.total(active, weights);
         let tangent = self.criterion.at(&information).ok_or_else(singular)?;
         let support: Vec<Vec<f64>> = active.iter().map(|&i| self.pool[i].x.clone()).collect();
+        let order = order_by_number(active.len(), |i| -weights[i]);
+        let most = match self.given.ncols() > FEW_UNKNOWNS {
+            true => HEAVIEST,
+            false => support.len(),
+        };
+        let from: Vec<Vec<f64>> = match most < support.len() {
+            true => order[..most].iter().map(|i| support[*i].clone()).collect(),
+            false => support.clone(),
+        };
         let found = self
             .space
-            .maximise(&tangent.adjoint, &support, Effort::Improve);
-        let order = order_by_number(active.len(), |i| -weights[i]);
+            .maximise(&tangent.adjoint, &from, Effort::Improve);
         let mut design = ContinuousDesign {
             points: order.iter().map(|&i| support[i].clone()).collect(),
             weights: order.iter().map(|&i| weights[i]).collect(),

@@ -37,26 +37,30 @@ pub(crate) mod continuous;
 pub(crate) mod criterion;
 pub(crate) mod design;
 mod generation;
+mod plan;
+mod readings;
 pub(crate) mod space;
 pub(crate) mod weights;
 
 pub use design::Verification;
 
-use continuous::optimal_design;
 use criterion::Criterion;
-use design::{ContinuousDesign, DesignOptions, DesignSpace};
+use plan::Plan;
 use space::PostureSpace;
 
 use crate::error::{Code, Error, Result};
 use crate::model::cell::{Cell, task_matrix};
-use crate::model::observation::check_angles;
 use crate::numerics::control::{Control, Termination};
+use crate::plan::index::prediction::PredictionFunction;
 use crate::plan::index::{Index, evaluate_for};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Sampled postures a continuous design starts from.
-const STARTS: usize = 64;
+/// Tolerance, rounds and searches for the index prediction.
+const PREDICTION_TOLERANCE: f64 = 0.01;
+const PREDICTION_ROUNDS: usize = 6;
+const PREDICTION_SAMPLES: usize = 64;
+const PREDICTION_SEARCHES: usize = 12;
 
 /// Budget and tolerance of a certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,6 +78,18 @@ pub struct CertificateOptions {
     /// Local searches in a round on the way, besides one from each posture of
     /// the design.
     pub searches: usize,
+}
+
+impl CertificateOptions {
+    /// The same for an index with a hundred unknowns, whose bound is loose by more than this for few postures.
+    fn narrower(&self) -> Self {
+        CertificateOptions {
+            tolerance: self.tolerance.max(PREDICTION_TOLERANCE),
+            max_rounds: self.max_rounds.min(PREDICTION_ROUNDS),
+            samples: self.samples.min(PREDICTION_SAMPLES),
+            searches: self.searches.min(PREDICTION_SEARCHES),
+        }
+    }
 }
 
 impl Default for CertificateOptions {
@@ -234,43 +250,26 @@ pub fn certify_further<Q: AsRef<[f64]>>(
         Index::ExpectedError => Criterion::Trace(DMatrix::identity(n, n) / n as f64),
         Index::D => Criterion::Determinant,
         Index::Task => Criterion::Trace(relative_task_matrix(cell)?),
+        Index::Prediction => {
+            let function = PredictionFunction::new::<Q>(cell, 1, &[])?;
+            let targets = &function.model().targets().all;
+            let criterion = Criterion::Trace(targets.tr_mul(targets));
+            let options = options.narrower();
+            let (samples, searches) = (options.samples, options.searches);
+            let space = PostureSpace::predicting(cell, function, samples, searches)?;
+            let plan = Plan::of(space, measured, postures, &options)?;
+            return plan.certificate(index, &criterion, measured, postures, control);
+        }
         _ => {
             return Err(Error::new(
                 Code::Unsupported,
                 format!("There is no bound for the index \"{}\".", index.as_str()),
             )
-            .hint("expected_error, d and task have one"));
+            .hint("expected_error, d, task and prediction have one"));
         }
     };
     let plan = Plan::new(cell, measured, postures, options)?;
-    let design = plan.design(&criterion, &[], control)?;
-    let all: Vec<&[f64]> = measured.iter().chain(postures).map(AsRef::as_ref).collect();
-    let found = evaluate_for(cell, index.as_str(), &all, Some(index))?;
-    let value = found.indices.get(index);
-    let bound = plan.bound(&design);
-    Ok(Certificate {
-        index,
-        posture_count: postures.len(),
-        measured_count: measured.len(),
-        bound,
-        value,
-        efficiency: plan.efficiency(bound, value),
-        outside: plan.outside,
-        residual: design.residual,
-        support: design
-            .points
-            .iter()
-            .zip(&design.weights)
-            .map(|(q, weight)| SupportPosture {
-                angles: q.clone(),
-                weight: *weight,
-            })
-            .collect(),
-        searches: design.searches,
-        verification: design.verification,
-        rounds: design.rounds,
-        termination: design.termination,
-    })
+    plan.certificate(index, &criterion, measured, postures, control)
 }
 
 /// For each joint, the smallest relative standard error that any group of as
@@ -343,98 +342,4 @@ fn relative_task_matrix(cell: &Cell) -> Result<DMatrix<f64>> {
         }
     }
     Ok(matrix)
-}
-
-/// A plan with all that its bounds share.
-struct Plan<'a> {
-    space: PostureSpace<'a>,
-    options: DesignOptions,
-    postures: usize,
-    /// Postures outside bounds or limits, counted from 1.
-    outside: Vec<usize>,
-    /// Points that every design starts from: the plan's own and some samples.
-    starts: Vec<Vec<f64>>,
-    /// Information of the measured postures per posture of the plan, n × n.
-    given: DMatrix<f64>,
-}
-
-impl<'a> Plan<'a> {
-    fn new<Q: AsRef<[f64]>>(
-        cell: &'a Cell,
-        measured: &[Q],
-        postures: &[Q],
-        options: &CertificateOptions,
-    ) -> Result<Self> {
-        if postures.is_empty() {
-            return Err(Error::new(
-                Code::TooFewData,
-                "The plan has no postures, so there is nothing to bound.",
-            ));
-        }
-        for q in measured {
-            check_angles(&cell.setup.robot, q.as_ref())?;
-        }
-        let space = PostureSpace::new(cell, options.samples, options.searches)?;
-        let mut outside = Vec::new();
-        let mut starts = Vec::new();
-        for (i, q) in postures.iter().enumerate() {
-            if space.contains(q.as_ref())? {
-                starts.push(q.as_ref().to_vec())
-            } else {
-                outside.push(i + 1)
-            }
-        }
-        starts.extend(space.samples(STARTS));
-        if starts.is_empty() {
-            let message = "No sampled posture within the bounds meets the cell's limits, so there is no bound.";
-            return Err(Error::invalid(message)
-                .key("limits")
-                .hint("check the limits' frame (robot base) and unit (mm)"));
-        }
-        let n = space.unknowns();
-        let mut given = DMatrix::zeros(n, n);
-        for q in measured {
-            given += space.information(q.as_ref());
-        }
-        Ok(Plan {
-            given: given / postures.len() as f64,
-            postures: postures.len(),
-            options: DesignOptions {
-                tolerance: options.tolerance,
-                max_rounds: options.max_rounds,
-            },
-            space,
-            outside,
-            starts,
-        })
-    }
-
-    fn design(
-        &self,
-        criterion: &Criterion,
-        more: &[Vec<f64>],
-        control: Control<'_>,
-    ) -> Result<ContinuousDesign> {
-        let starts = [self.starts.as_slice(), more].concat();
-        optimal_design(
-            &self.space,
-            criterion,
-            Some(&self.given),
-            &starts,
-            self.options,
-            control,
-        )
-    }
-
-    /// Smallest index of N postures: σ·sqrt(φ), with φ(M) = φ(M/N)/N.
-    fn bound(&self, design: &ContinuousDesign) -> f64 {
-        let sigma = self.space.cell().noise.displacement_std();
-        sigma * (design.bound / self.postures as f64).sqrt()
-    }
-
-    fn efficiency(&self, bound: f64, value: Option<f64>) -> Option<f64> {
-        value
-            .filter(|v| *v > 0.0 && self.outside.is_empty())
-            .map(|v| bound / v)
-    }
 }

@@ -4,15 +4,15 @@
 use super::climb::{Climb, FEASIBILITY, WATCH_DISTANCE};
 use super::criterion::trace_of_product;
 use super::design::{DesignSpace, Effort};
+use super::readings::Readings;
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, check_angles};
-use crate::numerics::information::{posture_information, scale_columns};
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::{order_by_number, sort_by_number};
 use crate::numerics::streams::spread;
 use crate::plan::active_limits::ActiveLimits;
-use crate::plan::index::kernel::{Kernel, Wanted};
+use crate::plan::index::prediction::PredictionFunction;
 use nalgebra::DMatrix;
 
 /// Longest sequence of `sobol_burley`.
@@ -41,9 +41,7 @@ struct Sample {
 /// the global one. Searches keep 5e-10 m off the limits.
 pub struct PostureSpace<'a> {
     cell: &'a Cell,
-    prior_compliance: Vec<f64>,
-    common_weight: f64,
-    kernel: Kernel,
+    readings: Readings,
     searches: usize,
     samples: Vec<Sample>,
     /// Postures outside the limits to search from where too few lie inside.
@@ -84,18 +82,33 @@ impl<'a> PostureSpace<'a> {
                 robot.joints()[j].name
             )));
         }
-        let prior_compliance: Vec<f64> = prior.iter().map(|k| 1.0 / k).collect();
-        let common_weight = cell.noise.common_weight(cell.setup.tool.point_count());
-        let wanted = Wanted {
-            dexterity: None,
-            information: Some((&prior_compliance, common_weight)),
-            limits: false,
-        };
+        let compliance = prior.iter().map(|k| 1.0 / k).collect();
+        PostureSpace::of(
+            cell,
+            Readings::of_joints(cell, compliance)?,
+            samples,
+            searches,
+        )
+    }
+
+    /// The same about the unknowns of the index prediction.
+    ///
+    /// # Errors
+    /// As [`PredictionFunction::new`]; limits that cannot be evaluated.
+    pub(super) fn predicting(
+        cell: &'a Cell,
+        function: PredictionFunction,
+        samples: usize,
+        searches: usize,
+    ) -> Result<Self> {
+        let readings = Readings::Prediction(Box::new(function));
+        PostureSpace::of(cell, readings, samples, searches)
+    }
+
+    fn of(cell: &'a Cell, readings: Readings, samples: usize, searches: usize) -> Result<Self> {
         let mut space = PostureSpace {
             cell,
-            kernel: Kernel::new(cell, wanted, 1)?,
-            prior_compliance,
-            common_weight,
+            readings,
             searches,
             samples: Vec::new(),
             fill: Vec::new(),
@@ -107,6 +120,11 @@ impl<'a> PostureSpace<'a> {
     /// The cell.
     pub fn cell(&self) -> &'a Cell {
         self.cell
+    }
+
+    /// True where the information is over σ² already.
+    pub(super) fn knows_noise(&self) -> bool {
+        matches!(self.readings, Readings::Prediction(_))
     }
 
     /// The first `count` sampled feasible postures, controller angles \[rad\].
@@ -174,23 +192,11 @@ impl<'a> PostureSpace<'a> {
         if !limits.meets_all(&q) {
             return (q, None);
         }
-        let information = self.sum(limits.terms());
+        let information = self
+            .readings
+            .information(&self.cell.setup.robot, limits.terms());
         let finite = information.iter().all(|v| v.is_finite());
         (q, finite.then_some(information))
-    }
-
-    /// Information of one posture under all its loads.
-    fn sum<'b>(&self, loads: impl Iterator<Item = &'b PostureTerms>) -> DMatrix<f64> {
-        let each = loads.map(|terms| posture_information(&self.block(terms), self.common_weight));
-        let nothing = || DMatrix::zeros(self.unknowns(), self.unknowns());
-        each.reduce(|sum, own| sum + own).unwrap_or_else(nothing)
-    }
-
-    /// Ψ K⁻¹ of one posture under one load, 3m × n.
-    fn block(&self, terms: &PostureTerms) -> DMatrix<f64> {
-        let mut block = terms.block(&self.cell.setup.robot);
-        scale_columns(&mut block, self.prior_compliance.iter().copied());
-        block
     }
 
     /// The best samples that lie apart, best first.
@@ -227,7 +233,7 @@ impl<'a> PostureSpace<'a> {
 
 impl DesignSpace for PostureSpace<'_> {
     fn unknowns(&self) -> usize {
-        self.prior_compliance.len()
+        self.readings.unknowns()
     }
 
     fn information(&self, point: &[f64]) -> DMatrix<f64> {
@@ -240,7 +246,9 @@ impl DesignSpace for PostureSpace<'_> {
             .map(under)
             .collect::<Result<Vec<_>>>()
         {
-            Ok(terms) => self.sum(terms.iter()),
+            Ok(terms) => self
+                .readings
+                .information(&self.cell.setup.robot, terms.iter()),
             // Whoever takes postures from outside refuses these.
             Err(_) => DMatrix::from_element(self.unknowns(), self.unknowns(), f64::NAN),
         }
@@ -265,7 +273,7 @@ impl DesignSpace for PostureSpace<'_> {
             .fold(0.0, f64::max);
         let found = in_order(&from, |(_, start): (usize, &Vec<f64>)| {
             let scale = if scale > 0.0 { scale } else { 1.0 };
-            Climb::new(self.cell, &self.kernel, adjoint, scale)?.run(start)
+            Climb::new(self.cell, &self.readings, adjoint, scale)?.run(start)
         });
         // The load was checked when the space was made.
         let mut found = found.unwrap_or_default();
@@ -276,6 +284,11 @@ impl DesignSpace for PostureSpace<'_> {
 
     fn unknown_name(&self, unknown: usize) -> String {
         let mut names = self.cell.setup.robot.spring_names();
-        names.swap_remove(unknown)
+        // Of what gives way besides something is known without a reading.
+        if unknown < names.len() {
+            names.swap_remove(unknown)
+        } else {
+            "what gives way beyond the axes".to_string()
+        }
     }
 }

@@ -13,6 +13,9 @@ use nalgebra::{DMatrix, DVector};
 const MAX_STEPS: usize = 120;
 /// Share of the way to the boundary a step may go.
 const BOUNDARY: f64 = 0.995;
+/// Steps of the multiplicative algorithm, and the power of the slopes in one.
+const MULTIPLICATIVE_STEPS: usize = 50;
+const MULTIPLICATIVE_POWER: f64 = 0.7;
 /// Reduction of the complementarity aimed at by each step.
 const CENTRING: f64 = 0.15;
 /// Decrease of the merit asked for, as a share of its slope along the step.
@@ -81,6 +84,30 @@ impl WeightProblem<'_> {
         let u = DMatrix::from_columns(&columns);
         u.tr_mul(&u)
     }
+}
+
+/// The same by the multiplicative algorithm, whose steps cost no Hessian: for many unknowns, where weights near the best
+/// will do.
+pub fn near_optimal_weights(problem: &WeightProblem<'_>, tolerance: f64) -> Option<Vec<f64>> {
+    let k = problem.points.len();
+    let mut weights = DVector::from_element(k, 1.0 / k as f64);
+    let mut best: Option<(f64, DVector<f64>)> = None;
+    for _ in 0..MULTIPLICATIVE_STEPS {
+        let state = problem.state(&weights)?;
+        let gap = (state.slopes.max() - state.slopes.dot(&weights)) / state.tangent.level;
+        if best.as_ref().is_none_or(|(known, _)| gap < *known) {
+            best = Some((gap, weights.clone()));
+        }
+        if gap <= tolerance {
+            break;
+        }
+        weights.zip_apply(&state.slopes, |w, slope| {
+            *w *= slope.max(0.0).powf(MULTIPLICATIVE_POWER)
+        });
+        let sum = weights.sum();
+        weights /= sum;
+    }
+    best.map(|(_, weights)| weights.iter().copied().collect())
 }
 
 /// Weights whose largest slope exceeds the mean slope by at most `tolerance`

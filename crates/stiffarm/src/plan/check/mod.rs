@@ -7,6 +7,7 @@
 
 mod beside_arm;
 mod excitation;
+mod further_load;
 mod prepared;
 mod reason;
 mod slips;
@@ -14,6 +15,7 @@ mod start;
 mod work;
 
 pub use excitation::JointExcitation;
+pub use further_load::{FurtherLoad, ONE_LOAD};
 pub use prepared::{LEFT_OUT, determinable, prepared, springs_left_out};
 pub use start::{START_TOUCHES, start_touches};
 
@@ -31,6 +33,8 @@ use serde::{Deserialize, Serialize};
 
 /// Postures that [`check`] spreads over the bounds.
 pub const SAMPLES: u32 = 256;
+/// Postures of an experiment for which a second load is weighed.
+const ONE_LOAD_POSTURES: usize = 12;
 /// Share of postures within the limits below which a cell counts as cramped.
 const CRAMPED: f64 = 0.02;
 
@@ -89,6 +93,7 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     };
     let terms: Vec<&PostureTerms> = looked_at.iter().flat_map(|s| &s.terms).collect();
     let joints = excitation::check(cell, &terms, &mut findings)?;
+    one_load(cell, &looked_at, &mut findings);
     validation(cell, &mut findings);
     machine_limits(cell, &mut findings);
     findings.extend(robot_doubts(&cell.setup.robot));
@@ -189,6 +194,8 @@ fn two_noises(cell: &Cell) -> Option<Finding> {
 
 /// One sampled posture.
 struct Sample {
+    /// Controller angles \[rad\].
+    q: Vec<f64>,
     /// Its terms under each load; three of them, under unit forces along x, y and z, where the
     /// force is only known once it is measured.
     terms: Vec<PostureTerms>,
@@ -215,7 +222,11 @@ fn sampled_terms(cell: &Cell) -> Result<Vec<Sample>> {
                 .map(|(setup, wrench)| PostureTerms::new(setup, &q, wrench.as_ref()))
                 .collect::<Result<Vec<_>>>()?;
             let is_allowed = margins.are_met(&q)?;
-            Ok(Sample { terms, is_allowed })
+            Ok(Sample {
+                q,
+                terms,
+                is_allowed,
+            })
         })
         .collect()
 }
@@ -248,6 +259,17 @@ fn reach(cell: &Cell, within: usize, findings: &mut Vec<Finding>) -> Result<()> 
         findings.push(Finding::caution("cramped-limits", "limits", found));
     }
     Ok(())
+}
+
+/// Says what a second load would bring.
+fn one_load(cell: &Cell, samples: &[&Sample], findings: &mut Vec<Finding>) {
+    let allowed = samples.iter().filter(|s| s.is_allowed);
+    let some: Vec<&[f64]> = allowed
+        .take(ONE_LOAD_POSTURES)
+        .map(|s| s.q.as_slice())
+        .collect();
+    let found = FurtherLoad::new(cell, &some);
+    findings.extend(found.map(|found| found.finding(cell, some.len())));
 }
 
 /// Validation postures: the machine's limits bind them, the cell's limits warn.

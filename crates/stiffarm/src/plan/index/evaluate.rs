@@ -14,6 +14,9 @@ use serde::{Deserialize, Serialize};
 /// Rows that are kept as they are; of more postures what a decomposition leaves of them.
 const MOST_ROWS: usize = 1 << 14;
 
+/// How far what gives way beyond the axes may be from what is expected, as a factor.
+const OFF: f64 = 3.0;
+
 /// Values of every index; `None` where an index does not exist: a joint is
 /// undetermined, J_N is singular, or the cell has no prior or no tasks.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -41,10 +44,13 @@ pub struct Indices {
     /// RMS over the cell's tasks of the error of the predicted tip deflection,
     /// σ·sqrt(tr(T (ΨᵀΨ)⁻¹)) with T of [`task_matrix`](crate::model::cell::task_matrix) \[m\].
     pub task: Option<f64>,
-    /// RMS over the cell's tasks, or over random postures inside its limits under its
-    /// load, of the error of the predicted deflection under the mixed elastic model with
-    /// the sizes that the cell declares, else typical ones \[m\].
+    /// RMS error of the predicted deflection of the tip under the mixed elastic model with the sizes that the cell
+    /// declares, else expected ones, at random postures inside the cell's limits under forces as large as its load's in
+    /// all directions, and where it has tasks half at these \[m\].
     pub prediction: Option<f64>,
+    /// The same where what gives way beyond the axes is a third and three times as large.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prediction_range: Option<[f64; 2]>,
     /// Which sizes `prediction` took: those that the cell declares, or typical ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub prediction_sizes: Option<ElasticSource>,
@@ -351,10 +357,11 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
     let times = |a: Option<f64>, b: Option<f64>| Some(a? * b?);
     let observability = |f: &dyn Fn() -> f64| full.then(f).filter(|v| v.is_finite());
     let log_sum = || sigma.iter().map(|s| s.ln()).sum::<f64>();
-    let predicted = if full {
-        predicting.and_then(|(model, stack)| model.value_of(stack))
-    } else {
-        None
+    let predicting = predicting.filter(|_| full);
+    let predicting = predicting.map(|(model, stack)| (model, model.rows(stack)));
+    let predicted = |factor: f64| {
+        let (model, rows) = predicting.as_ref()?;
+        model.value_where(rows, factor)
     };
     Ok(GroupEvaluation {
         name: name.to_string(),
@@ -370,8 +377,9 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
             drop_one,
             d,
             task,
-            prediction: predicted,
-            prediction_sizes: predicted.and_then(|_| prediction?.source()),
+            prediction: predicted(1.0),
+            prediction_range: predicted(1.0 / OFF).zip(predicted(OFF)).map(Into::into),
+            prediction_sizes: predicted(1.0).and_then(|_| prediction?.source()),
             o1: observability(&|| (log_sum() / n as f64).exp() / (count as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),
             o3: observability(&|| sigma[n - 1]),

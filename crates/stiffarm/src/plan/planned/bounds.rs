@@ -14,6 +14,9 @@ use crate::plan::index::Index;
 /// index, or the six would take longer than the selection.
 const JOINT_SEARCHES: usize = 256;
 
+/// Postures from which on the bound of the index prediction says anything.
+const FEWEST_PREDICTING: usize = 12;
+
 /// Why there is no bound after a stop.
 pub(super) const STOPPED: &str = "stopped before the bound was found";
 
@@ -40,6 +43,10 @@ impl Bounds {
         control: Control<'_>,
     ) -> Self {
         let mut found = Bounds::default();
+        // What one posture adds is never a fraction of it, which is what few of them lack of the bound.
+        if index == Index::Prediction && given.len() + postures.len() < FEWEST_PREDICTING {
+            return found;
+        }
         watch(Stage::Bounding {
             postures: postures.len(),
         });
@@ -47,8 +54,9 @@ impl Bounds {
         let options = CertificateOptions::default();
         let certificate = certify_further(cell, index, given, postures, &options, control);
         found.certificate = kept(certificate, control, &mut found.missing);
-        // The joints' bounds do not count what is measured already.
-        if found.certificate.is_some() && given.is_empty() && cell.prior.is_some() {
+        // The joints' bounds count neither what is measured already nor what gives way beyond the axes.
+        let by_joint = index != Index::Prediction && given.is_empty();
+        if found.certificate.is_some() && by_joint && cell.prior.is_some() {
             watch(Stage::BoundingJoints);
             let mut options = options;
             options.samples = JOINT_SEARCHES;

@@ -38,7 +38,7 @@ pub struct CandidateRequest {
 impl Default for CandidateRequest {
     fn default() -> Self {
         CandidateRequest {
-            index: Index::ExpectedError,
+            index: Index::Prediction,
             postures: POSTURES,
             starts: CandidateOptions::default().starts,
             seed: SEED,

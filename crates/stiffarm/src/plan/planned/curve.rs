@@ -50,7 +50,7 @@ pub struct CurveRequest {
 impl Default for CurveRequest {
     fn default() -> Self {
         CurveRequest {
-            index: Index::ExpectedError,
+            index: Index::Prediction,
             postures: LARGEST,
             rounds: None,
             time_limit: None,

@@ -26,7 +26,7 @@ pub struct DropRequest {
 impl Default for DropRequest {
     fn default() -> Self {
         DropRequest {
-            index: Index::ExpectedError,
+            index: Index::Prediction,
             drop: 1,
         }
     }

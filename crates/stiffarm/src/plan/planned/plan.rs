@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
-use crate::plan::check::prepared;
+use crate::plan::check::{FurtherLoad, prepared};
 use crate::plan::feasibility::on_limits;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
 use crate::plan::route::{RouteOptions, route_findings};
@@ -97,6 +97,7 @@ pub fn plan(
     };
     let names = |postures: &[Posture]| postures.iter().map(|p| p.name.clone()).collect();
     let same = |stops: &Vec<usize>| stops.iter().map(|p| postures[*p].name.clone()).collect();
+    let all: Vec<&[f64]> = given.iter().chain(&postures).map(AsRef::as_ref).collect();
     findings.extend(cell.posture_findings(known));
     findings.extend(route_findings(&cell, &postures, &route)?);
     findings.extend(on_limits(&cell, &postures, &selection.limits));
@@ -117,6 +118,7 @@ pub fn plan(
             ..selection.evaluation.clone()
         },
         before,
+        further_load: FurtherLoad::new(&cell, &all),
         certificate: bounds.certificate,
         joint_efficiencies: bounds.joints,
         certificate_missing: bounds.missing,

@@ -49,7 +49,7 @@ pub struct PlanRequest {
 impl Default for PlanRequest {
     fn default() -> Self {
         PlanRequest {
-            index: Index::ExpectedError,
+            index: Index::Prediction,
             postures: POSTURES,
             initial: None,
             given: Vec::new(),

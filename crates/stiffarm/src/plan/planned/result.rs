@@ -3,6 +3,7 @@
 use super::kinds::Mode;
 use crate::findings::Finding;
 use crate::plan::certificate::{Certificate, JointEfficiency};
+use crate::plan::check::FurtherLoad;
 use crate::plan::index::{EvaluatedGroup, GroupEvaluation};
 use crate::plan::route::Route;
 use crate::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
@@ -93,6 +94,10 @@ pub struct Plan {
     pub joint_efficiencies: Option<Vec<JointEfficiency>>,
     /// Why there is no certificate, where one was wanted; else `null`.
     pub certificate_missing: Option<String>,
+    /// What a weight in the same postures would add; absent where the load is no pull through one point or one way, and
+    /// where it adds little.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub further_load: Option<FurtherLoad>,
     /// Whether wrong assumptions would change the plan; `null` unless asked for.
     pub sensitivity: Option<Sensitivity>,
     /// What each kind of limit costs, the dearest first; `null` unless asked for.

@@ -120,7 +120,20 @@ impl PredictionFunction {
         0.5 * error.ln()
     }
 
-    /// Adds the derivatives of ln(index) by the free angles \[1/rad\] at the last
+    /// tr(A·XᵀX) of the readings X at `q`, ready for [`add_gradient`](Self::add_gradient); not a number where a load has no
+    /// direction.
+    pub(crate) fn trace(&mut self, q: &[f64], a: &DMatrix<f64>) -> f64 {
+        self.adjoint = None;
+        if !self.place(q) {
+            return f64::NAN;
+        }
+        let by_rows = &self.rows.all * a;
+        let value = by_rows.dot(&self.rows.all);
+        self.adjoint = Some(by_rows * 2.0);
+        value
+    }
+
+    /// Adds the derivatives of ln(index), or of the trace, by the free angles \[1/rad\] at the last
     /// evaluation to `gradient`.
     pub(crate) fn add_gradient(&self, gradient: &mut [f64]) {
         let Some(adjoint) = &self.adjoint else {

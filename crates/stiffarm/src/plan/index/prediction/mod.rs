@@ -230,9 +230,12 @@ impl PredictionModel {
     }
 
     /// What the readings at a posture tell, under the load of each of `terms`: rows over σ.
-    pub(crate) fn readings(&self, terms: &[PostureTerms]) -> DMatrix<f64> {
+    pub(crate) fn readings<'a>(
+        &self,
+        terms: impl IntoIterator<Item = &'a PostureTerms>,
+    ) -> DMatrix<f64> {
         let each: Vec<DMatrix<f64>> = terms
-            .iter()
+            .into_iter()
             .map(|own| self.readings_of(&ArmMotion::new(own, &Load::Measured)))
             .collect();
         stacked(&each, self.unknowns())
@@ -268,7 +271,7 @@ impl PredictionModel {
     }
 
     /// Number of unknowns, fixed and random.
-    fn unknowns(&self) -> usize {
+    pub(crate) fn unknowns(&self) -> usize {
         self.targets.all.ncols()
     }
 
@@ -314,7 +317,7 @@ impl PredictionModel {
         for terms in postures {
             stack.push(self.readings(terms.as_ref()));
         }
-        self.value_of(stack)
+        self.value_where(&self.rows(stack), 1.0)
     }
 
     /// Room for the readings of postures.
@@ -322,13 +325,18 @@ impl PredictionModel {
         Stack::new(self.unknowns(), MOST_ROWS)
     }
 
-    /// [`value`](Self::value) of postures whose readings these are.
-    pub(crate) fn value_of(&self, readings: Stack) -> Option<f64> {
-        let rows = Rows {
+    /// Such readings.
+    pub(crate) fn rows(&self, readings: Stack) -> Rows {
+        Rows {
             all: readings.into_matrix(),
             fixed: self.units.len(),
-        };
-        let error = Posterior::new(&rows)?.error(&self.targets)?;
+        }
+    }
+
+    /// [`value`](Self::value) of these readings where what gives way beyond the axes is `factor` times as large.
+    pub(crate) fn value_where(&self, readings: &Rows, factor: f64) -> Option<f64> {
+        let (readings, targets) = (readings.times(factor), self.targets.times(factor));
+        let error = Posterior::new(&readings)?.error(&targets)?;
         Some(error.sqrt()).filter(|e| e.is_finite())
     }
 }

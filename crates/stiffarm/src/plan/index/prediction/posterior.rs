@@ -30,6 +30,14 @@ impl Rows {
         self.all.columns(0, self.fixed)
     }
 
+    /// The same where random effects are `factor` times as large.
+    pub(super) fn times(&self, factor: f64) -> Self {
+        let mut out = self.clone();
+        let random = out.all.ncols() - out.fixed;
+        out.all.columns_mut(out.fixed, random).scale_mut(factor);
+        out
+    }
+
     fn u(&self) -> DMatrixView<'_, f64> {
         self.all.columns(self.fixed, self.all.ncols() - self.fixed)
     }

@@ -59,9 +59,13 @@ impl Schedule {
         // comes near the best.
         if index == Index::Prediction {
             return Schedule {
-                chains: 4,
+                chains: if count > 16 { 2 } else { 4 },
                 tries: 1,
-                rounds: if count > 12 { 1 } else { 6 },
+                rounds: match count {
+                    0..=8 => 6,
+                    9..=16 => 2,
+                    _ => 1,
+                },
                 patience: 3,
             };
         }
