@@ -109,48 +109,34 @@ pub fn read_dh_rows(
     }
 }
 
-/// Twists and lengths below this are zero \[rad, m\].
-const ZERO: f64 = 1e-6;
+/// Sine of a twist, and length as a share of the arm's, below which two axes are one: calibration moves axes by less.
+const ONE_TWIST: f64 = 1e-2;
+const ONE_LENGTH: f64 = 2e-3;
 
 /// The first two neighbouring axes, counted from 0, that lie on one line: no arm has such.
 fn on_one_line(convention: DhConvention, rows: &[DhRow]) -> Option<usize> {
-    let plain = |row: &DhRow| row.alpha.sin().abs() < ZERO && row.a.abs() < ZERO;
-    // What lies between two axes stands in the row of the second, or of the first.
-    let between = match convention {
-        DhConvention::Modified => rows.get(1..),
-        DhConvention::Standard => rows.split_last().map(|(_, before)| before),
-    };
-    between.unwrap_or_default().iter().position(plain)
+    let total: f64 = rows.iter().map(|row| row.a.abs() + row.d.abs()).sum();
+    let is_one =
+        |row: &DhRow| row.alpha.sin().abs() < ONE_TWIST && row.a.abs() <= ONE_LENGTH * total;
+    convention.between_axes(rows).iter().position(is_one)
 }
 
 /// The refusal of rows that have two axes on one line in this convention, and none in the other.
-pub(crate) fn other_convention(convention: DhConvention, rows: &[DhRow]) -> Option<Error> {
-    let (own, other, names) = match convention {
-        DhConvention::Modified => (
-            "modified",
-            DhConvention::Standard,
-            ["standard", "dh_standard"],
-        ),
-        DhConvention::Standard => (
-            "standard",
-            DhConvention::Modified,
-            ["modified", "dh_modified"],
-        ),
-    };
-    let at = on_one_line(convention, rows)?;
+pub(crate) fn other_convention(own: DhConvention, rows: &[DhRow]) -> Option<Error> {
+    let at = on_one_line(own, rows)?;
+    let other = own.other();
     if rows.len() < 3 || on_one_line(other, rows).is_some() {
         return None;
     }
+    let name = other.name();
     let message = format!(
-        "Read as {own} rows, axes {} and {} lie on one line, which no arm has; read as {} rows no two do.",
+        "Read as {} rows, axes {} and {} lie on one line, which no arm has; read as {name} rows no two do.",
+        own.name(),
         at + 1,
         at + 2,
-        names[0]
     );
     Some(Error::new(Code::Conflict, message).hint(format!(
-        "give the rows as {}, or --dh-convention {}: there alpha and a of a row lie {} the joint's turn",
-        names[1],
-        names[0],
+        "give the rows as dh_{name}, or --dh-convention {name}: there alpha and a of a row lie {} the joint's turn",
         if other == DhConvention::Standard { "behind" } else { "before" }
     )))
 }

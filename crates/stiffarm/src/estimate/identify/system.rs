@@ -9,7 +9,7 @@ use super::labels::{RowLabel, Weights};
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::measurement::{MeasuredPosture, row_count};
-use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
 use crate::model::robot::Robot;
 use nalgebra::{DMatrix, DVector};
 use std::collections::HashMap;
@@ -156,7 +156,7 @@ pub(super) fn assemble<'a>(
         for &(m, terms) in &states {
             let posture = &measured[m];
             let columns = terms.block_with(&cell.setup.robot, extra);
-            let known = known_displacement(cell, terms, posture)?;
+            let known = known_displacement(&cell.setup, terms, posture)?;
             for (d, displacement) in posture.displacements.iter().enumerate() {
                 let row = 3 * displacement.point;
                 if row + 3 > columns.nrows() {
@@ -234,12 +234,12 @@ pub(crate) fn unknowns(robot: &Robot, extra: &[ExtraTerm]) -> Result<Vec<String>
 /// Displacement of the measuring points that does not come from the unknowns,
 /// 3m \[m\]: of a series compliance, and J^m C Δq_m of the controller.
 pub(crate) fn known_displacement(
-    cell: &Cell,
+    setup: &Setup,
     terms: &PostureTerms,
     measured: &MeasuredPosture,
 ) -> Result<DVector<f64>> {
-    let robot = &cell.setup.robot;
-    let mut known = terms.known_displacement(&cell.setup.tool);
+    let robot = &setup.robot;
+    let mut known = terms.known_displacement(&setup.tool);
     let Some(give) = &measured.servo_deflection else {
         return Ok(known);
     };

@@ -3,7 +3,7 @@
 use super::quantity::{Frame, Kind, Place, step};
 use crate::error::Result;
 use crate::estimate::elastic::carried_near;
-use crate::estimate::identify::{Experiment, Fit, Response};
+use crate::estimate::identify::{Fit, Response};
 use crate::estimate::mixed::MixedFit;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
@@ -84,6 +84,33 @@ impl At {
     }
 }
 
+/// A fit as it answers to small changes of what was measured.
+pub(super) struct Linear<'a> {
+    fit: &'a Fit,
+    response: Response<'a>,
+    values: &'a DVector<f64>,
+    /// What it leaves, as it weighs the rows.
+    rest: DVector<f64>,
+}
+
+impl<'a> Linear<'a> {
+    /// Of the axes alone, or with springs beyond them.
+    pub(super) fn new(fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
+        let (response, values) = match mixed {
+            Some(mixed) => (mixed.response().ok()?, &mixed.compliance().values),
+            None => (Response::new(fit).ok()?, &fit.solution().values),
+        };
+        let delta = response.delta();
+        let rest = response.left(delta, &response.of(delta));
+        Some(Linear {
+            fit,
+            response,
+            values,
+            rest,
+        })
+    }
+}
+
 impl Frame<'_> {
     /// The fit with the quantity at `place`; `None` where it cannot be had.
     pub(super) fn at(
@@ -99,90 +126,54 @@ impl Frame<'_> {
         found.value.is_finite().then_some(found)
     }
 
-    /// What the displacements and Ψ h differ by, for each number of the quantity: the derivative of Ψ h − Δ.
-    fn columns(&self, kind: Kind, at: &At, values: &DVector<f64>) -> Option<DMatrix<f64>> {
-        let system = at.fit.system();
-        let left = |place: &Place| {
-            let (cell, measured) = self.changed(kind, place).ok()?;
-            let options = at.fit.options();
-            let experiment = Experiment::new(&cell, measured).ok()?;
-            let system = experiment.system(&options.extra, options.weights).ok()?;
-            Some(&system.psi * values - &system.delta)
-        };
-        let count = at.place.values.len();
-        let mut out = DMatrix::zeros(system.delta.len(), count);
-        for k in 0..count {
-            let beside = |by: f64| {
-                let mut place = at.place.clone();
-                place.values[k] += by;
-                left(&place)
-            };
-            let h = step(kind);
-            out.set_column(k, &((beside(h)? - beside(-h)?) / (2.0 * h)));
-        }
-        Some(out)
-    }
-
-    fn step(
-        &self,
-        kind: Kind,
-        at: &At,
-        response: &Response<'_>,
-        values: &DVector<f64>,
-    ) -> Option<Step> {
-        let springs = at.fit.system().psi.ncols();
-        let columns = self.columns(kind, at, &values.rows(0, springs).into_owned())?;
-        let left = |weighed: &DVector<f64>| response.left(weighed, &response.of(weighed));
-        let rest = left(response.delta());
-        let own: Vec<DVector<f64>> = columns
-            .column_iter()
-            .map(|column| left(&response.weighed(&column.into_owned())))
-            .collect();
-        if own.is_empty() {
+    /// One step of least squares from `place`, where the fit is `linear`.
+    fn step(&self, kind: Kind, place: &Place, linear: &Linear<'_>) -> Option<Step> {
+        let count = place.values.len();
+        if count == 0 {
             return None;
         }
-        let own = DMatrix::from_columns(&own);
+        let (response, system) = (&linear.response, linear.fit.system());
+        let values = linear.values.rows(0, system.psi.ncols()).into_owned();
+        let h = step(kind);
+        let mut own = DMatrix::zeros(linear.rest.len(), count);
+        for k in 0..count {
+            let beside = |by: f64| {
+                let mut place = place.clone();
+                place.values[k] += by;
+                self.missed(kind, &place, &values)
+            };
+            let slope = (beside(h).ok()? - beside(-h).ok()?) / (2.0 * h);
+            let weighed = response.weighed(&slope);
+            own.set_column(k, &response.left(&weighed, &response.of(&weighed)));
+        }
+        let (rest, solution) = (&linear.rest, linear.fit.solution());
         let factor = Factor::new(&own).ok()?;
-        let change = factor.solve(&rest);
-        let after = (&rest - &own * &change).norm_squared();
+        let change = factor.solve(rest);
+        let after = (rest - &own * &change).norm_squared();
         let before = rest.norm_squared();
-        let free = rest.len().saturating_sub(springs + change.len()).max(1);
-        let sigma = at
-            .fit
-            .solution()
-            .sigma
-            .unwrap_or((after / free as f64).sqrt());
-        let errors = factor.standard_errors();
-        let errors = errors
-            .into_iter()
-            .map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
+        let free = rest.len().saturating_sub(values.len() + count).max(1);
+        let sigma = solution.sigma.unwrap_or((after / free as f64).sqrt());
+        let errors = factor.standard_errors().into_iter();
+        let errors = errors.map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
         Some(Step {
-            errors: DVector::from_iterator(change.len(), errors),
+            errors: DVector::from_iterator(count, errors),
             change,
             squares: [before, before - after],
         })
     }
 
     fn step_of(&self, kind: Kind, at: &At) -> Option<Step> {
-        match &at.mixed {
-            Some(mixed) => {
-                let response = mixed.response().ok()?;
-                self.step(kind, at, &response, &mixed.compliance().values)
-            }
-            None => {
-                let response = Response::new(&at.fit).ok()?;
-                self.step(kind, at, &response, &at.fit.solution().values)
-            }
-        }
+        let linear = Linear::new(&at.fit, at.mixed.as_deref())?;
+        self.step(kind, &at.place, &linear)
     }
 
-    /// By how much −2 ln L of the axes alone would fall with the quantity freed, by the derivatives at its stated value.
-    pub(super) fn score(&self, kind: Kind, stated: &At) -> f64 {
-        let Some(step) = self.step_of(kind, stated) else {
+    /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives there.
+    pub(super) fn score(&self, kind: Kind, stated: &Place, linear: &Linear<'_>) -> f64 {
+        let Some(step) = self.step(kind, stated, linear) else {
             return 0.0;
         };
         let [before, less] = step.squares;
-        let free = stated.fit.solution().degrees_of_freedom;
+        let free = linear.fit.solution().degrees_of_freedom;
         let rest = (1.0 - less / before).max(f64::MIN_POSITIVE);
         -(free as f64) * rest.ln()
     }

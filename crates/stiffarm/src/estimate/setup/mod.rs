@@ -18,10 +18,12 @@ use crate::error::Result;
 use crate::estimate::elastic::{FEWEST_POSTURES, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, rms};
 use crate::estimate::mixed::MixedFit;
+use crate::estimate::systematic::{ANCHOR, FORCE_SCALE, LOADING_POINT, REGISTRATION};
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::sort_by_number;
-use freed::{At, below_zero, value};
+use freed::{At, Linear, below_zero, value};
+use nalgebra::Matrix3;
 use quantity::{Frame, Kind};
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +45,7 @@ const MORE_THAN_NOISE: f64 = 1.3;
 const FOLLOWED: usize = 2;
 /// Quantities that are tried beside springs beyond the axes.
 const TRIED: usize = 3;
-/// Standard uncertainties within which a declared quantity may lie.
+/// Standard uncertainties, of cell and readings together, within which a quantity may lie.
 const WIDE: f64 = 3.0;
 /// Explanations whose −2 ln L lies within this of the best explain as well.
 const ALIKE: f64 = 10.0;
@@ -53,7 +55,7 @@ const ALIKE: f64 = 10.0;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Freed {
     /// Stable name: `anchor`, `loading-point`, `gravity`, `force-beside`, `common-shift`, `sensor-axes`,
-    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`,
+    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`, `rows`,
     /// `lost-motion`.
     pub name: String,
     /// What the cell or the table states, SI: a place, a direction, a turn vector, a force, angles.
@@ -98,25 +100,32 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     }
     let is_more = left > MORE_THAN_NOISE * found.expected_std_m || below_zero(&fit, None) > WORTH;
     let frame = Frame::new(&fit);
+    let Some(linear) = Linear::new(&fit, None) else {
+        return Ok(None);
+    };
     let kinds = frame.quantities();
     let alone = in_order(&kinds, |(_, kind)| {
         fit.control().check()?;
-        Ok(freed_alone(&frame, *kind, is_more).map(|at| (*kind, at)))
+        Ok(freed_alone(&frame, &linear, *kind, is_more).map(|at| (*kind, at)))
     })?;
     let mut alone: Vec<(Kind, At)> = alone.into_iter().flatten().collect();
     let price = |(kind, at): &(Kind, At)| at.value + EACH * frame.dimension(*kind) as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
+    // Springs beyond the axes granted on both sides.
+    let grants = options.extra.is_empty();
+    let carried = match own {
+        None if grants && !alone.is_empty() => carried(&fit)?.ok(),
+        _ => None,
+    };
+    let own = own.or(carried.as_ref());
+    if let Some(mixed) = own {
+        leave_out_swallowed(&frame, mixed, &mut alone);
+    }
     if alone.is_empty() {
         return Ok(Some(SetUp::default()));
     }
-    // Springs beyond the axes granted on both sides.
-    let grants = options.extra.is_empty();
-    let before = match own {
-        Some(mixed) => value(&fit, Some(mixed)),
-        None if grants => value(&fit, carried(&fit)?.ok().as_ref()),
-        None => value(&fit, None),
-    };
+    let before = value(&fit, own);
     let mut beside = in_order(&alone, |(_, (kind, at))| {
         fit.control().check()?;
         let at = At::new(at.place.clone(), at.fit.clone(), grants, own)?;
@@ -152,12 +161,13 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     Ok(Some(SetUp { freed, finding }))
 }
 
-/// A quantity freed beside the axes alone; `None` where that is not worth a second look.
-fn freed_alone(frame: &Frame<'_>, kind: Kind, is_more: bool) -> Option<At> {
+/// A quantity freed beside the axes alone, whose fit with all as stated is `linear`; `None` where that is not worth a
+/// second look.
+fn freed_alone(frame: &Frame<'_>, linear: &Linear<'_>, kind: Kind, is_more: bool) -> Option<At> {
     let mut places = frame.starts(kind).into_iter();
-    let stated = frame.at(kind, places.next()?, false, None)?;
+    let stated = At::new(places.next()?, frame.fit.clone(), false, None).ok()?;
     let before = stated.value;
-    let score = frame.score(kind, &stated);
+    let score = frame.score(kind, &stated.place, linear);
     let mut starts: Vec<At> = Vec::new();
     if is_more {
         starts.extend(places.filter_map(|place| frame.at(kind, place, false, None)));
@@ -171,19 +181,39 @@ fn freed_alone(frame: &Frame<'_>, kind: Kind, is_more: bool) -> Option<At> {
     (before - best.value > WORTH).then_some(best)
 }
 
-/// Whether the cell declares the quantity as uncertain as that: then the intervals hold it.
+/// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
+/// the mixed model helps that no more. The dear fits beside them are spared.
+fn leave_out_swallowed(frame: &Frame<'_>, mixed: &MixedFit, alone: &mut Vec<(Kind, At)>) {
+    let before = value(frame.fit, None);
+    let mut linear = None;
+    alone.retain(|(kind, at)| {
+        // Derivatives at the stated value know nothing of an exchange of axes or a sign.
+        if before - at.value > ANYHOW {
+            return true;
+        }
+        let linear = linear.get_or_insert_with(|| Linear::new(frame.fit, Some(mixed)));
+        let stated = frame.starts(*kind).into_iter().next();
+        let both = linear.as_ref().zip(stated);
+        both.is_none_or(|(linear, stated)| frame.score(*kind, &stated, linear) > WORTH)
+    });
+}
+
+/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it.
 fn is_within_stated(fit: &Fit, kind: Kind, at: &At, errors: &[Option<f64>]) -> bool {
     let given = &fit.cell().uncertainty;
-    let declared = match kind {
-        Kind::Anchor(_) => given.anchor,
-        Kind::LoadingPoint(_) => given.loading_point,
-        _ => None,
+    let size = match kind {
+        Kind::Anchor(_) => given.anchor.unwrap_or(ANCHOR),
+        Kind::LoadingPoint(_) => given.loading_point.unwrap_or(LOADING_POINT),
+        Kind::TableAxes => given.registration.unwrap_or(REGISTRATION),
+        Kind::Offset => {
+            let largest = fit.experiment().largest_force().unwrap_or(0.0);
+            given.force_scale.unwrap_or(FORCE_SCALE) * largest
+        }
+        _ => return false,
     };
-    let is_within = |size: f64| {
-        let mut both = at.place.values.iter().zip(errors);
-        both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
-    };
-    declared.is_some_and(is_within)
+    let mut both = at.place.values.iter().zip(errors);
+    at.place.turn == Matrix3::identity()
+        && both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
 }
 
 /// By how much −2 ln L falls without the posture that gains most: one bad posture is no set-up.

@@ -2,13 +2,14 @@
 //! of what was measured, and the displacements follow from the model as they do without it.
 
 use crate::error::Result;
-use crate::estimate::identify::Fit;
+use crate::estimate::identify::{Fit, known_displacement};
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::instruments::{Mount, Sensor};
+use crate::model::kinematics::Frames;
 use crate::model::load::{Load, Wrench};
 use crate::model::measurement::MeasuredPosture;
-use crate::model::observation::{ExtraTerm, PostureTerms};
+use crate::model::observation::{ExtraTerm, PostureTerms, Setup};
 use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 
 /// A wrench is the load's own where it is off by at most this share.
@@ -45,6 +46,8 @@ pub(super) enum Kind {
     Angle(usize),
     /// The angle of axis 3 counts that of axis 2, under a table of displacements.
     Coupling,
+    /// The robot's rows are meant in the other Denavit–Hartenberg convention, under a table of displacements.
+    Rows,
     /// Lost motion of every joint: no error of the set-up, but what else may explain the same.
     LostMotion,
 }
@@ -142,8 +145,7 @@ impl<'a> Frame<'a> {
             }
             out.extend(own.into_iter().map(|i| Kind::LoadingPoint(Some(i))));
         }
-        let weight =
-            |setup: &crate::model::observation::Setup| matches!(setup.load, Load::Weight { .. });
+        let weight = |setup: &Setup| matches!(setup.load, Load::Weight { .. });
         if is_own && setups.iter().any(weight) {
             out.push(Kind::Gravity);
         }
@@ -159,6 +161,7 @@ impl<'a> Frame<'a> {
             let joints = cell.setup.robot.joint_count();
             out.extend((0..joints).map(Kind::Angle));
             out.extend((joints > 2).then_some(Kind::Coupling));
+            out.push(Kind::Rows);
         }
         if cell.route.approach.is_none() {
             out.push(Kind::LostMotion);
@@ -172,18 +175,12 @@ impl<'a> Frame<'a> {
     /// A load that has no direction there.
     pub fn changed(&self, kind: Kind, place: &Place) -> Result<(Cell, Measured)> {
         let mut cell = self.fit.cell().clone();
-        let mut postures = self.fit.postures().to_vec();
-        change_cell(&mut cell, kind, place);
-        for (m, posture) in postures.iter_mut().enumerate() {
-            let Some(terms) = self.fit.experiment().terms(m) else {
-                continue;
-            };
-            self.change_wrench(&cell, m, posture, terms, kind, place)?;
-            change_posture(posture, terms, kind, place);
-        }
+        change_setup(&mut cell.setup, kind, place);
+        let postures = 0..self.origins.len();
+        let postures = postures.map(|m| self.posture(&cell.setup, m, kind, place));
         let measured = self.fit.measured();
         let measured = Measured {
-            postures,
+            postures: postures.collect::<Result<_>>()?,
             readings_per_displacement: measured.readings_per_displacement,
             scatter: measured.scatter,
             ..Measured::default()
@@ -191,30 +188,77 @@ impl<'a> Frame<'a> {
         Ok((cell, measured))
     }
 
+    /// Ψ h − Δ where the quantity has the value `place`, rows as in the system; h are `values`. No more is computed than
+    /// that.
+    ///
+    /// # Errors
+    /// As [`changed`](Self::changed).
+    pub fn missed(&self, kind: Kind, place: &Place, values: &DVector<f64>) -> Result<DVector<f64>> {
+        let system = self.fit.system();
+        let mut setup = self.fit.cell().setup.clone();
+        change_setup(&mut setup, kind, place);
+        let mut out = DVector::zeros(system.delta.len());
+        for labels in system.labels.chunk_by(|a, b| a.measured == b.measured) {
+            let posture = self.posture(&setup, labels[0].measured, kind, place)?;
+            let own = setup.of_state(&posture.state)?;
+            let terms = posture.terms(&own, posture.wrench.as_ref())?;
+            let moved = terms.block_with(&setup.robot, &system.extra) * values;
+            let moved = moved + known_displacement(&setup, &terms, &posture)?;
+            for label in labels {
+                let displacement = &posture.displacements[label.displacement];
+                let left = moved.fixed_rows::<3>(3 * displacement.point) - displacement.value;
+                out.fixed_rows_mut::<3>(label.rows.start).copy_from(&left);
+            }
+        }
+        Ok(out)
+    }
+
+    /// Measured posture `m` where the quantity has the value `place`, and so the cell is `setup`.
+    fn posture(
+        &self,
+        setup: &Setup,
+        m: usize,
+        kind: Kind,
+        place: &Place,
+    ) -> Result<MeasuredPosture> {
+        let mut posture = self.fit.postures()[m].clone();
+        let Some(terms) = self.fit.experiment().terms(m) else {
+            return Ok(posture);
+        };
+        change_posture(&mut posture, terms, kind, place);
+        let frames = match kind {
+            Kind::Angle(_) | Kind::Coupling | Kind::Rows => {
+                &Frames::new(&setup.robot, &posture.posture.q)
+            }
+            _ => terms.frames(),
+        };
+        self.change_wrench(setup, m, &mut posture, (terms, frames), kind, place)?;
+        Ok(posture)
+    }
+
     fn change_wrench(
         &self,
-        cell: &Cell,
+        setup: &Setup,
         m: usize,
         posture: &mut MeasuredPosture,
-        terms: &PostureTerms,
+        (terms, frames): (&PostureTerms, &Frames),
         kind: Kind,
         place: &Place,
     ) -> Result<()> {
-        let setup = cell.setup.of_state(&posture.state)?;
-        let at = terms.frames().point(&setup.tool.loading_point);
+        let setup = setup.of_state(&posture.state)?;
+        let at = frames.point(&setup.tool.loading_point);
         let mut wrench = match self.origins[m] {
             Origin::Own(factor) => {
-                let own = setup.load.wrench(terms.frames(), &at);
+                let own = setup.load.wrench(frames, &at);
                 own.map(|own| own.map(|v| v * factor))
             }
             Origin::Force => posture.wrench,
             Origin::Sensor => posture.wrench.map(|w| w.moved(terms.loading_point(), &at)),
         };
-        let changed = wrench.as_mut().zip(cell.sensor.as_ref());
+        let changed = wrench.as_mut().zip(self.fit.cell().sensor.as_ref());
         match (kind, changed) {
             (Kind::SensorAxes, Some((wrench, sensor))) => {
-                let from = self.fit.cell().sensor.as_ref().unwrap_or(sensor);
-                *wrench = read_again(terms, wrench, &at, from, |axes| {
+                *wrench = read_again(terms, wrench, &at, sensor, |axes| {
                     axes * place.rotated() * axes.transpose()
                 });
             }
@@ -252,7 +296,7 @@ impl<'a> Frame<'a> {
         match kind {
             Kind::Gravity => 2,
             Kind::Angle(_) | Kind::Offset => 1,
-            Kind::Coupling | Kind::Sign | Kind::SensorInBase => 0,
+            Kind::Coupling | Kind::Rows | Kind::Sign | Kind::SensorInBase => 0,
             Kind::Points => 6,
             Kind::LostMotion => self.fit.cell().setup.robot.joint_count(),
             _ => 3,
@@ -296,8 +340,8 @@ pub(super) fn gravity(stated: &Vector3<f64>, place: &Place) -> Vector3<f64> {
     (along + moved).normalize()
 }
 
-fn change_cell(cell: &mut Cell, kind: Kind, place: &Place) {
-    let loads: Vec<&mut Load> = match &mut cell.setup.load {
+fn change_setup(setup: &mut Setup, kind: Kind, place: &Place) {
+    let loads: Vec<&mut Load> = match &mut setup.load {
         Load::Cases(cases) => cases.iter_mut().map(|case| &mut case.load).collect(),
         one => vec![one],
     };
@@ -315,13 +359,18 @@ fn change_cell(cell: &mut Cell, kind: Kind, place: &Place) {
             }
         }
         Kind::Points => {
-            for point in &mut cell.setup.tool.measuring_points {
+            for point in &mut setup.tool.measuring_points {
                 point.position = place.rotated() * point.position + place.vector();
             }
         }
-        Kind::LoadingPoint(None) => cell.setup.tool.loading_point += place.vector(),
+        Kind::LoadingPoint(None) => setup.tool.loading_point += place.vector(),
+        Kind::Rows if place.turn[(0, 0)] > 0.0 => {
+            if let Some(robot) = setup.robot.in_other_convention() {
+                setup.robot = robot;
+            }
+        }
         Kind::LoadingPoint(Some(i)) => {
-            if let Load::Cases(cases) = &mut cell.setup.load
+            if let Load::Cases(cases) = &mut setup.load
                 && let Some(point) = cases
                     .get_mut(i)
                     .and_then(|case| case.loading_point.as_mut())

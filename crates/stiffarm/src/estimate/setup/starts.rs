@@ -41,7 +41,7 @@ impl Frame<'_> {
                 out.extend(turns.map(|turn| Place::new(turn, zeros(6))));
             }
             Kind::Sign => out.push(Place::new(-Matrix3::identity(), Vec::new())),
-            Kind::SensorInBase => {
+            Kind::SensorInBase | Kind::Rows => {
                 out.push(out[0].clone());
                 out[0].turn = Matrix3::zeros();
             }

@@ -30,6 +30,7 @@ pub(super) fn name(kind: Kind) -> &'static str {
         Kind::TableAxes => "table-axes",
         Kind::Angle(_) => "joint-angle",
         Kind::Coupling => "coupling",
+        Kind::Rows => "rows",
         Kind::LostMotion => "lost-motion",
     }
 }
@@ -48,6 +49,7 @@ fn key(cell: &Cell, kind: Kind) -> String {
         Kind::SensorAxes => "sensor.rpy_deg".to_string(),
         Kind::SensorOrigin => "sensor.xyz_mm".to_string(),
         Kind::Angle(_) | Kind::Coupling => "robot.theta_from_q".to_string(),
+        Kind::Rows => format!("robot.dh_{}", cell.setup.robot.convention().name()),
         Kind::Points => "tool.measuring_point".to_string(),
         Kind::SensorInBase => "sensor".to_string(),
         Kind::Beside | Kind::Offset | Kind::Sign => "load".to_string(),
@@ -72,6 +74,7 @@ fn what(cell: &Cell, kind: Kind) -> String {
         Kind::TableAxes => "other axes of the table".to_string(),
         Kind::Angle(j) => format!("another count of {}", cell.setup.robot.joints()[j].name),
         Kind::Coupling => "axis 3 coupled to axis 2 in another way".to_string(),
+        Kind::Rows => "rows of the other convention".to_string(),
         Kind::LostMotion => "lost motion in the joints".to_string(),
     }
 }
@@ -85,7 +88,7 @@ pub(super) fn stated(cell: &Cell, kind: Kind) -> Vec<f64> {
         Kind::Gravity => vector(down(cell)),
         Kind::Angle(_) | Kind::Coupling | Kind::Offset => vec![0.0],
         Kind::Sign => vec![1.0],
-        Kind::SensorInBase => vec![0.0],
+        Kind::SensorInBase | Kind::Rows => vec![0.0],
         Kind::Points => vec![0.0; 6],
         Kind::LostMotion => vec![0.0; cell.setup.robot.joint_count()],
         _ => vec![0.0; 3],
@@ -109,7 +112,7 @@ pub(super) fn asked(cell: &Cell, kind: Kind, place: &Place) -> Vec<f64> {
         Kind::LoadingPoint(_) => vector(loading_point(cell, kind) + place.vector()),
         Kind::Gravity => vector(gravity(&down(cell), place)),
         Kind::SensorAxes | Kind::TableAxes => vector(turn_vector(&place.rotated())),
-        Kind::Coupling | Kind::Sign | Kind::SensorInBase => vec![place.turn[(0, 0)]],
+        Kind::Coupling | Kind::Sign | Kind::SensorInBase | Kind::Rows => vec![place.turn[(0, 0)]],
         Kind::Points => [
             vector(place.vector()),
             vector(turn_vector(&place.rotated())),
@@ -332,6 +335,13 @@ pub(super) fn finding(
                 place.turn[(0, 0)]
             ),
             "Check robot.theta_from_q against the pendant",
+        ),
+        Kind::Rows => (
+            format!(
+                "The readings ask for {} rows; the cell has them as {key}",
+                cell.setup.robot.convention().other().name()
+            ),
+            "Name the rows of the robot by their convention",
         ),
         Kind::LostMotion => {
             let most = asked.iter().copied().fold(0.0, f64::max);

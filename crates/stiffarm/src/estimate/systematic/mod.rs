@@ -26,6 +26,7 @@ use crate::findings::Finding;
 use believed::Believed;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
+pub(crate) use sources::{ANCHOR, FORCE_SCALE, LOADING_POINT, REGISTRATION};
 use sources::{Part, Source, sources};
 pub use total::JointUncertainty;
 

@@ -12,13 +12,13 @@ use crate::model::tool::SeriesCompliance;
 use nalgebra::{DVector, Matrix6, Rotation3, Vector3};
 
 /// Assumed where the cell says nothing.
-const FORCE_SCALE: f64 = 0.01;
+pub(crate) const FORCE_SCALE: f64 = 0.01;
 /// Coordinate of an anchor measured by tape \[m\].
-const ANCHOR: f64 = 5e-3;
+pub(crate) const ANCHOR: f64 = 5e-3;
 /// Coordinate of a loading point by its drawing \[m\].
-const LOADING_POINT: f64 = 1e-3;
+pub(crate) const LOADING_POINT: f64 = 1e-3;
 /// Turn between tracker and base \[rad\].
-const REGISTRATION: f64 = 0.5e-3;
+pub(crate) const REGISTRATION: f64 = 0.5e-3;
 /// Tilt of a well-anchored base \[rad/(N·m)\].
 const BASE_TILT: f64 = 1e-8;
 /// Turn of a force sensor that is there and that nobody models \[rad/(N·m)\].
@@ -169,7 +169,7 @@ impl Nominal<'_> {
     ) -> Result<DVector<f64>> {
         let moved =
             terms.block_with(&self.cell.setup.robot, self.believed.extra) * self.believed.values;
-        Ok(moved + known_displacement(self.cell, terms, posture)?)
+        Ok(moved + known_displacement(&self.cell.setup, terms, posture)?)
     }
 
     /// A part whose displacements differ, posture by posture, by `shift`.

@@ -136,7 +136,7 @@ fn displacements(
     let (q, wrench) = (&measured.posture.q, measured.wrench.as_ref());
     let setup = &*cell.setup.of_state(&measured.state)?;
     let terms = PostureTerms::new(setup, q, wrench)?;
-    let known = known_displacement(cell, &terms, measured)?;
+    let known = known_displacement(&cell.setup, &terms, measured)?;
     let tool = &cell.setup.tool;
     // One equilibrium per posture moves all its points.
     let after = match model {

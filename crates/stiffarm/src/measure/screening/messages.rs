@@ -1,11 +1,11 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
 use super::severity::{code, severity};
+use super::sizes::{degrees, mm, times};
 use super::slip::slip;
 use super::{Cause, Suspicion, tool};
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
-use crate::units::m_to_mm;
 
 /// The finding of one suspicion.
 pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
@@ -19,6 +19,7 @@ fn subject(s: &Suspicion) -> String {
         return match s.cause {
             Cause::ToolUnits | Cause::Drawing | Cause::ToolPlace => "tool.measuring_point",
             Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
+            Cause::DhConvention => "robot.dh",
             Cause::GivenTransform => "tracker",
             Cause::LoadUnits | Cause::LoadEntry | Cause::MomentUnits => "load",
             Cause::ExchangedLoadCases => "load.case",
@@ -66,27 +67,6 @@ fn lines(s: &Suspicion) -> String {
         0 => String::new(),
         1 => format!(" (line {})", numbers[0]),
         _ => format!(" (lines {})", list(&numbers)),
-    }
-}
-
-/// Length in mm with about three digits.
-fn mm(length: f64) -> String {
-    let value = m_to_mm(length);
-    match value.abs() {
-        v if v >= 100.0 => format!("{value:.0} mm"),
-        v if v >= 1.0 => format!("{value:.1} mm"),
-        v if v >= 0.1 => format!("{value:.2} mm"),
-        _ => format!("{value:.3} mm"),
-    }
-}
-
-/// An angle in degrees as one would type it.
-fn degrees(angle: f64) -> String {
-    let text = format!("{angle:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    match text {
-        "-0" => "0°".to_string(),
-        text => format!("{text}°"),
     }
 }
 
@@ -160,8 +140,13 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
         }
         Cause::Radians => "the angles are in radians".to_string(),
         Cause::Degrees => "the angles are in degrees".to_string(),
-        Cause::AngleSign => format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0)),
-        Cause::MistypedAngle => format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0)),
+        Cause::AngleSign | Cause::MistypedAngle => {
+            format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0))
+        }
+        Cause::DhConvention => {
+            let other = cell.setup.robot.convention().other().name();
+            format!("its rows were {other} ones")
+        }
         Cause::OtherPosture | Cause::ExchangedPostures => match s.postures.get(1) {
             Some(other) => format!("the angles of posture {other}"),
             None => "the angles of another posture".to_string(),
@@ -188,6 +173,10 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
     let cause = cause(cell, s);
     let off = s.off_m.map_or_else(String::new, mm);
     let joints = list(&s.joints);
+    let state = match &s.states[..] {
+        [] => String::new(),
+        states => format!(" in state {}", list(states)),
+    };
     match s.cause {
         Cause::Units => {
             let (times, size) = times(s.factor);
@@ -293,15 +282,18 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             fall(s),
             alternatives(s)
         ),
-        Cause::JointSign | Cause::Coupling | Cause::JointOffset => format!(
+        Cause::JointSign | Cause::Coupling | Cause::JointOffset | Cause::DhConvention => format!(
             "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
-             {}.{} Check robot.{} against the pendant.",
+             {}.{} {}.",
             fall(s),
             alternatives(s),
-            if s.cause == Cause::JointOffset {
-                "dh (offset)"
-            } else {
-                "theta_from_q"
+            match s.cause {
+                Cause::JointOffset => "Check robot.dh (offset) against the pendant".to_string(),
+                Cause::DhConvention => {
+                    let own = cell.setup.robot.convention();
+                    format!("Name the rows robot.dh_{}, not robot.dh_{}", own.other().name(), own.name())
+                }
+                _ => "Check robot.theta_from_q against the pendant".to_string(),
             }
         ),
         Cause::Radians if s.misfits.is_some() => super::scale::messages::sentence(cell, s, &opening),
@@ -339,10 +331,6 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
             alternatives(s)
         ),
         Cause::ExchangedPostures => {
-            let state = match &s.states[..] {
-                [] => String::new(),
-                states => format!(" in state {}", list(states)),
-            };
             format!(
                 "The readings of postures {}{state} are exchanged: with that undone the misfit falls {}.{} Exchange \
                  the rows.",
@@ -353,10 +341,6 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
         }
         Cause::OtherPosture => {
             let [first, second] = [0, 1].map(|i| s.postures.get(i).map_or("", String::as_str));
-            let state = match &s.states[..] {
-                [] => String::new(),
-                states => format!(" in state {}", list(states)),
-            };
             format!(
                 "The readings of posture {first}{state} were taken at the angles of posture {second}: the misfit falls \
                  {}.{} Copied rows, or the robot was not moved?",
@@ -430,18 +414,6 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 .to_string()
         }
     }
-}
-
-/// A ratio in words: how many times too large or small.
-fn times(factor: Option<f64>) -> (String, &'static str) {
-    let factor = factor.unwrap_or(1.0);
-    let (value, size) = if factor < 1.0 {
-        (1.0 / factor, "small")
-    } else {
-        (factor, "large")
-    };
-    let digits = usize::from((value - value.round()).abs() > 0.05 && value < 100.0);
-    (format!("{value:.digits$}"), size)
 }
 
 /// `1, 2 or 3`.

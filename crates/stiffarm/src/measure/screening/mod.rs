@@ -32,6 +32,7 @@ mod scale;
 mod severity;
 mod shape;
 mod sheet;
+mod sizes;
 mod slip;
 mod states;
 mod tool;
@@ -84,6 +85,8 @@ pub enum Cause {
     JointSign,
     /// Axis 3 coupled to axis 2 differently than the cell says.
     Coupling,
+    /// Denavit–Hartenberg rows meant in the other convention.
+    DhConvention,
     /// A constant offset of a joint angle.
     JointOffset,
     /// All measuring points, and the tool with them, sit elsewhere on the flange than the cell says.

@@ -38,6 +38,8 @@ enum Change {
     Order(Vec<usize>),
     /// These joints turn the other way, and perhaps axis 3 follows axis 2 by another factor.
     Chain(Vec<usize>, Option<f64>),
+    /// The rows are meant in the other convention.
+    Rows,
     /// A joint's angle has an offset \[rad\].
     Offset(usize, f64),
     /// The measuring points sit elsewhere on the flange.
@@ -52,7 +54,7 @@ impl Change {
     /// How much at once this change supposes; simpler causes are believed first.
     fn complexity(&self) -> usize {
         match self {
-            Change::Mirror(_) | Change::Radians | Change::Degrees => 1,
+            Change::Mirror(_) | Change::Rows | Change::Radians | Change::Degrees => 1,
             Change::Order(order) => (0..order.len()).filter(|a| order[*a] != *a).count() - 1,
             Change::Chain(signs, coupling) => signs.len() + usize::from(coupling.is_some()),
             Change::Offset(..) => 2,
@@ -82,6 +84,11 @@ impl Change {
                     work.cell.setup.robot = robot;
                 }
             }
+            Change::Rows => {
+                if let Some(robot) = work.setup().robot.in_other_convention() {
+                    work.cell.setup.robot = robot;
+                }
+            }
             Change::Offset(j, offset) => {
                 each_angle(work, |i, q| if i == *j { q + offset } else { q })
             }
@@ -95,6 +102,7 @@ impl Change {
         match self {
             Change::Mirror(_) => Suspicion::new(Cause::MirroredFrame),
             Change::Tool(motion) => tool::suspicion(motion),
+            Change::Rows => Suspicion::new(Cause::DhConvention),
             Change::Radians => Suspicion::new(Cause::Radians),
             Change::Degrees => Suspicion::new(Cause::Degrees),
             Change::Order(order) => exchanged(work, order),
@@ -299,9 +307,8 @@ fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option
 /// Everything that is tried, but offsets.
 fn changes(work: &Work) -> Vec<Change> {
     let n = work.setup().robot.joint_count();
-    let mut out = vec![Change::Mirror(Matrix3::from_diagonal(&Vector3::new(
-        -1.0, 1.0, 1.0,
-    )))];
+    let mirror = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, 1.0));
+    let mut out = vec![Change::Mirror(mirror), Change::Rows];
     let largest = work
         .sheet
         .states()

@@ -26,6 +26,7 @@ pub(super) fn code(cause: Cause) -> &'static str {
         Cause::MirroredFrame => "mirrored-frame",
         Cause::JointSign => "joint-sign",
         Cause::Coupling => "joint-coupling",
+        Cause::DhConvention => "dh-convention",
         Cause::JointOffset => "joint-offset",
         Cause::ToolPlace => "tool-place",
         Cause::Radians => "angles-in-radians",

@@ -7,6 +7,7 @@
 mod axes;
 mod catalogue;
 mod controller;
+mod convention;
 mod dh;
 mod dh_robot;
 mod entry;
@@ -63,8 +64,8 @@ pub struct Robot {
     gravity_direction: Vector3<f64>,
     origin: Origin,
     shapes: Shapes,
-    /// The frame that each row ends in, in that of its joint after the turn.
-    row_ends: Vec<Isometry3<f64>>,
+    convention: DhConvention,
+    rows: Vec<DhRow>,
 }
 
 impl Robot {
@@ -109,7 +110,8 @@ impl Robot {
             gravity_direction: -Vector3::z(),
             origin: Origin::default(),
             shapes: Shapes::default(),
-            row_ends: rows.iter().map(|row| row.after_turn(convention)).collect(),
+            convention,
+            rows: rows.to_vec(),
         })
     }
 

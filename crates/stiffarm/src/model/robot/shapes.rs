@@ -37,8 +37,8 @@ impl Robot {
     /// The frame that the Denavit–Hartenberg row of link i ends in, T_1 … T_i, in the frame of joint i
     /// after its turn \[m\]; the base frame itself for link 0.
     pub fn row_frame(&self, link: usize) -> Isometry3<f64> {
-        let row = link.checked_sub(1).and_then(|at| self.row_ends.get(at));
-        row.copied().unwrap_or_default()
+        let row = link.checked_sub(1).and_then(|at| self.rows.get(at));
+        row.map_or_else(Isometry3::identity, |row| row.after_turn(self.convention))
     }
 
     /// Sets the capsules around the links, and pairs of links whose capsules may

@@ -113,8 +113,8 @@ pub fn check(cell: &Cell) -> Result<CellCheck> {
     })
 }
 
-/// What is doubtful about a robot of the catalogue, or about the angles of one's own, one finding
-/// `robot-doubt` each: whatever uses its numbers says so. How a source was read is left out.
+/// What is doubtful about a robot of the catalogue, or about the angles and rows of one's own, one finding
+/// `robot-doubt` or `dh-convention` each: whatever uses its numbers says so. How a source was read is left out.
 pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
     let doubts = robot.doubts().iter();
     let coupling = robot
@@ -128,6 +128,15 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
         );
         Finding::caution("robot-doubt", "robot.theta_from_q", sentence)
     });
+    let convention = robot.like_in_other_convention().map(|known| {
+        let [own, other] = [robot.convention(), robot.convention().other()].map(|c| c.name());
+        let sentence = format!(
+            "Read as {own} rows the arm is like no robot of the catalogue, read as {other} ones it is like {}: name the \
+             rows robot.dh_{other}, or compare a posture with the pendant (stiffarm pose).",
+            known.name
+        );
+        Finding::caution("dh-convention", format!("robot.dh_{own}"), sentence)
+    });
     doubts
         .filter(|doubt| doubt.about != DoubtAbout::Source)
         .map(|doubt| {
@@ -139,6 +148,7 @@ pub fn robot_doubts(robot: &Robot) -> Vec<Finding> {
             Finding::caution("robot-doubt", subject, doubt.sentence)
         })
         .chain(coupling)
+        .chain(convention)
         .collect()
 }
 

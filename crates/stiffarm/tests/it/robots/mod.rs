@@ -1,6 +1,7 @@
 //! The catalogue of robots, and poses as pendants show them.
 
 mod configuration;
+mod conventions;
 mod descriptions;
 mod poses;
 mod shapes;

@@ -172,6 +172,21 @@ fn couple(cell: &mut Cell, change: impl FnOnce(&mut DMatrix<f64>)) {
     cell.setup.robot = cell.setup.robot.clone().with_coupling(coupling).unwrap();
 }
 
+/// The default robot's rows, written as those of the other convention.
+fn other_rows(cell: &mut Cell) {
+    let entry = find_in_catalogue("comau-nj165-3.0").unwrap();
+    let robot = &cell.setup.robot;
+    let limits: Vec<[f64; 2]> = robot.joints().iter().map(|j| j.limits).collect();
+    let other = entry.convention.other();
+    cell.setup.robot = Robot::from_dh(entry.name, other, &entry.dh_rows(), entry.base())
+        .unwrap()
+        .with_flange(&entry.flange())
+        .with_coupling(robot.coupling().clone())
+        .unwrap()
+        .with_limits(&limits)
+        .unwrap();
+}
+
 fn each_load(table: &mut ReadingTable, change: impl Fn(f64) -> f64) {
     let states = table.postures.iter_mut().flat_map(|p| &mut p.states);
     states
@@ -274,6 +289,8 @@ pub const MISTAKES: &[Mistake] = &[
     row("joint 4 counted the other way", Rope, R(|_, t| each_angle(t, |q| q[3] *= -1.0)), &["joint 4", "other way"]),
     row("joint 6 off by 180°", Rope, R(|_, t| each_angle(t, |q| q[5] += PI)), &["joint 6", "180"]),
     row("joint 3 coupled", Rope, C(|c| couple(c, |m| m[(2, 1)] = 0.0)), &["coupled"]),
+    row("modified rows as standard ones", Rope, C(other_rows), &["dh_modified, not robot.dh_standard"]),
+    row("modified rows as standard ones, displacements", Rope, D(other_rows), &["ask for modified rows"]),
     row("rope still tight, 150 N", Rope, R(|c, t| add_displacement(c, t, Role::Unloaded, |w| Some(w.map(|v| v * 0.3)))), OFFSET),
     row("one wrong weight", Rope, R(|_, t| lighter(t, 3, 0.5)), &["osture 4"]),
     row("load cell 50 N too much", Rope, R(|_, t| each_load(t, |n| if n > 0.0 { n + 50.0 } else { n })), OFFSET),

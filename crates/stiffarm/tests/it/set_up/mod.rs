@@ -130,6 +130,33 @@ fn a_soft_structure_misleads_nobody() {
     assert!(3 * named >= 2 * rows.len(), "{named} of {}", rows.len());
 }
 
+/// A quantity off by less than three of its standard uncertainties is no finding: the total ± has it.
+#[test]
+fn what_the_uncertainty_holds_is_no_finding() {
+    // By chance this sound day asks for 14 N beside 981; a force is known to 1 %.
+    let Day { mut cell, table } = day(Kind::Weight, Beyond::Common(3e-5), 12, 3, 1197);
+    let found = tested(&cell, table.clone());
+    let [first, ..] = &found.freed[..] else {
+        panic!("{found:#?}")
+    };
+    assert_eq!(first.name, "force-offset");
+    assert!(first.likelihood_ratio > 26.0 && first.asked[0] < 20.0);
+    assert_eq!(found.finding, None);
+    // Who knows it better is told.
+    cell.uncertainty.force_scale = Some(1e-3);
+    assert!(tested(&cell, table).finding.is_some());
+    // An anchor that is stated to 5 mm by default, and to 50 mm where the cell says so.
+    let lever = |far: f64, known: Option<f64>| {
+        let Day { mut cell, table } = day(Kind::Rope, Beyond::Nothing, 12, 3, 1);
+        rope_anchor(&mut cell).z -= far;
+        cell.uncertainty.anchor = known;
+        tested(&cell, table).finding.is_some()
+    };
+    let said =
+        [(0.15, None), (0.15, Some(0.1)), (0.15, Some(0.01))].map(|(far, known)| lever(far, known));
+    assert_eq!(said, [true, false, true]);
+}
+
 /// Sound days of arms that do more than turn about their axes: no quantity is rejected in more than 2 %.
 #[test]
 fn sound_days_reject_nothing() {
