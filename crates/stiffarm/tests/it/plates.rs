@@ -110,8 +110,10 @@ fn gradients_of_the_others_are_those_of_differences() {
     let group = random_group();
     // Work that pushes sideways turns the joint that was left out.
     let found = evaluate(&others, "sideways", &group).unwrap().indices;
-    assert_eq!((found.task, found.prediction), (None, None));
-    for index in [Index::Task, Index::Prediction] {
+    assert_eq!(found.task, None);
+    // Anywhere else it counts what does not turn it.
+    assert!(found.prediction.is_some());
+    for index in [Index::Task] {
         let error = IndexFunction::new(&others, index, group.len())
             .err()
             .unwrap();

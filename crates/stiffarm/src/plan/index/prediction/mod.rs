@@ -127,10 +127,8 @@ impl PredictionModel {
                 of_points.push(at_point(&motions, &point.position));
             }
         }
-        let mut targets = vec![of_points];
-        if !cell.tasks.is_empty() {
-            targets.push(model.at_tip(&loaded_at(cell, &cell.tasks)?));
-        }
+        let mut targets = vec![of_points, model.at_tip(&loaded_at(cell, &cell.tasks)?)];
+        targets.retain(|kind| !kind.is_empty());
         model.set_targets(&targets);
         Ok(model)
     }
@@ -357,13 +355,11 @@ impl PredictionModel {
 /// # Errors
 /// No tasks where the load comes with measurements; no posture inside the limits.
 pub(crate) fn work_of(cell: &Cell) -> Result<Vec<Vec<(Setup, PostureTerms)>>> {
-    let mut work = Vec::new();
-    if !cell.tasks.is_empty() {
-        work.push(loaded_at(cell, &cell.tasks)?);
-    }
+    let mut work = vec![loaded_at(cell, &cell.tasks)?];
     if cell.setup.load != Load::Measured {
         work.push(anywhere(cell)?);
     }
+    work.retain(|kind| !kind.is_empty());
     if work.is_empty() {
         return Err(Error::new(
             Code::MissingKey,
@@ -375,14 +371,18 @@ pub(crate) fn work_of(cell: &Cell) -> Result<Vec<Vec<(Setup, PostureTerms)>>> {
     Ok(work)
 }
 
-/// Set-up and terms of tasks; a joint that the cell's loads never turn is rigid here.
+/// Set-up and terms of tasks, but of those that turn a joint which the cell's loads never turn: of it nothing is known.
 fn loaded_at(cell: &Cell, tasks: &[Task]) -> Result<Vec<(Setup, PostureTerms)>> {
-    let at_task = |task: &Task| {
-        let setup = task.setup(&cell.setup.robot);
+    let robot = &cell.setup.robot;
+    let mut out = Vec::new();
+    for task in tasks {
+        let setup = task.setup(robot);
         let terms = PostureTerms::new(&setup, &task.q, None)?;
-        Ok((setup, terms))
-    };
-    tasks.iter().map(at_task).collect()
+        if robot.left_out_but_turned(terms.torque()).is_none() {
+            out.push((setup, terms));
+        }
+    }
+    Ok(out)
 }
 
 fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
