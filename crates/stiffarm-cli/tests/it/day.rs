@@ -146,7 +146,7 @@ fn a_day_beside_the_robot() {
     let cell = include_str!("../../../../cells/comau.toml").to_string() + KNOWN;
     folder.write("cell.toml", cell);
     folder.ok(&format!(
-        "select cell.toml -n {PLANNED} --rounds 1 --no-certificate --output plan.csv --sheet sheet.xlsx"
+        "select cell.toml --index expected-error -n {PLANNED} --rounds 1 --no-certificate --output plan.csv --sheet sheet.xlsx"
     ));
     // To the controller, and back again.
     folder.ok("export cell.toml plan.csv --language krl --controller kuka --output-dir program");

@@ -57,7 +57,7 @@ fn measured() -> Folder {
 #[test]
 fn a_stopped_search_for_postures_keeps_the_best_so_far() {
     let folder = Folder::new();
-    let line = "select builtin:comau --rounds 1000000 -n 3 --sensitivity --output plan.csv --force";
+    let line = "select builtin:comau --index expected-error --rounds 1000000 -n 3 --sensitivity --output plan.csv --force";
     let found = result(&folder, line, "-INT", &|_| true);
     assert_eq!(found["termination"], "interrupted");
     assert_eq!(folder.read("plan.csv").lines().count(), 4);

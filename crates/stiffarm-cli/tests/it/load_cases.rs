@@ -91,7 +91,6 @@ fn wrong_load_cases_are_answered_with_place_and_hint() {
         "select cell.toml --count 4 --states left,loaded --sheet s.csv",
         "select cell.toml --count 4 --states preload,left --sheet s.csv",
         "identify cell.toml readings.csv",
-        "select cell.toml --count 4 --index prediction",
         "select cell.toml --count 4 --largest-load-n 600",
         "zones cell.toml",
         "predict cell.toml prior plan.csv --cell-load --load-case right",

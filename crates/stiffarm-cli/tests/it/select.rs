@@ -55,17 +55,47 @@ fn a_global_search_and_its_certificate() {
     let folder = Folder::new();
     assert_snapshot!(words(
         &folder,
-        "select builtin:comau-reference -n 3 --rounds 1 --output plan.csv"
+        "select builtin:comau-reference --index expected-error -n 3 --rounds 1 --output plan.csv"
     ));
     // The same number from the plan that was written.
     let written = folder.json("evaluate builtin:comau-reference plan.csv");
-    let plan = folder.json("select builtin:comau-reference -n 3 --rounds 1 --no-certificate");
+    let plan = folder.json(
+        "select builtin:comau-reference --index expected-error -n 3 --rounds 1 --no-certificate",
+    );
     assert!(plan["result"]["certificate"].is_null());
     close(
         number(&written["result"]["groups"][0]["indices"]["expected_error"]),
         number(&plan["result"]["value"]),
         1e-9,
     );
+}
+
+/// Unless told otherwise: the deflection at work, as a range, with a bound, what a weight would bring, and no posture twice.
+#[test]
+fn the_plan_for_the_model_that_identifies() {
+    let folder = Folder::new();
+    let line = "select builtin:comau -n 12 --rounds 1 --output plan.csv";
+    let result = folder.json(line)["result"].clone();
+    assert_eq!(result["index"], "prediction");
+    let value = number(&result["value"]);
+    let bound = number(&result["certificate"]["bound"]);
+    assert!(bound > 0.5 * value && bound < value, "{bound} {value}");
+    let range = &result["evaluation"]["indices"]["prediction_range"];
+    let [low, high] = [0, 1].map(|side| number(&range[side]));
+    assert!(low < value && value < high, "{low} {value} {high}");
+    assert!(number(&result["further_load"]["with"]) < 0.9 * value);
+    assert_eq!(result["repeats"].as_array().unwrap().len(), 0);
+    let said = folder.ok(&format!("{line} --force"));
+    for words in [
+        "deflection of the tip at work",
+        "three times as large",
+        "[[load.case]]",
+    ] {
+        assert!(said.replace("\n  ", " ").contains(words), "{words}: {said}");
+    }
+    // The load chosen too: by the index that can.
+    let line = "select builtin:comau -n 3 --rounds 1 --no-certificate --largest-load-n 600";
+    assert_eq!(folder.json(line)["result"]["index"], "expected_error");
 }
 
 #[test]
@@ -198,7 +228,7 @@ fn the_postures_least_worth_their_time() {
 #[test]
 fn the_curve_of_the_number_of_postures() {
     let folder = Folder::new();
-    let line = "select builtin:comau-reference --curve -n 4 --rounds 2 --output curve.csv";
+    let line = "select builtin:comau-reference --index expected-error --curve -n 4 --rounds 2 --output curve.csv";
     assert_snapshot!(words(&folder, line));
     let sizes = folder.json(&line.replace(" --output curve.csv", ""))["result"]["sizes"].clone();
     let sizes = sizes.as_array().unwrap();
@@ -295,14 +325,15 @@ fn evenly_spread_postures_as_a_baseline() {
 fn the_best_of_a_list_is_written_and_proved() {
     let folder = Folder::new();
     folder.ok("select builtin:comau --space-filling -n 14 --output even.csv");
-    let line =
-        "select builtin:comau --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
+    let line = "select builtin:comau --index expected-error --candidates even.csv -n 4 --output chosen.csv --sheet sheet.csv";
     assert_snapshot!(words(&folder, line));
     let chosen = folder.read("chosen.csv");
     let listed = folder.read("even.csv");
     assert_eq!(chosen.lines().count(), 5);
     assert!(chosen.lines().all(|line| listed.contains(line)), "{chosen}");
-    let result = folder.json("select builtin:comau --candidates even.csv -n 4")["result"].clone();
+    let result = folder
+        .json("select builtin:comau --index expected-error --candidates even.csv -n 4")["result"]
+        .clone();
     assert_eq!(result["exact"], true);
     let evaluated = folder.json("evaluate builtin:comau chosen.csv");
     let value = &evaluated["result"]["groups"][0]["indices"]["expected_error"];
@@ -329,7 +360,7 @@ fn measured_postures_are_chosen_under_their_wrenches() {
     }
     let line = "select builtin:comau --candidates tracked.csv -n 4 --index prediction";
     let out = folder.ok(line);
-    assert!(out.contains("the mixed elastic model"), "{out}");
+    assert!(out.contains("deflection of the tip at work"), "{out}");
     folder.refused("select builtin:comau --candidates tracked.csv -n 10");
     folder.refused("select builtin:comau --candidates missing.csv -n 2");
     folder.refused("select builtin:comau --candidates even.csv --given even.csv");
@@ -382,7 +413,7 @@ fn a_study_on_measurements_writes_its_folder() {
 #[test]
 fn a_posture_that_is_planned_twice_is_said_so() {
     let folder = Folder::new();
-    let line = "select builtin:comau -n 7 --no-certificate --rounds 1";
+    let line = "select builtin:comau --index expected-error -n 7 --no-certificate --rounds 1";
     let result = folder.json(line)["result"].clone();
     let repeats = result["repeats"].as_array().unwrap();
     let postures = result["postures_deg"].as_array().unwrap();

@@ -27,8 +27,13 @@ pub(super) struct Worth<'a> {
 /// Unit and digits of an index.
 pub fn index_quantity(index: Index) -> Quantity {
     let IndexUnit { unit, factor } = IndexUnit::of(index);
-    // No plan is better in practice by what a fourth digit of an error says.
-    let digits = if unit == "%" { 3 } else { 4 };
+    // No plan is better in practice by what a fourth digit of an error says, nor by a third of what stands on sizes that are
+    // expected.
+    let digits = match index {
+        Index::Prediction => 2,
+        _ if unit == "%" => 3,
+        _ => 4,
+    };
     Quantity::new(unit, factor, Form::Significant(digits))
 }
 

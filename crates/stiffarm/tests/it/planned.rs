@@ -21,7 +21,7 @@ fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
 
 fn quick(postures: usize) -> PlanRequest {
     with(|o: &mut PlanRequest| {
-        o.postures = postures;
+        (o.index, o.postures) = (Index::ExpectedError, postures);
         o.rounds = Some(1);
         o.certificate = false;
     })

@@ -135,7 +135,7 @@ fn gradients_of_the_others_are_those_of_differences() {
 fn a_plan_for_the_others_is_bounded_and_says_what_it_leaves_out() {
     let (cell, others) = plates();
     let mut request = PlanRequest::default();
-    request.rounds = Some(2);
+    (request.index, request.rounds) = (Index::ExpectedError, Some(2));
     let found = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
     let result = &found.result;
     assert_eq!(result.joints, others.setup.robot.spring_names());

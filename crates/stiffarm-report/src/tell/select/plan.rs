@@ -8,6 +8,7 @@ use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Told};
 use stiffarm::findings::Finding;
+use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::Plan;
@@ -87,7 +88,10 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         }));
     }
     let sizes = plan.evaluation.indices.prediction_sizes;
-    if let (Index::Prediction, Some(sizes)) = (plan.selection.index, sizes) {
+    // What is expected of every arm needs no word.
+    if let (Index::Prediction, Some(sizes @ ElasticSource::Declared)) =
+        (plan.selection.index, sizes)
+    {
         let sentence = format!("The index prediction takes {}.", sizes.in_words());
         told.verdict[1] = std::mem::take(&mut told.verdict[1]).words(format!(" {sentence}"));
     }

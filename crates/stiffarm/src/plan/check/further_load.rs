@@ -1,6 +1,6 @@
 //! What a weight, hung in the same postures as well, adds to a load that goes through one point or one way.
 
-use crate::findings::Finding;
+use crate::findings::{Finding, length};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
@@ -57,7 +57,6 @@ impl FurtherLoad {
             Load::Rope { .. } => "Every pull goes through the anchor",
             _ => "The load always pulls one way",
         };
-        let mm = |error: f64| format!("{:.2} mm", error * 1e3);
         Finding::note(
             ONE_LOAD,
             "load",
@@ -65,9 +64,9 @@ impl FurtherLoad {
                 "{what}, so that some of what gives way is never loaded: after {postures} random postures deflections under \
                  forces in all directions can be predicted to {}, with a weight of {:.0} kg hung in the same postures as \
                  well to {} (a second [[load.case]], docs/selecting.md).",
-                mm(self.without),
+                length(self.without),
                 self.mass_kg,
-                mm(self.with)
+                length(self.with)
             ),
         )
     }

@@ -80,18 +80,26 @@ impl PredictionModel {
             .flatten()
     }
 
-    /// The same where all entries scatter around zero with these sizes.
+    /// The same for the first kind of work alone, where all entries scatter around zero with these sizes.
     ///
     /// # Errors
     /// As [`of_cell`](Self::of_cell).
     pub(crate) fn alike(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
         let prior = Prior::alike(&cell.setup.robot, sizes);
-        PredictionModel::at_work(cell, prior, None)
+        PredictionModel::at(cell, prior, None, &work_of(cell)?[..1])
     }
 
     fn at_work(cell: &Cell, prior: Prior, source: Option<ElasticSource>) -> Result<Self> {
+        PredictionModel::at(cell, prior, source, &work_of(cell)?)
+    }
+
+    fn at(
+        cell: &Cell,
+        prior: Prior,
+        source: Option<ElasticSource>,
+        work: &[Vec<(Setup, PostureTerms)>],
+    ) -> Result<Self> {
         let mut model = PredictionModel::without_targets(cell, prior, source)?;
-        let work = work_of(cell)?;
         let targets: Vec<Vec<DMatrix<f64>>> = work.iter().map(|own| model.at_tip(own)).collect();
         model.set_targets(&targets);
         Ok(model)
@@ -121,7 +129,7 @@ impl PredictionModel {
         }
         let mut targets = vec![of_points];
         if !cell.tasks.is_empty() {
-            targets.push(model.at_tip(&tasks_of(cell)?));
+            targets.push(model.at_tip(&loaded_at(cell, &cell.tasks)?));
         }
         model.set_targets(&targets);
         Ok(model)
@@ -351,7 +359,7 @@ impl PredictionModel {
 pub(crate) fn work_of(cell: &Cell) -> Result<Vec<Vec<(Setup, PostureTerms)>>> {
     let mut work = Vec::new();
     if !cell.tasks.is_empty() {
-        work.push(tasks_of(cell)?);
+        work.push(loaded_at(cell, &cell.tasks)?);
     }
     if cell.setup.load != Load::Measured {
         work.push(anywhere(cell)?);
@@ -367,9 +375,14 @@ pub(crate) fn work_of(cell: &Cell) -> Result<Vec<Vec<(Setup, PostureTerms)>>> {
     Ok(work)
 }
 
-fn tasks_of(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
-    let at_task = |task: &Task| task.terms(&cell.setup.robot);
-    cell.tasks.iter().map(at_task).collect()
+/// Set-up and terms of tasks; a joint that the cell's loads never turn is rigid here.
+fn loaded_at(cell: &Cell, tasks: &[Task]) -> Result<Vec<(Setup, PostureTerms)>> {
+    let at_task = |task: &Task| {
+        let setup = task.setup(&cell.setup.robot);
+        let terms = PostureTerms::new(&setup, &task.q, None)?;
+        Ok((setup, terms))
+    };
+    tasks.iter().map(at_task).collect()
 }
 
 fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
@@ -387,18 +400,14 @@ fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
             work.extend(cases.iter().cloned().zip(loaded));
             continue;
         }
-        for axis in [Vector3::x(), Vector3::y(), Vector3::z()] {
-            let task = Task {
-                name: String::new(),
-                q: q.clone(),
-                wrench: Wrench::force(axis * size),
-                axes: Axes::Base,
-                tip: cell.setup.tool.tcp(),
-            };
-            let setup = task.setup(&cell.setup.robot);
-            let terms = PostureTerms::new(&setup, &q, None)?;
-            work.push((setup, terms));
-        }
+        let each = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| Task {
+            name: String::new(),
+            q: q.clone(),
+            wrench: Wrench::force(axis * size),
+            axes: Axes::Base,
+            tip: cell.setup.tool.tcp(),
+        });
+        work.extend(loaded_at(cell, &each)?);
     }
     Ok(work)
 }

@@ -131,14 +131,14 @@ impl Chain {
                 return false;
             }
             let start = match &self.current {
-                Some(_) if self.idle < PATIENCE => self.changed(rng, pool),
+                Some(_) if self.idle < PATIENCE => self.changed(rng, pool, control),
                 _ => {
                     self.current = None;
-                    self.fresh(rng, pool, attempt % 2 == 0)
+                    self.fresh(rng, pool, attempt % 2 == 0, control)
                 }
             };
             let plan = match self.predicting {
-                Some(_) => self.each_in_turn(start),
+                Some(_) => self.each_in_turn(start, control),
                 None => self.together(start),
             };
             if !plan.value.is_finite() {
@@ -175,12 +175,15 @@ impl Chain {
 
     /// Where no posture of a group near `start` can be moved alone to make the index prediction better: beside the
     /// others an evaluation costs no more with fifty postures than with six.
-    fn each_in_turn(&mut self, start: Vec<f64>) -> Plan {
+    fn each_in_turn(&mut self, start: Vec<f64>, control: Control<'_>) -> Plan {
         let n = self.joints;
         let mut plan = self.local.judge(start);
         for _ in 0..SWEEPS {
             let before = plan.value;
             for p in 0..self.count {
+                if control.stopped() {
+                    return plan;
+                }
                 let (others, Some(rows)) = beside(&self.local, &plan.x, n, p) else {
                     continue;
                 };
@@ -208,14 +211,25 @@ impl Chain {
     }
 
     /// A new group: random, or the best exchange among random candidates.
-    fn fresh(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, by_exchange: bool) -> Vec<f64> {
+    fn fresh(
+        &mut self,
+        rng: &mut ChaCha8Rng,
+        pool: &Pool,
+        by_exchange: bool,
+        control: Control<'_>,
+    ) -> Vec<f64> {
         self.idle = 0;
         let judge = self.predicting.as_mut().map(|own| &mut own.judge);
         let of = judge.as_ref().map_or(pool.len(), |judge| judge.len());
         let mut chosen: Vec<usize> = (0..self.count).map(|_| rng.random_range(0..of)).collect();
         if let Some(judge) = judge {
             let candidates: Vec<usize> = (0..of).collect();
-            APART.run(judge, &mut chosen, &candidates);
+            let stop = || control.stopped();
+            let exchange = Exchange {
+                stop: &stop,
+                ..APART
+            };
+            exchange.run(judge, &mut chosen, &candidates);
         } else if by_exchange && self.is_known(pool) {
             let candidates: Vec<usize> = (0..CANDIDATES)
                 .map(|_| rng.random_range(0..pool.len()))
@@ -260,9 +274,9 @@ impl Chain {
     }
 
     /// The incumbent with some postures replaced or shaken.
-    fn changed(&mut self, rng: &mut ChaCha8Rng, pool: &Pool) -> Vec<f64> {
+    fn changed(&mut self, rng: &mut ChaCha8Rng, pool: &Pool, control: Control<'_>) -> Vec<f64> {
         let Some(current) = &self.current else {
-            return self.fresh(rng, pool, false);
+            return self.fresh(rng, pool, false, control);
         };
         let mut x = current.x.clone();
         let n = self.joints;
