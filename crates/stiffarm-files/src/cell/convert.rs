@@ -1,7 +1,7 @@
 //! From the raw cell file to a checked [`Cell`] in SI units.
 
 use super::columns::columns;
-use super::elastic::elastic;
+use super::elastic::{elastic, known_elements};
 use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{
@@ -46,7 +46,10 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     // Published values belong to the joint axes, not to other springs.
     let published = entry.filter(|_| robot.spring_mixing().is_none());
     let prior = prior(source, raw.stiffness.as_ref(), &robot, published)?;
-    let elastic = source.optional(&raw.elastic, elastic)?;
+    let known_elements = source.optional(&raw.elastic, |source, table| {
+        known_elements(source, table, &robot)
+    })?;
+    let elastic = source.optional(&raw.elastic, elastic)?.flatten();
     let validation = validation(source, raw.validation.as_ref(), &robot)?;
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
     let work = work(source, raw.work.as_ref(), &tool)?;
@@ -69,6 +72,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         noise,
         prior,
         elastic,
+        known_elements: known_elements.unwrap_or_default(),
         characteristic_length,
         validation,
         tasks,

@@ -233,6 +233,12 @@ posture_common_mm = 0
 # shift_std_m_per_n = 9e-8
 # turn_std_rad_per_nm = 1.4e-7
 # coupling_std_rad_per_n = 7.6e-8
+# What a drawing or a catalogue says of bearings, links and base; identify takes it beside the
+# readings. Lists: one per joint, 0 where it is not known. These are of that size.
+# bearing_tilt_nm_per_rad = [1.7e7, 1.7e7, 1e7, 4e6, 3.2e6, 1.3e6]
+# base_tilt_nm_per_rad = 1e8
+# link_bending_nm2 = [2e7, 1e7, 0, 3e6, 0, 0]    # E I of the link behind each joint
+# stiffness_factor = 1.5   # each may be as many times stiffer or softer
 
 # The force sensor, if forces are read from one. Its axes and its sign are never guessed.
 # [sensor]

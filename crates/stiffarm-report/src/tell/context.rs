@@ -9,6 +9,7 @@ use std::any::Any;
 use std::borrow::Cow;
 use std::cmp::Reverse;
 use stiffarm::Result;
+use stiffarm::estimate::mixed::NEVER_LOADED;
 use stiffarm::findings::{Finding, Severity, list, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm_files::result::SavedResult;
@@ -82,9 +83,15 @@ impl<'a> Given<'a> {
         };
         findings.extend(stopped(self.saved));
         findings.sort_by_key(|finding| Reverse(finding.severity));
+        let outcome = Outcome::of(&findings);
+        // What rules the ± belongs to what came out.
+        let (ruling, findings) = findings.into_iter().partition(|f| f.code == NEVER_LOADED);
+        let said = |came: Text, f: &Finding| came.words(format!(" {}", f.sentence));
+        let ruling: Vec<Finding> = ruling;
+        let came = ruling.iter().fold(came, said);
         Told {
             heading: heading.into(),
-            outcome: Outcome::of(&findings),
+            outcome,
             verdict: [done, came, next],
             findings,
             key,

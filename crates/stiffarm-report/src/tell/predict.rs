@@ -10,6 +10,7 @@ use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, level};
 use stiffarm::Result;
+use stiffarm::estimate::mixed::NEVER_LOADED;
 use stiffarm::findings::visible;
 use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
 use stiffarm::work::predicted::Predicted;
@@ -31,7 +32,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     let verdict = [
         done(context, prediction, &work),
         came(context, prediction, worst),
-        next(prediction, &work, worst),
+        next(context, prediction, &work, worst),
     ];
     let shown = &order[..order.len().min(KEY_ROWS)];
     let caption = "Deflection of the tool tip where it is largest";
@@ -118,12 +119,22 @@ fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> T
             .words(format!(
                 " ({} %){at}; most of the ± comes from {}.",
                 level(confidence),
-                dominant(band.size_m)
+                if is_untold(context) {
+                    "loads that were never applied"
+                } else {
+                    dominant(band.size_m)
+                }
             )),
     }
 }
 
-fn next(prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {
+/// True where directions that no reading has loaded rule the ±.
+fn is_untold(context: &Given<'_>) -> bool {
+    let mut findings = context.saved.findings().into_iter();
+    findings.any(|finding| finding.code == NEVER_LOADED)
+}
+
+fn next(context: &Given<'_>, prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {
     if prediction.deflection_rms_m == 0.0 {
         return Text::new("Give the path its forces, in its own columns or in ")
             .code("[work]")
@@ -145,6 +156,8 @@ fn next(prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {
             text.words("make the largest common error smaller that ")
                 .code("stiffarm identify --details")
                 .words(" names.")
+        } else if is_untold(context) {
+            text.words("measure the same postures under another load, too, and identify from both.")
         } else {
             text.words("measure more postures; ")
                 .code("stiffarm select")

@@ -144,6 +144,11 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
         ));
     }
     if let Some(factor) = found.compensation_factor {
+        let at_least = if found.compensation_factor_is_bound {
+            "at least "
+        } else {
+            ""
+        };
         let text_of = text.words(" Compensated as calculated, the errors would have been ");
         text = if factor < 1.0 {
             text_of
@@ -151,8 +156,9 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
                 .words(" times larger.")
         } else {
             text_of
+                .words(at_least)
                 .number(context.number("/compensation_factor").significant(3))
-                .words(" times smaller.")
+                .words(" times smaller, the noise of these readings aside.")
         };
     }
     if found.folds.is_some() {

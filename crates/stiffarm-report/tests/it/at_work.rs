@@ -365,3 +365,17 @@ fn what_is_not_bent_has_no_picture_of_the_part() {
         prediction_figure(&found, None)
     );
 }
+
+/// What rules the ± stands in the first lines, and not once more below them.
+#[test]
+fn loads_that_were_never_applied_stand_in_the_verdict() {
+    let (cell, prior) = cell();
+    let mut found = tasks(&cell, &prior, false);
+    let sentence = "Of the 0.7 mm 0.6 mm lie in directions in which no reading has loaded the arm.";
+    let finding = Finding::caution("never-loaded", "load", sentence);
+    found.prediction.findings.push(finding);
+    let made = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    assert!(made.verdict[1].plain().ends_with(sentence));
+    assert!(made.findings.iter().all(|f| f.code != "never-loaded"));
+    assert_eq!(made.outcome, Outcome::Caution);
+}

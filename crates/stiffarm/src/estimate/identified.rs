@@ -11,7 +11,7 @@ use crate::estimate::identify::{
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
-use crate::estimate::saved::{Sealed, flange_of, once};
+use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
 use crate::estimate::setup;
 use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::findings::{Finding, Severity};
@@ -303,6 +303,12 @@ impl Identified {
         let measured = fit.measured();
         let own = doubts(fit, self.diagnosis.as_ref()).ok()?;
         let displacements = measured.postures.iter().flat_map(|m| &m.displacements);
+        let seen = fit.experiment().with_terms().map(|(m, terms)| {
+            let setup = cell.setup.of_state(&m.state)?;
+            let point = &setup.tool.loading_point;
+            Ok(SeenLoad::new(&m.posture.q, point, terms.wrench()))
+        });
+        let seen: Result<Vec<SeenLoad>> = seen.collect();
         Some(Sealed {
             springs: cell.setup.robot.spring_names(),
             flange_m: Some(flange_of(cell).into()),
@@ -310,6 +316,7 @@ impl Identified {
             postures: once(self.identification.postures.iter().map(|p| &p.posture)),
             largest_displacement_m: displacements.map(|d| d.value.norm()).reduce(f64::max),
             largest_force_n: fit.experiment().largest_force(),
+            loads: seen.ok()?,
         })
     }
 }

@@ -7,6 +7,7 @@ use crate::estimate::identify::{implausible_stiffness, quantile};
 use crate::findings::{Finding, length};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
+use crate::model::load::Wrench;
 use nalgebra::{DMatrix, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +38,37 @@ pub struct Sealed {
     pub largest_displacement_m: Option<f64>,
     /// Size of the largest force that was seen \[N\].
     pub largest_force_n: Option<f64>,
+    /// Postures with the loads that were measured; none with the flange fixed.
+    #[serde(default)]
+    pub loads: Vec<SeenLoad>,
+}
+
+/// A load that was measured in a posture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SeenLoad {
+    /// Controller angles \[rad\].
+    #[serde(rename = "q_deg", with = "crate::units::degrees")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<f64>"))]
+    pub q: Vec<f64>,
+    /// Force on the robot, base axes \[N\].
+    pub force_n: [f64; 3],
+    /// Moment about the point where it acts, base axes \[N·m\].
+    pub moment_nm: [f64; 3],
+    /// Where it acts, flange axes \[m\].
+    pub at_m: [f64; 3],
+}
+
+impl SeenLoad {
+    /// That of a posture `q` under a wrench that acts at `point` of the flange frame \[m\].
+    pub(crate) fn new(q: &[f64], point: &Vector3<f64>, wrench: &Wrench) -> Self {
+        SeenLoad {
+            q: q.to_vec(),
+            force_n: wrench.force.into(),
+            moment_nm: wrench.moment.into(),
+            at_m: (*point).into(),
+        }
+    }
 }
 
 impl Sealed {
@@ -85,7 +117,11 @@ impl Sealed {
             && undetermined.iter().all(|j| *j < count)
             && common.parts.iter().all(|part| part.change.len() == count)
             && common.mean.len() == common.parts.len()
-            && square(&common.covariance, common.parts.len());
+            && square(&common.covariance, common.parts.len())
+            && self
+                .loads
+                .iter()
+                .all(|load| load.q.len() == robot.joint_count());
         let known = spread.as_ref().is_none_or(|spread| {
             let doubt = spread.doubt.as_ref();
             square(&spread.covariance, count)
@@ -141,6 +177,8 @@ pub struct Saved {
     pub largest_displacement: Option<f64>,
     /// Size of the largest force in the identification \[N\].
     pub largest_force: Option<f64>,
+    /// Postures with the loads that were measured, where they are known.
+    pub loads: Vec<SeenLoad>,
     /// Name of the file, or `prior`.
     pub name: String,
 }
@@ -155,6 +193,7 @@ impl Saved {
             cell,
             largest_displacement: sealed.largest_displacement_m,
             largest_force: sealed.largest_force_n,
+            loads: sealed.loads,
             name: name.to_string(),
         }
     }
@@ -174,6 +213,7 @@ impl Saved {
             cell: None,
             largest_displacement: None,
             largest_force: None,
+            loads: Vec::new(),
             name: name.to_string(),
         })
     }

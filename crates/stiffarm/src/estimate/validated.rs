@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::elastic::{ElasticChoice, carried};
 use crate::estimate::identified::Reduced;
 use crate::estimate::identify::{Estimator, Fit, NoiseSource};
-use crate::estimate::mixed::MixedFit;
+use crate::estimate::mixed::{MixedFit, WorkRows, never_loaded};
 use crate::estimate::saved::Saved;
 use crate::estimate::validate::{
     Model, ValidatedPosture, Validation, cross_validate, cross_validate_mixed, validate_with,
@@ -143,7 +143,9 @@ impl Request {
         remarks.extend(measured.findings().cloned());
         let readings = Reduced::of(&measured);
         let tolerance = self.tolerance_mm.map(mm_to_m);
+        let untold = untold(cell, saved, &measured)?;
         let validation = validate_with(cell, &saved.predictor, measured, self.model, tolerance)?;
+        remarks.extend(untold);
         remarks.extend(saved.of_another_cell(cell_hash));
         remarks.extend(seen(saved, &validation));
         Ok(Validated {
@@ -236,6 +238,41 @@ fn crossed(
         ),
         None => (cross_validate(fit, count, tolerance)?, ElasticChoice::Axes),
     })
+}
+
+/// That the errors of these displacements come mostly from directions in which no reading of the identification has loaded
+/// the arm.
+///
+/// # Errors
+/// As [`never_loaded`].
+fn untold(cell: &Cell, saved: &Saved, measured: &Measured) -> Result<Option<Finding>> {
+    let predictor = &saved.predictor;
+    let Some(spread) = predictor.spread.as_ref().filter(|own| own.doubt.is_some()) else {
+        return Ok(None);
+    };
+    let noise = 3.0 * (spread.sigma.powi(2) + spread.shift.powi(2));
+    let each = measured
+        .postures
+        .iter()
+        .filter(|m| !m.displacements.is_empty());
+    let work = each.map(|m| {
+        let setup = cell.setup.of_state(&m.state)?;
+        let terms = m.terms(&setup, m.wrench.as_ref())?;
+        let rows = terms.block_with(&cell.setup.robot, &predictor.extra);
+        let squares = m
+            .displacements
+            .iter()
+            .map(|d| d.value.norm_squared())
+            .sum::<f64>();
+        let points = (rows.nrows() / 3) as f64;
+        Ok(WorkRows {
+            squares: squares * points / m.displacements.len() as f64,
+            other: noise * points,
+            rows,
+            terms,
+        })
+    });
+    never_loaded(cell, saved, &work.collect::<Result<Vec<_>>>()?)
 }
 
 /// That postures took part in the identification, where some did: by their angles, by their names where these are not

@@ -57,7 +57,7 @@ impl ElasticSizes {
             ElasticClass::Turn => self.turn,
             ElasticClass::Coupling => self.coupling,
             // What is drawn or planned with declared sizes has no structure.
-            ElasticClass::Bearing | ElasticClass::Beam => 0.0,
+            ElasticClass::Bearing | ElasticClass::Beam | ElasticClass::Drawing => 0.0,
         }
     }
 
@@ -89,6 +89,38 @@ impl ElasticSizes {
             coupling: TYPICAL[2] * turn * length,
         })
     }
+}
+
+/// The compliance of a bearing, of a link or of the base as a drawing or a catalogue gives it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KnownElement {
+    /// Which it is: a tilt or a beam.
+    pub term: ExtraTerm,
+    /// Its compliance \[rad/(N·m); of a beam per m\].
+    pub compliance: f64,
+    /// Standard uncertainty of that.
+    pub std: f64,
+}
+
+impl KnownElement {
+    /// An element of this stiffness, which may be `factor` times as large or as small (one standard uncertainty).
+    pub fn new(term: ExtraTerm, stiffness: f64, factor: f64) -> Self {
+        KnownElement {
+            term,
+            compliance: 1.0 / stiffness,
+            std: (factor - 1.0 / factor) / 2.0 / stiffness,
+        }
+    }
+}
+
+/// The even beams of a robot: bending and twist of the parts of its rows that have a length.
+pub fn beams(robot: &Robot) -> Vec<ExtraTerm> {
+    let joints = robot.joint_count();
+    let frames = Frames::new(robot, &vec![0.0; joints]);
+    let parts = (0..joints).flat_map(|joint| [RowPart::Link, RowPart::Axis].map(|p| (joint, p)));
+    let parts = parts.filter(|(j, part)| row_part(&frames, *j, *part)[1].norm() >= SHORTEST_BEAM);
+    let both = |(joint, part)| [false, true].map(|twist| ExtraTerm::Beam { joint, part, twist });
+    parts.flat_map(both).collect()
 }
 
 /// One entry of a spring's compliance.
@@ -137,8 +169,13 @@ impl ElasticSizing {
 /// entries of [`effects`], and what an arm is made of: bearings that tilt as their joint gives way (`compliance` of each
 /// joint \[rad/(N·m)\], in units of the geometric mean), a base that tilts a tenth of the stiffest joint, and even
 /// beams along each row of the robot. What they are in units of was counted on arms of a structural code
-/// (bench/structural_arms.py).
-pub(crate) fn fitted(robot: &Robot, compliance: &[f64], sizing: ElasticSizing) -> Vec<Effect> {
+/// (bench/structural_arms.py). What a drawing knows of them is a class of its own, the last.
+pub(crate) fn fitted(
+    robot: &Robot,
+    compliance: &[f64],
+    sizing: ElasticSizing,
+    drawing: &[KnownElement],
+) -> Vec<Effect> {
     let joints = robot.joint_count();
     let of_joint = relative(joints, compliance);
     let base = BASE * of_joint.iter().copied().fold(f64::INFINITY, f64::min);
@@ -160,16 +197,18 @@ pub(crate) fn fitted(robot: &Robot, compliance: &[f64], sizing: ElasticSizing) -
                 scale,
             }),
     );
-    let frames = Frames::new(robot, &vec![0.0; joints]);
-    let parts = (0..joints).flat_map(|joint| [RowPart::Link, RowPart::Axis].map(|p| (joint, p)));
-    for (joint, part) in parts {
-        if row_part(&frames, joint, part)[1].norm() >= SHORTEST_BEAM {
-            all.extend([false, true].map(|twist| Effect {
-                term: ExtraTerm::Beam { joint, part, twist },
-                class: ElasticClass::Beam,
-                scale: 1.0,
-            }));
-        }
+    all.extend(beams(robot).into_iter().map(|term| Effect {
+        term,
+        class: ElasticClass::Beam,
+        scale: 1.0,
+    }));
+    for known in drawing {
+        all.retain(|effect| effect.term != known.term);
+        all.push(Effect {
+            term: known.term,
+            class: ElasticClass::Drawing,
+            scale: known.std,
+        });
     }
     all
 }
@@ -180,7 +219,7 @@ pub fn elastic_effects(
     compliance: &[f64],
     sizing: ElasticSizing,
 ) -> Vec<(ExtraTerm, ElasticClass, f64)> {
-    let all = fitted(robot, compliance, sizing);
+    let all = fitted(robot, compliance, sizing, &[]);
     all.iter().map(|e| (e.term, e.class, e.scale)).collect()
 }
 

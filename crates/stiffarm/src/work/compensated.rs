@@ -8,7 +8,9 @@ use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
 use crate::work::compensate::{CompensateOptions, Compensation, compensate};
 use crate::work::features::{Deviation, Feature, features};
+use crate::work::never_loaded::never_loaded_at_work;
 use crate::work::posture_path::PosturePathSummary;
+use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
 
 /// Options of the result.
@@ -82,6 +84,12 @@ impl Options {
             deviation,
         )?;
         compensation.findings.extend(finding);
+        let arm = LoadedArm::new(cell, &saved.predictor)?;
+        let points = followed.postures.iter().zip(&compensation.points);
+        let points =
+            points.map(|(posture, point)| (posture, point.uncompensated_shift_m, point.band));
+        let untold = never_loaded_at_work((cell, &arm), saved, points)?;
+        compensation.findings.extend(untold);
         Ok(Compensated {
             compensation,
             postures: followed.summary.clone(),

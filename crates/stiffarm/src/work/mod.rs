@@ -2,6 +2,7 @@
 
 mod at_work;
 mod beyond_data;
+mod never_loaded;
 
 pub mod along;
 pub mod compensate;

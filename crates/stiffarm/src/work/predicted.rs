@@ -14,8 +14,9 @@ use crate::numerics::control::Control;
 use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
 use crate::work::features::{Deviation, Feature, features};
+use crate::work::never_loaded::never_loaded_at_work;
 use crate::work::posture_path::PosturePathSummary;
-use crate::work::predict::{LoadPoint, PredictOptions, Prediction, predict};
+use crate::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict};
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
@@ -187,6 +188,14 @@ impl Request {
             deviation,
         )?;
         prediction.findings.extend(finding);
+        let mut arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
+        if self.cell_load {
+            arm = arm.loaded_by(&loaded.cell);
+        }
+        let points = loaded.postures.iter().zip(&prediction.points);
+        let points = points.map(|(posture, point)| (posture, point.shift_m, point.band));
+        let untold = never_loaded_at_work((&loaded.cell, &arm), saved, points)?;
+        prediction.findings.extend(untold);
         Ok(Predicted {
             prediction,
             postures: loaded.summary.clone(),

@@ -6,7 +6,13 @@ use crate::set_up::days::{structural_at, structure};
 use stiffarm::Control;
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::mixed::MixedFit;
+use stiffarm::estimate::saved::Saved;
+use stiffarm::estimate::validate::cross_validate_mixed;
+use stiffarm::model::elastic::{KnownElement, beams};
+use stiffarm::model::load::LoadCase;
+use stiffarm::model::observation::RowPart;
 use stiffarm::plan::select::random_group;
+use stiffarm::work::predicted::{Loaded, Request};
 
 const ARMS: [&str; 3] = ["realistic", "links_half", "arm_0"];
 
@@ -35,25 +41,32 @@ impl Arm {
             .collect()
     }
 
-    /// Displacements under the rope of the cell at random postures, with its noise.
+    /// Displacements under the loads of the cell at random postures, with its noise.
     fn measured(&self, cell: &Cell, postures: usize, seed: u64) -> Vec<MeasuredPosture> {
         let group = random_group(cell, StartKind::Uniform, postures, seed, 0).unwrap();
         let mut dice = Dice::new(seed);
         let mut normal = || (0..12).map(|_| dice.between(0.0, 1.0)).sum::<f64>() - 6.0;
         let std = cell.noise.displacement_std();
-        let each = numbered(group).into_iter().map(|posture| {
-            let terms = PostureTerms::new(&cell.setup, &posture.q, None).unwrap();
-            let displacements =
-                self.bent(cell, &terms)
-                    .into_iter()
-                    .enumerate()
-                    .map(|(a, value)| {
-                        let noise = Vector3::new(normal(), normal(), normal()) * std;
-                        Displacement::new(a, value + noise)
-                    });
-            MeasuredPosture::new(posture, displacements.collect())
-        });
-        each.collect()
+        let mut out = Vec::new();
+        for posture in numbered(group) {
+            for (i, setup) in cell.setup.cases().iter().enumerate() {
+                let terms = PostureTerms::new(setup, &posture.q, None).unwrap();
+                let displacements =
+                    self.bent(cell, &terms)
+                        .into_iter()
+                        .enumerate()
+                        .map(|(a, value)| {
+                            let noise = Vector3::new(normal(), normal(), normal()) * std;
+                            Displacement::new(a, value + noise)
+                        });
+                let mut measured = MeasuredPosture::new(posture.clone(), displacements.collect());
+                if let Some(case) = cell.setup.load.cases().get(i) {
+                    measured.state.clone_from(&case.name);
+                }
+                out.push(measured);
+            }
+        }
+        out
     }
 }
 
@@ -157,4 +170,338 @@ fn a_wrong_load_is_named_on_an_arm_that_bends() {
             .collect();
         assert_eq!(named, ["posture 5"], "{name}: {said:#?}");
     }
+}
+
+/// What `identify` saves of an arm.
+fn saved(cell: &Cell, arm: &Arm, postures: usize, seed: u64) -> Saved {
+    let measured = arm.measured(cell, postures, seed);
+    let fit = Fit::new(cell, &measured, &IdentifyOptions::default()).unwrap();
+    let mut wanted = Wanted::default();
+    wanted.brief = true;
+    let identified = Identified::new(&fit, &wanted, Control::default()).unwrap();
+    Saved::new(identified.sealed.unwrap(), None, "k.json")
+}
+
+/// Forces in all directions at the tip in other postures, or the cell's own load there.
+fn work(cell: &Cell, own: bool) -> Vec<LoadedPosture> {
+    let mut dice = Dice::new(3);
+    let postures = random_group(cell, StartKind::Uniform, 40, 9, 0).unwrap();
+    let postures = postures.into_iter().enumerate().map(|(i, q)| {
+        let wrench = match own {
+            true => *PostureTerms::new(&cell.setup, &q, None).unwrap().wrench(),
+            false => Wrench::force(dice.vector(600.0)),
+        };
+        LoadedPosture::new(i.to_string(), q, wrench)
+    });
+    postures.collect()
+}
+
+/// What is said of loads that were never applied: code and sentence.
+fn said(cell: &Cell, saved: &Saved, own: bool) -> Option<(String, String)> {
+    let loaded = Loaded {
+        cell: cell.clone(),
+        postures: work(cell, own),
+        summary: None,
+    };
+    let request = Request {
+        cell_load: own,
+        ..Request::default()
+    };
+    let found = request.predict(&loaded, saved, Control::default()).unwrap();
+    let findings = found.prediction.findings.into_iter();
+    let mut own = findings.filter(|f| f.code.starts_with("never-"));
+    own.next().map(|f| (f.code, f.sentence))
+}
+
+/// The cell with a weight after the rope in each posture.
+fn with_weight(cell: &Cell) -> Cell {
+    let weight = Load::Weight {
+        magnitude: 500.0,
+        direction: -Vector3::z(),
+    };
+    let cases = [("rope", cell.setup.load.clone()), ("weight", weight)];
+    let case = |(name, load): (&str, Load)| LoadCase {
+        name: name.to_string(),
+        load,
+        loading_point: None,
+    };
+    let mut both = cell.clone();
+    both.setup.load = Load::Cases(cases.map(case).to_vec());
+    both
+}
+
+/// A rope to one anchor gives the base no moment about the line to it. Predictions under other loads say so, with what a
+/// weight would leave where it rules them; those under the rope do not, nor those after the weight.
+#[test]
+fn loads_that_were_never_applied_are_said() {
+    let cell = default_cell();
+    let axes = compliance_of(cell.require_prior().unwrap());
+    for (name, postures, ruled) in [("links_half", 6, true), ("realistic", 12, false)] {
+        let springs = structure(name);
+        let arm = Arm {
+            springs,
+            axes: axes.clone(),
+        };
+        let rope = saved(&cell, &arm, postures, 41);
+        let (code, sentence) = said(&cell, &rope, false).unwrap();
+        assert_eq!(
+            code,
+            if ruled {
+                "never-loaded"
+            } else {
+                "never-turned"
+            }
+        );
+        assert!(sentence.contains("the base"), "{sentence}");
+        assert!(sentence.contains(" about x"), "{sentence}");
+        assert!(sentence.contains("A weight of 500 N hung in the same postures would"));
+        let dense = dense(&cell, &rope, &work(&cell, false));
+        let numbers = sentence.split(" mm").flat_map(|s| s.rsplit(' ').next());
+        let numbers: Vec<f64> = numbers.filter_map(|s| s.parse().ok()).collect();
+        assert_eq!(numbers.len(), if ruled { 3 } else { 0 }, "{sentence}");
+        for (said, computed) in numbers.iter().zip(dense) {
+            assert!((said - 1e3 * computed).abs() < 6e-4, "{sentence} {dense:?}");
+        }
+        assert_eq!(said(&cell, &rope, true), None);
+        let both = saved(&with_weight(&cell), &arm, postures, 41);
+        assert_eq!(said(&cell, &both, false), None);
+    }
+}
+
+/// RMS error of the shifts of the tip, its part from directions of which readings told less than half, and the error after
+/// a weight in the same postures, from dense matrices [m].
+fn dense(cell: &Cell, saved: &Saved, work: &[LoadedPosture]) -> [f64; 3] {
+    let (extra, spread) = (
+        &saved.predictor.extra,
+        saved.predictor.spread.as_ref().unwrap(),
+    );
+    let (robot, doubt, covariance) = (
+        &cell.setup.robot,
+        spread.doubt.as_ref().unwrap(),
+        &spread.covariance,
+    );
+    let mut setup = cell.setup.clone();
+    setup.tool.loading_point = setup.tool.measuring_points[0].position;
+    let rows: Vec<DMatrix<f64>> = work
+        .iter()
+        .map(|own| {
+            let terms = PostureTerms::new(&setup, &own.q, Some(&own.wrench)).unwrap();
+            terms.block_with(robot, extra).rows(0, 3).into_owned()
+        })
+        .collect();
+    let error = |covariance: &DMatrix<f64>| {
+        let squares = rows
+            .iter()
+            .map(|rows| (rows * covariance * rows.transpose()).trace());
+        (squares.sum::<f64>() / work.len() as f64).sqrt()
+    };
+    // Prior covariance of the effects that are anything, by its definition: a class by itself and its common mean.
+    let kept: Vec<usize> = (0..covariance.ncols())
+        .filter(|i| doubt.prior[*i] > 0.0)
+        .collect();
+    let mean = |i: usize| doubt.means.iter().position(|mean| mean.contains(&i));
+    let prior = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
+        let (i, j) = (kept[a], kept[b]);
+        let shared = f64::from(u8::from(mean(i).is_some() && mean(i) == mean(j)));
+        (shared + f64::from(u8::from(i == j))) * (doubt.prior[i] * doubt.prior[j]).sqrt()
+    });
+    let root = prior.cholesky().unwrap().l().try_inverse().unwrap();
+    let own = covariance.select_rows(&kept).select_columns(&kept);
+    let eigen = (&root * own * root.transpose()).symmetric_eigen();
+    let mut untold = 0.0;
+    for (value, vector) in eigen
+        .eigenvalues
+        .iter()
+        .zip(eigen.eigenvectors.column_iter())
+    {
+        let along = covariance.select_columns(&kept) * root.transpose() * vector;
+        let parts = rows
+            .iter()
+            .map(|rows| (rows * &along).norm_squared() / value);
+        untold += if *value > 0.5 {
+            parts.sum::<f64>()
+        } else {
+            0.0
+        };
+    }
+    // All readings under the weight at once.
+    let weight = with_weight(cell).setup.cases().remove(1);
+    let count = 12 * saved.loads.len();
+    let mut further = DMatrix::zeros(count, covariance.ncols());
+    let mut noise = DMatrix::identity(count, count) * spread.sigma.powi(2);
+    for (p, load) in saved.loads.iter().enumerate() {
+        let terms = PostureTerms::new(&weight, &load.q, None).unwrap();
+        further
+            .rows_mut(12 * p, 12)
+            .copy_from(&terms.block_with(robot, extra));
+        let shared = DMatrix::from_fn(12, 12, |i, j| {
+            f64::from(u8::from(i % 3 == j % 3)) * spread.shift.powi(2)
+        });
+        let mut block = noise.view_mut((12 * p, 12 * p), (12, 12));
+        block += shared;
+    }
+    let with = covariance * further.transpose();
+    let after =
+        covariance - &with * (noise + further * &with).try_inverse().unwrap() * with.transpose();
+    [
+        error(covariance),
+        (untold / work.len() as f64).sqrt(),
+        error(&after),
+    ]
+}
+
+/// Bearings, links and base as the drawing of such an arm may have them, none of them exact.
+fn drawing(cell: &Cell, links: f64, factor: f64) -> Vec<KnownElement> {
+    let per_radian = f64::to_degrees(1.0) * 60.0;
+    let bearings = [4900.0, 4900.0, 2940.0, 1176.0, 931.0, 372.0].into_iter();
+    let bearings = bearings
+        .enumerate()
+        .map(|(j, k)| KnownElement::new(ExtraTerm::JointTilt(j), k * per_radian, factor));
+    // E I and G J of tubes and boxes along each row: the column, and the links.
+    let beams = beams(&cell.setup.robot).into_iter().filter_map(|term| {
+        let ExtraTerm::Beam { joint, part, twist } = term else {
+            return None;
+        };
+        let own = match (joint, part) {
+            (0, RowPart::Axis) => [2.5e8, 2e8],
+            (0, _) => [7e7, 4.5e7],
+            (1, _) => [1e7, 8e6],
+            (2, _) => [3.3e7, 2.1e7],
+            (3, _) => [4e6, 3e6],
+            _ => [1.2e6, 1e6],
+        };
+        let stiffness = own[usize::from(twist)] * links;
+        Some(KnownElement::new(term, stiffness, factor))
+    });
+    let base = KnownElement::new(ExtraTerm::BaseTilt, 1.1e8, factor);
+    bearings.chain(beams).chain([base]).collect()
+}
+
+/// What a drawing says of bearings and base counts beside the readings: values and predictions are those of the equations
+/// with one more reading of each, and other loads are predicted better from few postures.
+#[test]
+fn a_drawing_counts_beside_the_readings() {
+    let mut cell = default_cell();
+    let axes = compliance_of(cell.require_prior().unwrap());
+    let (mut with, mut without) = (0.0, 0.0);
+    for (i, name) in ARMS.into_iter().enumerate() {
+        let arm = Arm {
+            springs: structure(name),
+            axes: axes.clone(),
+        };
+        let measured = arm.measured(&cell, 6, 40 + i as u64);
+        let links = if name == "links_half" { 0.5 } else { 1.0 };
+        for known in [Vec::new(), drawing(&cell, links, 1.5)] {
+            cell.known_elements = known;
+            let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+            let mixed = MixedFit::new(&fit).unwrap();
+            let values = &mixed.compliance().values;
+            let mut setup = cell.setup.clone();
+            setup.tool.loading_point = setup.tool.measuring_points[0].position;
+            let mut sum = 0.0;
+            for own in work(&cell, false) {
+                let terms = PostureTerms::new(&setup, &own.q, Some(&own.wrench)).unwrap();
+                let columns = terms.block_with(&cell.setup.robot, &mixed.compliance().extra);
+                let found = columns.rows(0, 3) * values;
+                sum += (found - arm.bent(&cell, &terms)[0]).norm_squared();
+            }
+            if cell.known_elements.is_empty() {
+                without += sum;
+            } else {
+                with += sum;
+                // The unit of what is known is the noise that the readings show without it, a hair off.
+                let dense = dense_values(&cell, &measured, &mixed);
+                let off = (values - &dense).amax() / dense.amax();
+                assert!(off < 1e-3, "{off:e}");
+            }
+        }
+    }
+    assert!(with < 0.7 * without, "{with:e} {without:e}");
+}
+
+/// All unknowns from normal equations with the prior of the effects and the known elements, at the sizes of `mixed`.
+fn dense_values(cell: &Cell, measured: &[MeasuredPosture], mixed: &MixedFit) -> DVector<f64> {
+    let found = mixed.compliance();
+    let spread = found.spread.as_ref().unwrap();
+    let (doubt, count) = (spread.doubt.as_ref().unwrap(), found.values.len());
+    let springs = count - found.extra.len();
+    let shared = DMatrix::from_fn(12, 12, |i, j| f64::from(u8::from(i % 3 == j % 3)));
+    let noise = DMatrix::identity(12, 12) * spread.sigma.powi(2) + shared * spread.shift.powi(2);
+    let weight = noise.try_inverse().unwrap();
+    let (mut left, mut right) = (DMatrix::zeros(count, count), DVector::zeros(count));
+    for own in measured {
+        let terms = PostureTerms::new(&cell.setup, &own.posture.q, None).unwrap();
+        let rows = terms.block_with(&cell.setup.robot, &found.extra);
+        let values = own.displacements.iter().flat_map(|d| d.value.data.0[0]);
+        let weighed = rows.transpose() * &weight;
+        left += &weighed * &rows;
+        right += weighed * DVector::from_iterator(12, values);
+    }
+    let kept: Vec<usize> = (0..count)
+        .filter(|i| *i < springs || doubt.prior[*i] > 0.0)
+        .collect();
+    let mean = |i: usize| doubt.means.iter().position(|mean| mean.contains(&i));
+    let random: Vec<usize> = kept.iter().copied().filter(|i| *i >= springs).collect();
+    let prior = DMatrix::from_fn(random.len(), random.len(), |a, b| {
+        let (i, j) = (random[a], random[b]);
+        let shared = f64::from(u8::from(mean(i).is_some() && mean(i) == mean(j)));
+        (shared + f64::from(u8::from(i == j))) * (doubt.prior[i] * doubt.prior[j]).sqrt()
+    });
+    let precision = prior.try_inverse().unwrap();
+    for (a, i) in random.iter().enumerate() {
+        for (b, j) in random.iter().enumerate() {
+            left[(*i, *j)] += precision[(a, b)];
+        }
+    }
+    for own in &cell.known_elements {
+        let i = springs
+            + found
+                .extra
+                .iter()
+                .position(|term| *term == own.term)
+                .unwrap();
+        left[(i, i)] += own.std.powi(-2);
+        right[i] += own.compliance * own.std.powi(-2);
+    }
+    let scale = DVector::from_iterator(kept.len(), kept.iter().map(|i| left[(*i, *i)].sqrt()));
+    let own = DMatrix::from_fn(kept.len(), kept.len(), |a, b| {
+        left[(kept[a], kept[b])] / (scale[a] * scale[b])
+    });
+    let solved = own
+        .cholesky()
+        .unwrap()
+        .solve(&right.select_rows(&kept).component_div(&scale));
+    let mut out = DVector::zeros(count);
+    for (a, i) in kept.iter().enumerate() {
+        out[*i] = solved[a] / scale[a];
+    }
+    out
+}
+
+/// What `validate` promises of compensation is what new postures have under the same load, however well the model predicts:
+/// the noise of the readings is none of its errors.
+#[test]
+fn validation_promises_what_new_postures_have() {
+    let cell = default_cell();
+    let mut ratios = Vec::new();
+    for (i, (_, arm)) in arms(&cell).chain(arms(&cell)).enumerate() {
+        let measured = arm.measured(&cell, 14, 70 + i as u64);
+        let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+        let mixed = MixedFit::new(&fit).unwrap();
+        let promised = cross_validate_mixed(&mixed, 14, None).unwrap();
+        let (mut error, mut size) = (0.0, 0.0);
+        for q in random_group(&cell, StartKind::Uniform, 200, 9, 0).unwrap() {
+            let terms = PostureTerms::new(&cell.setup, &q, None).unwrap();
+            let found = mixed.compliance();
+            let found = terms.block_with(&cell.setup.robot, &found.extra) * &found.values;
+            for (a, bent) in arm.bent(&cell, &terms).iter().enumerate() {
+                error += (found.fixed_rows::<3>(3 * a) - bent).norm_squared();
+                size += bent.norm_squared();
+            }
+        }
+        ratios.push(promised.compensation_factor.unwrap() / (size / error).sqrt());
+    }
+    ratios.sort_by(f64::total_cmp);
+    let median = (ratios[2] + ratios[3]) / 2.0;
+    assert!((0.7..1.4).contains(&median), "{ratios:?}");
 }

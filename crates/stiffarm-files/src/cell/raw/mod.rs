@@ -256,15 +256,29 @@ tables! {
         prior_nm_per_rad: List,
     }
 
-    /// How much gives way beyond the joint axes: standard deviations of the entries of the 6 × 6
-    /// compliances of joints and base in the mixed elastic model. Zeros: nothing does.
+    /// How much gives way beyond the joint axes, for plans and `simulate`: standard deviations of the
+    /// entries of the 6 × 6 compliances of joints and base in the mixed elastic model, all three or
+    /// none, zeros: nothing does. And what a drawing or a catalogue says of bearings, links and base,
+    /// which `identify` takes beside the readings.
     struct RawElastic as "Elastic" {
         /// Of shifts by forces, m/N.
-        shift_std_m_per_n: Number [required],
+        shift_std_m_per_n: Number,
         /// Of turns by moments, but for the joints' own axes, rad/(N·m).
-        turn_std_rad_per_nm: Number [required],
+        turn_std_rad_per_nm: Number,
         /// Of shifts by moments and turns by forces, rad/N.
-        coupling_std_rad_per_n: Number [required],
+        coupling_std_rad_per_n: Number,
+        /// Tilting stiffness of each joint's bearing about the axes across its own, N·m/rad; 0 where
+        /// it is not known.
+        bearing_tilt_nm_per_rad: List,
+        /// Tilting stiffness of the base about its horizontal axes, N·m/rad.
+        base_tilt_nm_per_rad: Number,
+        /// Bending stiffness E I of the link behind each joint, N·m²; 0 where it is not known.
+        link_bending_nm2: List,
+        /// Torsional stiffness G J of the link behind each joint, N·m²; 0 where it is not known.
+        link_twist_nm2: List,
+        /// The true stiffness of bearing, link or base is the given one times or over this factor,
+        /// one standard uncertainty (default: 1.5).
+        stiffness_factor: Number,
     }
 
     /// Postures kept for validation.

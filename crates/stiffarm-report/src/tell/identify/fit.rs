@@ -38,6 +38,7 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
                 ElasticClass::Coupling => "shifts by moments",
                 ElasticClass::Bearing => "bearings and base that tilt",
                 ElasticClass::Beam => "links that bend and twist",
+                ElasticClass::Drawing => "what a drawing knows",
             };
             let std = Number::computed(size.std).significant(2).plus_minus();
             format!("{what} {}", std.unit(size.class.unit()).text())

@@ -153,6 +153,7 @@ pub fn identify_clamped(
         postures: once(result.postures.iter().map(|p| &p.posture)),
         largest_displacement_m: None,
         largest_force_n: forces.reduce(f64::max),
+        loads: Vec::new(),
     });
     Ok(result)
 }

@@ -60,15 +60,15 @@ impl<'a> Response<'a> {
     }
 
     /// The fit with random effects u whose whitened columns are `random`, with the ratio `gamma`. The equations of a
-    /// mixed model are those of least squares with the rows `roots` u = 0 more, which have the variance σ²; an effect whose
-    /// column there is zero is none.
+    /// mixed model are those of least squares with the rows `roots` u = `below` more, which have the variance σ²; an effect
+    /// whose own row there is zero is none.
     ///
     /// # Errors
     /// A decomposition that fails.
     pub(crate) fn with_random(
         fit: &'a Fit,
         random: &DMatrix<f64>,
-        roots: &DMatrix<f64>,
+        (roots, below): (&DMatrix<f64>, &DVector<f64>),
         gamma: f64,
     ) -> Result<Self> {
         let whitened = fit.prepared().whitened();
@@ -87,10 +87,12 @@ impl<'a> Response<'a> {
             })
             .collect();
         let delta = weighed(fit, &fit.system().delta, gamma);
+        let mut delta = delta.resize_vertically(psi.nrows(), 0.0);
+        delta.rows_mut(rows, below.len()).copy_from(below);
         Ok(Response {
             fit,
             gamma,
-            delta: delta.resize_vertically(psi.nrows(), 0.0),
+            delta,
             factor: Cow::Owned(Factor::new(&psi.select_columns(&free))?),
             psi,
             free,

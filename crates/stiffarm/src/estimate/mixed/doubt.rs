@@ -47,7 +47,8 @@ pub(super) fn doubt(
     let inverse = solved.scaled_inverse();
     let count = inverse.ncols();
     let own = |class: &Range<usize>| rows.fixed + class.start..rows.fixed + class.end;
-    let classes: Vec<Range<usize>> = rows.classes.iter().map(own).collect();
+    let told = &rows.classes[..rows.told()];
+    let classes: Vec<Range<usize>> = told.iter().map(own).collect();
     let seen = DMatrix::from_fn(count, count, |i, j| {
         let unit = f64::from(u8::from(i == j && i >= rows.fixed));
         unit - inverse[(i, j)]

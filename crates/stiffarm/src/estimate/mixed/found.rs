@@ -3,13 +3,13 @@
 use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes};
 use super::means::gathered;
-use super::sums::Rows;
+use super::sums::{Known, Rows};
 use super::too_few;
 use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::identify::Fit;
-use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, fitted, terms};
+use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, KnownElement, fitted, terms};
 use crate::numerics::information::scale_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -27,6 +27,9 @@ pub(super) struct Found {
 /// ratio `gamma`; `columns` are those of the terms in their units. The sizes are looked for near `near`, or from several
 /// starts.
 ///
+/// What a drawing knows of bearings and links counts as read once more, with the noise of these readings as its unit: the
+/// sizes are looked for without it, then with it twice, as the noise is less then. The likelihoods stay those of the readings.
+///
 /// # Errors
 /// As [`found`]; interrupted.
 pub(super) fn likeliest(
@@ -37,20 +40,28 @@ pub(super) fn likeliest(
     left_out: &[usize],
     near: Option<&Sizes>,
 ) -> Result<(ElasticSizing, Found)> {
-    let of = |sizing, near| {
+    let of = |sizing, near: Option<&Sizes>, sigma| {
         fit.control().check()?;
-        found(fit, columns, axes, gamma, left_out, sizing, near)
+        found(fit, columns, axes, gamma, left_out, (sizing, sigma), near)
     };
-    let alike = of(ElasticSizing::Alike, near)?;
-    let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes))?;
+    let alike = of(ElasticSizing::Alike, near, None)?;
+    let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes), None)?;
     // As likely with entries that are alike is no reason to take others.
-    Ok(match by_joint.values[0] < alike.values[0] - SAME {
+    let (sizing, likelier) = match by_joint.values[0] < alike.values[0] - SAME {
         true => (ElasticSizing::ByJoint, by_joint),
         false => (ElasticSizing::Alike, alike),
-    })
+    };
+    if fit.cell().known_elements.is_empty() {
+        return Ok((sizing, likelier));
+    }
+    let first = of(sizing, None, likelier.sigma(left_out))?;
+    let mut with = of(sizing, Some(&first.sizes), first.sigma(left_out))?;
+    with.values = likelier.values;
+    Ok((sizing, with))
 }
 
-/// The model with entries of this sizing; its sizes are looked for near those of another model, where there is one.
+/// The model with entries of this sizing, and with what the cell knows of bearings and links where a displacement's standard
+/// deviation is given; its sizes are looked for near those of another model, where there is one.
 ///
 /// # Errors
 /// Nothing left of the displacements, or no degree of freedom.
@@ -60,29 +71,33 @@ pub(super) fn found(
     axes: &DVector<f64>,
     gamma: f64,
     left_out: &[usize],
-    sizing: ElasticSizing,
+    (sizing, sigma): (ElasticSizing, Option<f64>),
     near: Option<&Sizes>,
 ) -> Result<Found> {
     let effects = fitted(
         &fit.cell().setup.robot,
         joint_give(fit, axes).as_slice(),
         sizing,
+        &fit.cell().known_elements,
     );
     let mut random = columns.clone();
     scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
     gathered(&mut random, &means(&effects));
+    let known = known(&fit.cell().known_elements, &effects, sigma);
     let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
     let shifts = whitened.is_separable() && !solution.independent_rows;
     let classes = classes(&effects);
     let idle = solution.undetermined.as_slice();
-    let rows = Rows::new(whitened, random, classes, fit.white(), idle, shifts);
+    let (white, held) = (fit.white(), (idle, shifts));
+    let rows = Rows::new(whitened, random, classes, white, held, &known);
     if rows.rest() <= ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
     let likelihood = Likelihood::new(&rows, left_out);
+    let nothing = std::iter::repeat_n(0.0, rows.told());
     let none = Sizes {
         gamma,
-        classes: vec![0.0; rows.classes.len()],
+        classes: nothing.chain(rows.held).collect(),
     };
     let (Some((sizes, value)), Some(without)) = (
         likelihood.best(near, fit.control()),
@@ -104,7 +119,29 @@ pub(super) fn found(
     })
 }
 
+/// Rows of what is known of the effects, in units of their scales, where σ is `sigma`; none without.
+fn known(elements: &[KnownElement], effects: &[Effect], sigma: Option<f64>) -> Known {
+    let Some(sigma) = sigma.filter(|_| !elements.is_empty()) else {
+        return Known::nothing(effects.len());
+    };
+    // They are the last, in their order.
+    let (count, first) = (elements.len(), effects.len() - elements.len());
+    let unit = |i: usize, j: usize| f64::from(u8::from(j == first + i));
+    let read = elements.iter().map(|own| sigma * own.compliance / own.std);
+    Known {
+        rows: DMatrix::from_fn(count, effects.len(), |i, j| sigma * unit(i, j)),
+        read: DVector::from_iterator(count, read),
+        ratio: Some((WIDE / sigma).powi(2)),
+    }
+}
+
 impl Found {
+    /// σ of a displacement.
+    fn sigma(&self, left_out: &[usize]) -> Option<f64> {
+        let solved = Likelihood::new(&self.rows, left_out).solve(&self.sizes);
+        solved.map(|solved| solved.variance.sqrt())
+    }
+
     /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
     pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
         let Found {
@@ -174,7 +211,7 @@ fn size_doubt(
     covariance: DMatrix<f64>,
 ) -> SizeDoubt {
     SizeDoubt {
-        classes: moved(classes(effects), fixed),
+        classes: moved(told(effects), fixed),
         means: moved(means(effects), fixed),
         prior: DVector::from_fn(fixed + effects.len(), |i, _| match i.checked_sub(fixed) {
             Some(i) => (std(effects[i].class) * effects[i].scale).powi(2),
@@ -184,6 +221,8 @@ fn size_doubt(
     }
 }
 
+/// Standard deviation of what a drawing knows before it says so, in its standard uncertainties: any.
+const WIDE: f64 = 1e3;
 /// Differences of −2 ln L_R below this are none.
 const SAME: f64 = 1e-6;
 /// Residuals below this share of the displacements are rounding.
@@ -204,7 +243,7 @@ fn joint_give(fit: &Fit, axes: &DVector<f64>) -> DVector<f64> {
 pub(super) fn means(effects: &[Effect]) -> Vec<Range<usize>> {
     let positive = |class: &Range<usize>| effects[class.clone()].iter().filter(|e| e.is_positive());
     let own = |class: Range<usize>| class.start..class.start + positive(&class).count();
-    classes(effects).into_iter().map(own).collect()
+    told(effects).into_iter().map(own).collect()
 }
 
 /// Columns of each class.
@@ -213,7 +252,16 @@ fn classes(effects: &[Effect]) -> Vec<Range<usize>> {
         let start = effects.iter().position(|e| e.class == class).unwrap_or(0);
         start..start + effects.iter().filter(|e| e.class == class).count()
     };
-    ElasticClass::ALL.map(of).to_vec()
+    let drawing = Some(of(ElasticClass::Drawing)).filter(|class| !class.is_empty());
+    let all = ElasticClass::ALL.map(of).into_iter();
+    all.chain(drawing).collect()
+}
+
+/// Those of the classes whose sizes are told by readings.
+fn told(effects: &[Effect]) -> Vec<Range<usize>> {
+    let mut all = classes(effects);
+    all.truncate(ElasticClass::ALL.len());
+    all
 }
 
 /// Columns behind `fixed` others.

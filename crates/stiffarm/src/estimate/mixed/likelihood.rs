@@ -202,7 +202,8 @@ impl<'a> Likelihood<'a> {
             );
             gradient.push(logarithms + squares / solved.variance + determinant);
         }
-        for (class, size) in self.rows.classes.iter().zip(&sizes.classes) {
+        let told = self.rows.classes.iter().zip(&sizes.classes);
+        for (class, size) in told.take(self.rows.told()) {
             let own = class.clone().map(|c| fixed + c);
             let trace: f64 = own.clone().map(|c| inverse[(c, c)]).sum();
             let squares: f64 = own.map(|c| solved.change[c].powi(2)).sum();
@@ -215,7 +216,7 @@ impl<'a> Likelihood<'a> {
     /// The sizes of largest likelihood: from `near`, or from several starts. `None`
     /// where there is no likelihood.
     pub(super) fn best(&self, near: Option<&Sizes>, control: Control<'_>) -> Option<(Sizes, f64)> {
-        let units: Vec<f64> = (0..self.rows.classes.len())
+        let units: Vec<f64> = (0..self.rows.told())
             .map(|class| self.rows.mean_square(class))
             .collect();
         let mut problem = Search {
@@ -262,7 +263,7 @@ impl<'a> Likelihood<'a> {
 
     /// Classes that give next to nothing give nothing, where that is as likely.
     fn without_nothing(&self, mut sizes: Sizes, mut value: f64) -> (Sizes, f64) {
-        for class in 0..sizes.classes.len() {
+        for class in 0..self.rows.told() {
             let mut less = sizes.clone();
             less.classes[class] = 0.0;
             if let Some(solved) = self.solve(&less)
@@ -299,6 +300,7 @@ impl Search<'_, '_> {
             classes: classes
                 .zip(&self.nothing)
                 .map(|((x, unit), nothing)| if *nothing { 0.0 } else { (x + unit).exp() })
+                .chain(self.likelihood.rows.held)
                 .collect(),
         }
     }

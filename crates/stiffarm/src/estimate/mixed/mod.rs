@@ -19,19 +19,24 @@ mod found;
 mod likelihood;
 mod means;
 mod model;
+mod never_loaded;
 mod reproduced;
 mod result;
 mod seen;
 mod sums;
+mod unlike;
 
 /// What tests hold against dense matrices.
 pub(crate) mod internals {
     pub use super::model::MixedModel;
 }
 
+pub use never_loaded::NEVER_LOADED;
+pub(crate) use never_loaded::never_loaded;
 pub(crate) use reproduced::Reproduced;
 pub use result::{ElasticElement, ElasticSize, GeneralSpring, MixedResult};
 pub(crate) use seen::Seen;
+pub(crate) use unlike::WorkRows;
 
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
@@ -138,7 +143,12 @@ impl MixedFit {
         }
         let robot = &fit.cell().setup.robot;
         // Which terms they are does not depend on their sizes.
-        let terms = terms(&fitted(robot, &[], ElasticSizing::Alike));
+        let terms = terms(&fitted(
+            robot,
+            &[],
+            ElasticSizing::Alike,
+            &fit.cell().known_elements,
+        ));
         let columns = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &columns);
         let near = other.map(|other| &other.sizes);
@@ -203,12 +213,18 @@ impl MixedFit {
             let root = if *size > 0.0 { 1.0 / size.sqrt() } else { 0.0 };
             class.clone().for_each(|i| roots[(i, i)] = root);
         }
+        let (known, read) = self.rows.known();
+        let count = roots.nrows();
+        roots = roots.resize_vertically(count + known.nrows(), 0.0);
+        roots.rows_mut(count, known.nrows()).copy_from(&known);
+        let mut below = DVector::zeros(roots.nrows());
+        below.rows_mut(count, read.len()).copy_from(&read);
         let scales = self.effects.iter().map(|effect| 1.0 / effect.scale);
         for columns in [&mut random, &mut roots] {
             scattered(columns, &means);
             scale_columns(columns, scales.clone());
         }
-        Response::with_random(&self.fit, &random, &roots, self.sizes.gamma)
+        Response::with_random(&self.fit, &random, (&roots, &below), self.sizes.gamma)
     }
 
     /// What turns the unknowns into the compliance with which the joint axes alone best reproduce the arm over its cell.
@@ -308,6 +324,7 @@ impl MixedFit {
         in_order_watched(plain, "leaving postures out", control, |(_, fold)| {
             let (solution, left_out) = (&fold.solution, fold.left_out.as_slice());
             let (axes, gamma, near) = (&solution.values, solution.gamma, Some(&self.sizes));
+            let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
             let found = || {
                 let found = found(
                     &self.fit,
@@ -315,7 +332,7 @@ impl MixedFit {
                     axes,
                     gamma,
                     left_out,
-                    self.sizing,
+                    (self.sizing, sigma),
                     near,
                 );
                 found.ok()?.compliance(&self.fit, left_out)

@@ -25,14 +25,12 @@ impl Seen {
         let solution = fit.solution();
         let rows = fit.system().delta.len();
         let basis = solution.factor.basis(rows);
-        Seen::with(fit, basis, solution.degrees_of_freedom, solution.gamma)
+        let (free, gamma) = (solution.degrees_of_freedom, solution.gamma);
+        Seen::with(fit, fit.white(), basis, free, gamma)
     }
 
-    fn with(fit: &Fit, basis: DMatrix<f64>, free: usize, gamma: f64) -> Seen {
-        let both = fit
-            .prepared()
-            .whitened()
-            .delta_with_shifts(fit.white(), gamma);
+    fn with(fit: &Fit, white: &DVector<f64>, basis: DMatrix<f64>, free: usize, gamma: f64) -> Seen {
+        let both = fit.prepared().whitened().delta_with_shifts(white, gamma);
         let residual = &both - &basis * basis.tr_mul(&both);
         Seen {
             size: both.dot(&residual),
@@ -52,19 +50,29 @@ impl MixedFit {
     pub(crate) fn seen(&self) -> Result<Seen> {
         let whitened = self.fit.prepared().whitened();
         let rows = &self.rows;
-        let (fixed, random) = (rows.fixed, rows.random_columns());
+        let (fixed, mut random) = (rows.fixed, rows.random_columns());
+        let (mut known, read) = rows.known();
+        for (class, size) in rows.classes.iter().zip(&self.sizes.classes) {
+            for columns in [&mut random, &mut known] {
+                let mut own = columns.columns_mut(class.start, class.len());
+                own *= size.sqrt();
+            }
+        }
+        // With what is known of them the effects scatter less, and not about zero: v with this precision about this mean.
+        let count = known.ncols();
+        let precision = known.tr_mul(&known) + DMatrix::identity(count, count);
+        let mean = precision.clone().cholesky();
+        let mean = mean.map_or_else(|| DVector::zeros(count), |f| f.solve(&known.tr_mul(&read)));
+        let white = self.fit.white() - &random * mean;
         let mut all = whitened
             .psi()
             .clone()
             .resize_horizontally(fixed + random.ncols(), 0.0);
         all.columns_mut(fixed, random.ncols()).copy_from(&random);
-        for (class, size) in rows.classes.iter().zip(&self.sizes.classes) {
-            let mut own = all.columns_mut(fixed + class.start, class.len());
-            own *= size.sqrt();
-        }
         let all = whitened.with_shifts(&all, self.sizes.gamma);
         let mut matrix = all.tr_mul(&all);
-        (fixed..matrix.ncols()).for_each(|i| matrix[(i, i)] += 1.0);
+        let mut own = matrix.view_mut((fixed, fixed), precision.shape());
+        own += precision;
         rows.idle.iter().for_each(|j| matrix[(*j, *j)] += 1.0);
         let basis = matrix
             .cholesky()
@@ -78,6 +86,7 @@ impl MixedFit {
         let free = self.fit.system().delta.len() + rows.idle.len() - fixed;
         Ok(Seen::with(
             &self.fit,
+            &white,
             basis.transpose(),
             free,
             self.sizes.gamma,

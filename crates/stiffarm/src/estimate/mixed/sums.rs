@@ -9,8 +9,12 @@ use std::ops::Range;
 /// scaled random effects, and what least squares on Ψ leaves of the displacements.
 #[derive(Clone)]
 pub(super) struct Rows {
-    /// Rows × (fixed + random + 1).
+    /// Rows × (fixed + random + 1); what is known beforehand below the displacements.
     all: DMatrix<f64>,
+    /// Number of rows of what is known.
+    known: usize,
+    /// Variance ratio of the last class, where it is not told by the data.
+    pub(super) held: Option<f64>,
     /// Number of fixed effects.
     pub(super) fixed: usize,
     /// Fixed effects without any share in the displacements: held at zero.
@@ -66,7 +70,31 @@ pub(super) struct RatioSums {
     pub(super) squares: f64,
 }
 
+/// What is known of random effects beside the readings: rows for them and what was read there, as sure as a displacement,
+/// and the variance ratio of the class that they belong to, the last.
+pub(super) struct Known {
+    pub(super) rows: DMatrix<f64>,
+    pub(super) read: DVector<f64>,
+    pub(super) ratio: Option<f64>,
+}
+
+impl Known {
+    /// Nothing of so many.
+    pub(super) fn nothing(effects: usize) -> Self {
+        Known {
+            rows: DMatrix::zeros(0, effects),
+            read: DVector::zeros(0),
+            ratio: None,
+        }
+    }
+}
+
 impl Rows {
+    /// Number of classes whose sizes the data tell.
+    pub(super) fn told(&self) -> usize {
+        self.classes.len() - usize::from(self.held.is_some())
+    }
+
     /// `random` has one column per random effect (m per unit of its class), not yet
     /// white; `white` are the whitened displacements; the columns of the fixed effects `idle` are zero.
     pub(super) fn new(
@@ -74,8 +102,8 @@ impl Rows {
         random: DMatrix<f64>,
         classes: Vec<Range<usize>>,
         white: &DVector<f64>,
-        idle: &[usize],
-        shifts: bool,
+        (idle, shifts): (&[usize], bool),
+        known: &Known,
     ) -> Self {
         let fixed = whitened.psi().ncols();
         let count = fixed + random.ncols() + 1;
@@ -100,6 +128,12 @@ impl Rows {
                 along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
+        let (read, rows) = (known.read.len(), all.nrows());
+        all = all.resize_vertically(rows + read, 0.0);
+        let mut below = all.rows_mut(rows, read);
+        let mut random = below.columns_mut(fixed, known.rows.ncols());
+        random.copy_from(&known.rows);
+        below.column_mut(count - 1).copy_from(&known.read);
         let mut whole = all.transpose() * &all;
         // As if each had been read as zero: of the rest this changes nothing.
         idle.iter().for_each(|j| whole[(*j, *j)] += 1.0);
@@ -112,6 +146,8 @@ impl Rows {
         let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;
         let alike = !along.is_empty() && along.iter().all(is_alike);
         Rows {
+            known: read,
+            held: known.ratio,
             all,
             fixed,
             idle: idle.to_vec(),
@@ -135,14 +171,31 @@ impl Rows {
         !self.directions.is_empty()
     }
 
+    /// Number of rows of displacements.
+    fn measured(&self) -> usize {
+        self.all.nrows() - self.known
+    }
+
     /// Norm of what least squares on Ψ leaves.
     pub(super) fn rest(&self) -> f64 {
-        self.all.column(self.all.ncols() - 1).norm()
+        let rest = self.all.column(self.all.ncols() - 1);
+        rest.rows(0, self.measured()).norm()
     }
 
     /// White columns of the random effects, without shifts.
     pub(super) fn random_columns(&self) -> DMatrix<f64> {
-        self.all.columns(self.fixed, self.random()).into_owned()
+        let at = ((0, self.fixed), (self.measured(), self.random()));
+        self.all.view(at.0, at.1).into_owned()
+    }
+
+    /// Rows of what is known of the random effects, and what was read there.
+    pub(super) fn known(&self) -> (DMatrix<f64>, DVector<f64>) {
+        let from = self.measured();
+        let rows = self
+            .all
+            .view((from, self.fixed), (self.known, self.random()));
+        let read = self.all.column(self.all.ncols() - 1);
+        (rows.into_owned(), read.rows(from, self.known).into_owned())
     }
 
     /// Number of random effects.
@@ -154,7 +207,7 @@ impl Rows {
     pub(super) fn mean_square(&self, class: usize) -> f64 {
         let columns = self.classes[class].clone();
         let squares = columns.map(|c| self.whole[(self.fixed + c, self.fixed + c)]);
-        squares.sum::<f64>() / self.all.nrows() as f64
+        squares.sum::<f64>() / self.measured() as f64
     }
 
     /// The postures that take part when `left_out` (ascending) do not.
@@ -207,7 +260,11 @@ impl Rows {
         let mut out = Sums {
             gram: plain.clone(),
             logarithms: 0.0,
-            rows: self.others(left_out).map(|b| self.postures[b].len()).sum(),
+            rows: self.known
+                + self
+                    .others(left_out)
+                    .map(|b| self.postures[b].len())
+                    .sum::<usize>(),
         };
         if gamma <= 0.0 {
             return out;

@@ -90,9 +90,11 @@ pub struct Validation {
     /// RMS norm of the measured displacements \[m\].
     pub displacement_rms_m: f64,
     /// How many times smaller the errors would have been, had these displacements
-    /// been compensated as calculated: RMS displacement over RMS δb. Between
-    /// postures and loads like these, on this arm.
+    /// been compensated as calculated: RMS displacement over the RMS of δb without the cell's noise. Between postures and loads like these, on this arm.
     pub compensation_factor: Option<f64>,
+    /// True where δb cannot be told from that noise: the factor is at least so large.
+    #[serde(default)]
+    pub compensation_factor_is_bound: bool,
     /// Expected δb if the cell's noise were the only error, 2σ·sqrt(2/π) \[m\].
     pub noise_expectation_m: f64,
     /// Tolerance on the largest δb \[m\], where given.
@@ -354,13 +356,16 @@ fn summarise(
     let (deviation, displacement) = (rms(&deviations), rms(&norms));
     // Mean of the norm of three independent normal components.
     let sigma = (cell.noise.displacement_variance() + cell.noise.posture_common_std.powi(2)).sqrt();
+    // What a fit takes for noise besides is the model's, and stays.
+    let error = without_noise(deviation.powi(2), 3.0 * sigma * sigma, components.len());
     Validation {
         model,
         deviation_rms_m: deviation,
         deviation_max_m: largest,
         component_rms_m: rms(&components),
         displacement_rms_m: displacement,
-        compensation_factor: (deviation > 0.0).then(|| displacement / deviation),
+        compensation_factor: error.map(|(error, _)| displacement / error),
+        compensation_factor_is_bound: error.is_some_and(|(_, is_bound)| is_bound),
         noise_expectation_m: 2.0 * sigma * std::f64::consts::FRAC_2_PI.sqrt(),
         tolerance_m,
         passed: tolerance_m.map(|t| largest <= t),
@@ -371,6 +376,22 @@ fn summarise(
         points,
         postures: measured.iter().map(ValidatedPosture::of).collect(),
     }
+}
+
+/// Standard errors by which deviations have to be beyond their noise for their error to have a size.
+const BEYOND_NOISE: f64 = 2.0;
+
+/// RMS of the errors behind `count` components of deviations with this mean square, of which `noise` is that of the
+/// readings, and whether it is but a bound; `None` without any deviation.
+fn without_noise(square: f64, noise: f64, count: usize) -> Option<(f64, bool)> {
+    let least = BEYOND_NOISE * square.max(noise) * (2.0 / count as f64).sqrt();
+    let left = square - noise;
+    let (error, is_bound) = if left > least {
+        (left, false)
+    } else {
+        ((left.max(0.0) + least).min(square), true)
+    };
+    (square > 0.0).then(|| (error.sqrt(), is_bound))
 }
 
 /// Simulated measurements of `postures`: displacements by `model` with the

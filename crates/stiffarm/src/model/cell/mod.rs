@@ -22,7 +22,7 @@ pub use slopes::Slopes;
 pub use task::{Task, task_matrix, task_rows};
 
 use crate::error::{Code, Error, Result};
-use crate::model::elastic::{ElasticSizes, ElasticSource};
+use crate::model::elastic::{ElasticSizes, ElasticSource, KnownElement};
 use crate::model::instruments::{Sensor, Tracker, Uncertainty};
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, Setup};
@@ -122,6 +122,8 @@ pub struct Cell {
     /// How much gives way beyond the joint axes, where that is known: by an experiment
     /// on this arm or on one like it.
     pub elastic: Option<ElasticSizes>,
+    /// Bearings, links and base of which a drawing or a catalogue gives the stiffness.
+    pub known_elements: Vec<KnownElement>,
     /// Characteristic length L of the normalised Jacobian \[m\], Eq. (20);
     /// `None` asks for the one that minimises k(J_N).
     pub characteristic_length: Option<f64>,
@@ -177,6 +179,7 @@ impl Cell {
             },
             prior: None,
             elastic: None,
+            known_elements: Vec::new(),
             characteristic_length: None,
             validation: Vec::new(),
             tasks: Vec::new(),

@@ -17,10 +17,12 @@ pub enum ElasticClass {
     Bearing,
     /// Bending and twist of the links along the robot's rows \[rad/(N·m) per m\].
     Beam,
+    /// Bearings, links and base of which a drawing gives the stiffness: of any size.
+    Drawing,
 }
 
 impl ElasticClass {
-    /// All classes, in the order of results.
+    /// Those whose sizes readings tell, in the order of results.
     pub const ALL: [ElasticClass; 5] = [
         ElasticClass::Shift,
         ElasticClass::Turn,
@@ -49,7 +51,7 @@ impl ElasticClass {
     pub fn unit(self) -> &'static str {
         match self {
             ElasticClass::Shift => "m/N",
-            ElasticClass::Turn | ElasticClass::Bearing => "rad/(N·m)",
+            ElasticClass::Turn | ElasticClass::Bearing | ElasticClass::Drawing => "rad/(N·m)",
             ElasticClass::Coupling => "rad/N",
             ElasticClass::Beam => "rad/(N·m) per m",
         }

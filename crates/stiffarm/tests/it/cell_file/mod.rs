@@ -2,6 +2,7 @@
 //! reported with its place, and the templates can be used as they are.
 
 mod built_in;
+mod known;
 mod meshes;
 mod own_rows;
 mod schema;

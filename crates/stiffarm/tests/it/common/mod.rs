@@ -139,6 +139,7 @@ pub fn plain_cell(setup: Setup, noise: Noise) -> Cell {
         noise,
         prior: None,
         elastic: None,
+        known_elements: Vec::new(),
         characteristic_length: None,
         validation: Vec::new(),
         tasks: Vec::new(),

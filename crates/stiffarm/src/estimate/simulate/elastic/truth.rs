@@ -57,7 +57,12 @@ impl Truth {
 
 /// What the mixed model may find, in its order.
 fn springs(cell: &Cell) -> Vec<Effect> {
-    fitted(&cell.setup.robot, &[], ElasticSizing::Alike)
+    fitted(
+        &cell.setup.robot,
+        &[],
+        ElasticSizing::Alike,
+        &cell.known_elements,
+    )
 }
 
 /// A group of postures on any such arm.

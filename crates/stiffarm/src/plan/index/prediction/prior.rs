@@ -45,7 +45,7 @@ impl Prior {
         let c = (-prior.iter().map(|k| k.ln()).sum::<f64>() / prior.len() as f64).exp();
         let length = robot.length() + cell.setup.tool.tcp().norm();
         let units = [c * length * length, c, c * length, c, c / length];
-        let mut all = fitted(robot, compliance.as_slice(), ElasticSizing::ByJoint);
+        let mut all = fitted(robot, compliance.as_slice(), ElasticSizing::ByJoint, &[]);
         for effect in &mut all {
             let class = effect.class as usize;
             effect.scale *= factor * EXPECTED[class] * units[class];

@@ -1,0 +1,273 @@
+//! What of a prediction's error lies in directions that no reading has loaded, and what one further load would leave of it.
+//!
+//! With the random effects in units of their prior, u = P^(1/2) v, readings leave of v the covariance C_v ≤ I. Along
+//! eigenvectors of C_v the posterior is uncorrelated; those of which more than half of the prior variance is left have
+//! been told by no reading. The part of a row s of a prediction in such a direction w is cov(s x, w)²/var w, with whatever
+//! the joint axes make up for in it; the parts of all directions and what the axes scatter beside them add up to the
+//! variance of s x. What a further load leaves is the covariance after its rows, C − C Xᵀ(V + X C Xᵀ)⁻¹X C, the
+//! sizes held: it needs no reading.
+
+use super::means::scattered;
+use super::unlike::{WorkRows, further_loads, loaded, never_turned};
+use crate::error::Result;
+use crate::estimate::compliance::{IdentifiedCompliance, Spread};
+use crate::estimate::freedom::SizeDoubt;
+use crate::estimate::saved::{Saved, SeenLoad};
+use crate::findings::{Finding, length, list};
+use crate::model::cell::Cell;
+use crate::model::elastic::ElasticClass;
+use crate::model::load::Wrench;
+use crate::model::observation::{PostureTerms, Setup, places};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+/// Code of the finding.
+pub const NEVER_LOADED: &str = "never-loaded";
+
+/// Share of a direction's prior variance that is left where readings told nothing of it.
+const UNTOLD: f64 = 0.5;
+/// Share of an error's variance from such directions beyond which they rule it.
+const RULES: f64 = 0.5;
+/// Errors below this share of the deflections are no reason to measure again.
+const LARGE: f64 = 0.01;
+/// Share of the error that a further load has to take away to be worth a word.
+const HELPS: f64 = 0.25;
+/// A weight is simpler to hang than another load is to make: others have to leave less than this share of what it leaves.
+const SIMPLER: f64 = 0.8;
+/// Places that are named at most.
+const MOST_PLACES: usize = 2;
+/// A second place is named where it has this share of the first.
+const AS_MUCH: f64 = 0.5;
+/// Sweeps after which eigenvalues are given up.
+const MOST_SWEEPS: usize = 1000;
+/// Angles nearer to each other are those of one posture \[rad\].
+const SAME: f64 = 1e-3;
+
+/// What the sentence says in numbers, RMS over the points \[m\].
+struct NeverLoaded {
+    /// Error of all kinds.
+    error: f64,
+    /// The part of it from directions that no reading has loaded.
+    untold: f64,
+    /// What each further load in the measured postures would leave, the best of them first; in words.
+    left: Vec<(String, f64)>,
+    /// Where most of it is, in words.
+    places: Vec<String>,
+}
+
+/// Says it where such directions rule the error of a prediction.
+///
+/// # Errors
+/// Postures that are none of the robot.
+pub(crate) fn never_loaded(
+    cell: &Cell,
+    saved: &Saved,
+    work: &[WorkRows],
+) -> Result<Option<Finding>> {
+    let spread = saved.predictor.spread.as_ref();
+    let Some((spread, doubt)) = spread.and_then(|own| Some((own, own.doubt.as_ref()?))) else {
+        return Ok(None);
+    };
+    if work.is_empty() || saved.loads.is_empty() {
+        return Ok(None);
+    }
+    let seen = seen(cell, &saved.loads)?;
+    let Some(found) = found(cell, saved, (spread, doubt), work, &seen)? else {
+        return Ok(never_turned(cell, saved, work, &seen));
+    };
+    let remedy = match found.left.first() {
+        Some((load, left)) if *left < (1.0 - HELPS) * found.error => {
+            format!("{load} in the same postures would leave {}.", length(*left))
+        }
+        _ => "No one further load in the same postures would take much of that away: choose other postures, too."
+            .to_string(),
+    };
+    let sentence = format!(
+        "Of the {} (RMS) by which these displacements may be off, {} lie in directions in which no reading has loaded the \
+         arm, most of all in {}. {remedy}",
+        length(found.error),
+        length(found.untold),
+        list(&found.places),
+    );
+    Ok(Some(Finding::caution(NEVER_LOADED, "load", sentence)))
+}
+
+/// The numbers behind it; `None` where such directions do not rule the error, or it does not matter.
+///
+/// # Errors
+/// As [`never_loaded`].
+fn found(
+    cell: &Cell,
+    saved: &Saved,
+    (spread, doubt): (&Spread, &SizeDoubt),
+    work: &[WorkRows],
+    seen: &[PostureTerms],
+) -> Result<Option<NeverLoaded>> {
+    let predictor = &saved.predictor;
+    let count: usize = work.iter().map(|own| own.rows.nrows()).sum();
+    let mut rows = DMatrix::zeros(count, predictor.values.len());
+    let mut at = 0;
+    for own in work {
+        rows.rows_mut(at, own.rows.nrows()).copy_from(&own.rows);
+        at += own.rows.nrows();
+    }
+    let sum = |of: fn(&WorkRows) -> f64| work.iter().map(of).sum::<f64>();
+    let (squares, other) = (sum(|own| own.squares), sum(|own| own.other));
+    let with = &rows * &spread.covariance;
+    let untold = (&with * untold_directions(spread, doubt)).norm_squared();
+    let error = with.dot(&rows) + other;
+    if untold <= RULES * error || error <= LARGE * LARGE * squares {
+        return Ok(None);
+    }
+    // Of a point: three rows each.
+    let rms = |sum: f64| (3.0 * sum / count as f64).sqrt();
+    let places = places_of(cell, predictor, spread, doubt, &with, work, seen);
+    let mut left = Vec::new();
+    for (load, setup) in further_loads(cell, saved.largest_force.unwrap_or_default()) {
+        // A rope whose anchor is where it pulls is no load.
+        let Ok(after) = after(spread, &setup, predictor, &saved.loads) else {
+            continue;
+        };
+        let sum = (&rows * after).dot(&rows) + other;
+        left.push((load, rms(sum)));
+    }
+    // The first is the weight.
+    if let Some(best) = (1..left.len()).min_by(|a, b| left[*a].1.total_cmp(&left[*b].1))
+        && left[best].1 < SIMPLER * left[0].1
+    {
+        left.swap(0, best);
+    }
+    Ok(Some(NeverLoaded {
+        error: rms(error),
+        untold: rms(untold),
+        left,
+        places,
+    }))
+}
+
+/// Columns d, each over the root of the variance of dᵀx, of the directions of which readings told less than half.
+fn untold_directions(spread: &Spread, doubt: &SizeDoubt) -> DMatrix<f64> {
+    let root = doubt
+        .prior
+        .map(|p| if p > 0.0 { 1.0 / p.sqrt() } else { 0.0 });
+    let n = root.len();
+    let mut own = DMatrix::from_fn(n, n, |i, j| spread.covariance[(i, j)] * root[i] * root[j]);
+    scattered(&mut own, &doubt.means);
+    own = own.transpose();
+    scattered(&mut own, &doubt.means);
+    // Numbers that are not finite have none.
+    let finite = own.iter().all(|v| v.is_finite());
+    let eigen = finite.then(|| SymmetricEigen::try_new(own, f64::EPSILON, MOST_SWEEPS));
+    let Some(eigen) = eigen.flatten() else {
+        return DMatrix::zeros(n, 0);
+    };
+    let untold = (0..n).filter(|i| eigen.eigenvalues[*i] > UNTOLD);
+    let columns = untold.map(|i| eigen.eigenvectors.column(i) / eigen.eigenvalues[i].sqrt());
+    let mut columns = match columns.collect::<Vec<_>>() {
+        none if none.is_empty() => return DMatrix::zeros(n, 0),
+        columns => DMatrix::from_columns(&columns).transpose(),
+    };
+    scattered(&mut columns, &doubt.means);
+    let mut columns = columns.transpose();
+    for (mut row, root) in columns.row_iter_mut().zip(root.iter()) {
+        row *= *root;
+    }
+    columns
+}
+
+/// The arm under each load that was measured.
+fn seen(cell: &Cell, loads: &[SeenLoad]) -> Result<Vec<PostureTerms>> {
+    let terms = |load: &SeenLoad| {
+        let mut setup = cell.setup.clone();
+        setup.tool.loading_point = load.at_m.into();
+        let wrench = Wrench {
+            force: load.force_n.into(),
+            moment: load.moment_nm.into(),
+        };
+        PostureTerms::new(&setup, &load.q, Some(&wrench))
+    };
+    loads.iter().map(terms).collect()
+}
+
+/// Covariance of the unknowns after each of the postures was measured under the load of `setup`.
+fn after(
+    spread: &Spread,
+    setup: &Setup,
+    predictor: &IdentifiedCompliance,
+    loads: &[SeenLoad],
+) -> Result<DMatrix<f64>> {
+    let mut covariance = spread.covariance.clone();
+    let is_same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME);
+    for (i, load) in loads.iter().enumerate() {
+        if loads[..i].iter().any(|other| is_same(&other.q, &load.q)) {
+            continue;
+        }
+        let terms = PostureTerms::new(setup, &load.q, None)?;
+        let rows = terms.block_with(&setup.robot, &predictor.extra);
+        let with = &covariance * rows.transpose();
+        let mut own = &rows * &with;
+        for i in 0..own.nrows() {
+            own[(i, i)] += spread.sigma.powi(2);
+            for j in (i % 3..own.nrows()).step_by(3) {
+                own[(i, j)] += spread.shift.powi(2);
+            }
+        }
+        // Without any noise nothing is to be gained.
+        if let Some(factor) = own.cholesky() {
+            covariance -= &with * factor.solve(&with.transpose());
+        }
+    }
+    Ok(covariance)
+}
+
+/// Places whose knowledge would take away most of the variance behind `with` = S C, in words, with what loads them at work
+/// and loaded them in the readings.
+fn places_of(
+    cell: &Cell,
+    predictor: &IdentifiedCompliance,
+    spread: &Spread,
+    doubt: &SizeDoubt,
+    with: &DMatrix<f64>,
+    work: &[WorkRows],
+    seen: &[PostureTerms],
+) -> Vec<String> {
+    let robot = &cell.setup.robot;
+    let springs = predictor.values.len() - predictor.extra.len();
+    let class = |i: usize| doubt.classes.iter().position(|class| class.contains(&i));
+    let shift = ElasticClass::Shift as usize;
+    // How much of the variance is known with the effects that `of` picks: of these, those that are anything.
+    let known = |of: &dyn Fn(usize) -> bool| {
+        let own = (springs..predictor.values.len()).filter(|i| of(*i) && doubt.prior[*i] > 0.0);
+        let own: Vec<usize> = own.collect();
+        let root: DVector<f64> =
+            DVector::from_iterator(own.len(), own.iter().map(|i| doubt.prior[*i].sqrt()));
+        let own_covariance = DMatrix::from_fn(own.len(), own.len(), |a, b| {
+            spread.covariance[(own[a], own[b])] / (root[a] * root[b])
+                + if a == b { 1e-9 } else { 0.0 }
+        });
+        let across = DMatrix::from_fn(own.len(), with.nrows(), |a, r| with[(r, own[a])] / root[a]);
+        own_covariance
+            .cholesky()
+            .map_or(0.0, |factor| factor.solve(&across).dot(&across))
+    };
+    let is_at = |i: usize, place: Option<usize>| predictor.extra[i - springs].joint() == place;
+    let mut all: Vec<(Option<usize>, f64)> = places(robot.joint_count())
+        .map(|place| (place, known(&|i| is_at(i, place))))
+        .collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let few = all.iter().take(MOST_PLACES);
+    let named = few.filter(|(_, part)| *part > AS_MUCH * all[0].1);
+    let mut out = Vec::new();
+    for (place, _) in named {
+        let of_shift = known(&|i| is_at(i, *place) && class(i) == Some(shift));
+        let of_turn = known(&|i| is_at(i, *place) && class(i) != Some(shift));
+        let name = match place {
+            None => "the base".to_string(),
+            Some(j) => format!("{} and its link", robot.joints()[*j].name),
+        };
+        out.push(format!(
+            "{name}{}",
+            loaded(*place, of_shift > of_turn, work, seen)
+        ));
+    }
+    out
+}
