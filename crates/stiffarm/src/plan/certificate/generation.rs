@@ -34,9 +34,9 @@ const ZERO_WEIGHT: f64 = 0.02;
 const SMALL_WEIGHTS: [f64; 2] = [10.0, 1.0];
 /// Equivalence condition asked for on the points at hand.
 const WEIGHT_TOLERANCE: f64 = 1e-9;
-/// Unknowns for which a Hessian of the weights is worth its time.
+/// Unknowns for which a Hessian of the weights is worth it.
 const FEW_UNKNOWNS: usize = 32;
-/// With more unknowns, points of the design that the search goes on from: all of them would be hundreds.
+/// With more, points of the design that the search goes on from: all would be hundreds.
 const HEAVIEST: usize = 16;
 /// Passes of taking back points that were dropped.
 const RECALLS: usize = 8;
@@ -264,14 +264,10 @@ impl<'a, S: DesignSpace> Generation<'a, S> {
         let tangent = self.criterion.at(&information).ok_or_else(singular)?;
         let support: Vec<Vec<f64>> = active.iter().map(|&i| self.pool[i].x.clone()).collect();
         let order = order_by_number(active.len(), |i| -weights[i]);
-        let most = match self.given.ncols() > FEW_UNKNOWNS {
-            true => HEAVIEST,
-            false => support.len(),
-        };
-        let from: Vec<Vec<f64>> = match most < support.len() {
-            true => order[..most].iter().map(|i| support[*i].clone()).collect(),
-            false => support.clone(),
-        };
+        let mut from = support.clone();
+        if self.given.ncols() > FEW_UNKNOWNS {
+            from = (order.iter().take(HEAVIEST).map(|i| support[*i].clone())).collect();
+        }
         let found = self
             .space
             .maximise(&tangent.adjoint, &from, Effort::Improve);
