@@ -177,13 +177,13 @@ def test_every_posture_of_the_plan_is_accepted_as_it_is_written() -> None:
         asked.append(q.shape)
         return away(q)
 
-    own = stiffarm.select(cell, count=6, rounds=2, no_certificate=True, accept=accept)
-    free = stiffarm.select(cell, count=6, rounds=2, no_certificate=True)
+    own = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True, accept=accept)
+    free = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True)
     assert all(away(q) for q in own.postures.angles)
     assert not all(away(q) for q in free.postures.angles)
     assert own.value > free.value
     assert asked and set(asked) == {(6,)}
-    again = stiffarm.select(cell, count=6, rounds=2, no_certificate=True, accept=away)
+    again = stiffarm.select(cell, index="expected_error", count=6, rounds=2, no_certificate=True, accept=away)
     assert again.to_json() == own.to_json()
 
 

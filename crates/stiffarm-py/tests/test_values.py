@@ -490,7 +490,7 @@ def test_plates_leave_joint_1_out_everywhere(cell: stiffarm.Cell, group: stiffar
 def test_dropped_postures_are_no_longer_there() -> None:
     cell = stiffarm.Cell.built_in("comau")
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
-    found = stiffarm.select(cell, given=group, drop=2)
+    found = stiffarm.select(cell, index="expected_error", given=group, drop=2)
     kept = [name for name, stays in zip(found.table()["posture"], found.table()["kept"]) if stays]
     assert found.postures.names == kept and len(kept) == 4
     value = stiffarm.evaluate(cell, found).table()["expected_error"][0]

@@ -168,18 +168,16 @@ fn further_load(context: &Given<'_>, plan: &Plan) -> Text {
         return Text::default();
     };
     let of = |key: &str| index_number(context, Index::Prediction, &format!("/further_load/{key}"));
-    let mut text = Text::new(format!(
-        " With a weight of {:.0} kg hung in the same postures as well (a second ",
+    Text::new(format!(
+        " A weight of {:.0} kg hung in the same postures as well (a second ",
         found.mass_kg
-    ));
-    text = text
-        .code("[[load.case]]")
-        .words(") deflections under forces in all directions would be predicted to ");
-    text = text.number(of("with"));
-    if plan.selection.index != Index::Prediction {
-        text = text.words(" instead of ").number(of("without"));
-    }
-    text.words(".")
+    ))
+    .code("[[load.case]]")
+    .words(") would bring the error of the deflection at work from ")
+    .number(of("without"))
+    .words(" to ")
+    .number(of("with"))
+    .words(".")
 }
 
 /// What to do depends on what is worst about the plan.

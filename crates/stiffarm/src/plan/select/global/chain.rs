@@ -99,6 +99,16 @@ impl Chain {
         }
     }
 
+    /// Local searches and evaluations of the index with its gradient so far.
+    pub fn effort(&self) -> (u64, u64) {
+        let single = self.predicting.as_ref().map(|own| &own.single);
+        let all = [Some(&self.local), single];
+        let all = all.into_iter().flatten();
+        all.fold((0, 0), |sum, own| {
+            (sum.0 + own.searches, sum.1 + own.evaluations)
+        })
+    }
+
     /// Puts the chain onto another plan.
     pub fn move_to(&mut self, plan: Plan) {
         self.current = Some(plan);

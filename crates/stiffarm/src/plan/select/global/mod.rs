@@ -396,7 +396,7 @@ impl<'a> Global<'a> {
             termination,
             rounds: Some(self.completed),
             improvements: self.improvements,
-            starts: self.chains.iter().map(|i| i.local.searches as usize).sum(),
+            starts: self.chains.iter().map(|c| c.effort().0 as usize).sum(),
             evaluations,
             iterations,
             stationarity,
@@ -428,6 +428,6 @@ impl<'a> Global<'a> {
     }
 
     fn evaluations(&self) -> u64 {
-        self.chains.iter().map(|i| i.local.evaluations).sum()
+        self.chains.iter().map(|c| c.effort().1).sum()
     }
 }
