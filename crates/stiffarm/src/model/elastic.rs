@@ -213,7 +213,7 @@ pub(crate) fn fitted(
     all
 }
 
-/// Term, class and relative size of each random effect of [`fitted`], for this project's own tests.
+/// Term, class and relative size of each random effect that data are held against, for this project's own tests.
 pub fn elastic_effects(
     robot: &Robot,
     compliance: &[f64],

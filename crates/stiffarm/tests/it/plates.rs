@@ -113,13 +113,10 @@ fn gradients_of_the_others_are_those_of_differences() {
     assert_eq!(found.task, None);
     // Anywhere else it counts what does not turn it.
     assert!(found.prediction.is_some());
-    for index in [Index::Task] {
-        let error = IndexFunction::new(&others, index, group.len())
-            .err()
-            .unwrap();
-        assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
-        assert!(error.message().contains("turns joint 1"), "{error}");
-    }
+    let refused = IndexFunction::new(&others, Index::Task, group.len());
+    let error = refused.err().unwrap();
+    assert_eq!(error.code(), Code::NotIdentifiable, "{error}");
+    assert!(error.message().contains("turns joint 1"), "{error}");
     for task in &mut others.tasks {
         (task.wrench, task.axes) = (Wrench::force(Vector3::z() * -300.0), Axes::Base);
     }

@@ -38,7 +38,7 @@ pub trait DesignSpace {
     }
 }
 
-/// Tolerance and budget of [`optimal_design`](super::optimal_design).
+/// Tolerance and budget of [`optimal_design`](super::continuous::optimal_design).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DesignOptions {
     /// Residual of the equivalence condition at which a design counts as optimal.
