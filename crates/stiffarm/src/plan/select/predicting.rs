@@ -75,7 +75,7 @@ impl PredictionJudge {
     }
 
     /// The best candidate beside what is held, `None` where none is.
-    pub(super) fn best(&mut self) -> Option<usize> {
+    pub(super) fn best(&self) -> Option<usize> {
         let gains = &self.gains.as_ref()?.0;
         let free = (0..gains.len()).filter(|c| self.barred.get(*c) != Some(&true));
         free.max_by(|a, b| gains[*a].total_cmp(&gains[*b]))

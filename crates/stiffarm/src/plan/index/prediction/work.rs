@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 const STATED: usize = 20;
 /// Seed and stream of their draw.
 const STATED_DRAW: (u64, u64) = (1, 0x5747);
+
 /// Where deflections of the tip are to be predicted, and under which load: at the cell's tasks if it has any, and
 /// anywhere, which few tasks say nothing of: at random postures inside its limits, always the same, under forces as large
 /// as its load's along each axis at the first measuring point, which together stand for all directions (under the load as

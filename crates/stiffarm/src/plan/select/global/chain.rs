@@ -166,6 +166,10 @@ impl Chain {
             } else {
                 self.idle += 1;
             }
+            // A sweep that was stopped cannot be reproduced.
+            if self.predicting.is_some() && control.stopped() {
+                return false;
+            }
         }
         true
     }
