@@ -33,16 +33,8 @@ pub(crate) struct WorkRows {
 
 /// Loads of this size \[N\] that could be applied besides, in words: a weight, then others.
 pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)> {
-    let with = |load: Load| Setup {
-        load,
-        ..cell.setup.clone()
-    };
-    let direction = *cell.setup.robot.gravity_direction();
-    let weight = Load::Weight {
-        magnitude,
-        direction,
-    };
-    let mut out = vec![(format!("A weight of {magnitude:.0} N hung"), with(weight))];
+    let weight = cell.setup.under_weight(magnitude);
+    let mut out = vec![(format!("A weight of {magnitude:.0} N hung"), weight)];
     let cases = cell.setup.cases();
     let anchors = cases.iter().filter_map(|setup| match setup.load {
         Load::Rope { anchor, .. } => Some(anchor),
@@ -62,7 +54,12 @@ pub(super) fn further_loads(cell: &Cell, magnitude: f64) -> Vec<(String, Setup)>
             let anchor = origin + turn * (anchor - origin);
             let [x, y, z] = anchor.map(|v| (1e3 * v).round() + 0.0).into();
             let words = format!("The rope from an anchor at [{x}, {y}, {z}] mm");
-            out.push((words, with(Load::Rope { anchor, magnitude })));
+            let load = Load::Rope { anchor, magnitude };
+            let setup = Setup {
+                load,
+                ..cell.setup.clone()
+            };
+            out.push((words, setup));
         }
     }
     out

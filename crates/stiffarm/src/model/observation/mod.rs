@@ -59,6 +59,17 @@ impl Setup {
         })
     }
 
+    /// The setup with a weight of `magnitude` \[N\] at its loading point as the load.
+    pub(crate) fn under_weight(&self, magnitude: f64) -> Setup {
+        Setup {
+            load: Load::Weight {
+                magnitude,
+                direction: *self.robot.gravity_direction(),
+            },
+            ..self.clone()
+        }
+    }
+
     fn under(&self, case: &LoadCase) -> Setup {
         Setup {
             robot: self.robot.clone(),

@@ -147,9 +147,10 @@ impl<'a> Plan<'a> {
 
     /// Smallest index of N postures: σ·sqrt(φ), with φ(M) = φ(M/N)/N; readings that know their σ have it in M.
     pub(super) fn bound(&self, design: &ContinuousDesign) -> f64 {
-        let sigma = match self.space.knows_noise() {
-            true => 1.0,
-            false => self.space.cell().noise.displacement_std(),
+        let sigma = if self.space.knows_noise() {
+            1.0
+        } else {
+            self.space.cell().noise.displacement_std()
         };
         sigma * (design.bound / self.postures as f64).sqrt()
     }

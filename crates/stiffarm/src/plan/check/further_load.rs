@@ -35,11 +35,7 @@ impl FurtherLoad {
         let model = PredictionModel::of_cell(cell).ok()?;
         let rope = terms(&cell.setup, postures)?;
         let pull = rope.first()?.wrench().force.norm();
-        let mut hung = cell.setup.clone();
-        hung.load = Load::Weight {
-            magnitude: pull,
-            direction: *cell.setup.robot.gravity_direction(),
-        };
+        let hung = cell.setup.under_weight(pull);
         let both = rope.iter().cloned().zip(terms(&hung, postures)?);
         let both: Vec<[PostureTerms; 2]> = both.map(|(a, b)| [a, b]).collect();
         let alone: Vec<[PostureTerms; 1]> = rope.into_iter().map(|terms| [terms]).collect();

@@ -363,6 +363,7 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
         let (model, rows) = predicting.as_ref()?;
         model.value_where(rows, factor)
     };
+    let expected = predicted(1.0);
     Ok(GroupEvaluation {
         name: name.to_string(),
         posture_count: count,
@@ -377,9 +378,9 @@ fn evaluate_each<T: AsRef<[PostureTerms]>>(
             drop_one,
             d,
             task,
-            prediction: predicted(1.0),
+            prediction: expected,
             prediction_range: predicted(1.0 / OFF).zip(predicted(OFF)).map(Into::into),
-            prediction_sizes: predicted(1.0).and_then(|_| prediction?.source()),
+            prediction_sizes: expected.and_then(|_| prediction?.source()),
             o1: observability(&|| (log_sum() / n as f64).exp() / (count as f64).sqrt()),
             o2: observability(&|| sigma[n - 1] / sigma[0]),
             o3: observability(&|| sigma[n - 1]),

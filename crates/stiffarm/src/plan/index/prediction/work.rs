@@ -73,8 +73,9 @@ fn anywhere(cell: &Cell) -> Result<Vec<(Setup, PostureTerms)>> {
             all_directions.extend(loaded_at(cell, &each)?);
         }
     }
-    Ok(match all_directions.is_empty() {
-        true => as_it_is,
-        false => all_directions,
+    Ok(if all_directions.is_empty() {
+        as_it_is
+    } else {
+        all_directions
     })
 }
