@@ -156,7 +156,7 @@ ROWS = {
     "all loaded 0.4 mm off": (functools.partial(common, far=4e-4), ("common-shift",)),
     "measuring points moved by 20 mm": (points_shifted, ("tool-place", "measuring-points", "joint-offset")),
     "measuring points turned by 2°": (points_turned, ("tool-place", "measuring-points", "joint-offset")),
-    "displacements in a base turned by 2°": (functools.partial(table, degrees=2.0), ("table-axes",)),
+    "displacements in a base turned by 2°": (functools.partial(table, degrees=2.0), ("registration",)),
 }
 
 

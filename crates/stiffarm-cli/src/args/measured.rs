@@ -56,6 +56,15 @@ pub struct IdentifyArgs {
     /// How the stiffness is estimated, and what it rests on.
     #[command(flatten)]
     pub fit: FitArgs,
+    /// Quantities of the set-up that are identified beside the stiffness, on purpose: anchor,
+    /// loading-point, gravity, force-beside, common-shift, … (docs/set-up.md)
+    #[arg(
+        long,
+        value_name = "NAME,…",
+        value_delimiter = ',',
+        help_heading = "Estimator"
+    )]
+    pub free: Vec<String>,
     /// Also resample the postures this often for a bootstrap interval
     #[arg(long, value_name = "N", value_parser = count())]
     pub bootstrap: Option<u64>,

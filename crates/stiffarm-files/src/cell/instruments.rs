@@ -104,6 +104,8 @@ pub(super) fn uncertainty(
         registration: source.optional(&raw.registration_mrad, Source::not_negative)?,
         base_tilt_compliance: compliance(&raw.base_tilt_stiffness_nm_per_rad)?,
         sensor_compliance: compliance(&raw.sensor_stiffness_nm_per_rad)?,
+        force_beside: source.optional(&raw.force_beside_n, Source::not_negative)?,
+        common_shift: source.optional(&raw.common_shift_mm, Source::not_negative)?,
         lost_motion: source.optional(&raw.lost_motion_arcmin, Source::not_negative)?,
     })
 }

@@ -265,6 +265,8 @@ posture_common_mm = 0
 # registration_mrad = 0.2
 # base_tilt_stiffness_nm_per_rad = 1e8
 # sensor_stiffness_nm_per_rad = 3.3e5
+# force_beside_n = 5
+# common_shift_mm = 0.02
 # lost_motion_arcmin = 0.2
 
 # Headings of the tracker's software, if it has its own: ours, with the unit of the

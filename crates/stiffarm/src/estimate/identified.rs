@@ -1,6 +1,6 @@
 //! All that `identify` says of a measurement: estimates, and how far to trust them.
 
-use crate::error::{Code, Result};
+use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, open_springs};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use crate::estimate::diagnose::{Diagnosis, diagnose_in};
@@ -12,7 +12,7 @@ use crate::estimate::identify::{
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
-use crate::estimate::setup;
+use crate::estimate::setup::{self, Freed};
 use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
 use crate::findings::{Finding, Severity};
 use crate::measure::Measured;
@@ -65,6 +65,9 @@ pub struct Options {
     pub confidence: f64,
     /// Extra terms asked for.
     pub extra: Vec<ExtraTerm>,
+    /// Quantities of the set-up identified beside the stiffness.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub free: Vec<String>,
     /// What gives way.
     pub elastic: ElasticChoice,
     /// Relative standard deviation of the prior stiffness (fraction).
@@ -86,6 +89,7 @@ impl Options {
             noise: fit.noise,
             confidence: fit.confidence,
             extra: fit.extra.clone(),
+            free: fit.free.clone(),
             elastic: ElasticChoice::or_default(wanted.elastic, fit),
             prior_std: fit.prior_std,
             exclude: exclude.to_vec(),
@@ -125,6 +129,9 @@ pub struct Identified {
     pub identification: Identification,
     /// From raw readings to displacements; `null` for a table of displacements.
     pub readings: Option<Reduced>,
+    /// What was identified of the set-up beside the stiffness, on purpose.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub freed: Vec<Freed>,
     /// What is suspicious about the scales of a table of displacements; for raw readings
     /// it stands in `readings`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -185,10 +192,20 @@ impl Identified {
     /// The estimates, and what else was asked for, as far as the user lets it come.
     ///
     /// # Errors
-    /// As [`Fit::identification`], [`bootstrap`] (key `bootstrap`) and [`elastic`] (key `elastic`).
+    /// As [`Fit::identification`], [`bootstrap`] (key `bootstrap`), [`elastic`] (key `elastic`) and
+    /// [`free`](setup::free) (key `free`).
     pub fn new(fit: &Fit, wanted: &Wanted, control: Control<'_>) -> Result<Self> {
+        let choice = ElasticChoice::or_default(wanted.elastic, fit.options());
+        if wanted.brief && !fit.options().free.is_empty() {
+            let message = "What the set-up's own uncertainty does to the stiffness is among the systematic errors, which a brief result has not.";
+            let error = Error::new(Code::Conflict, message).key("free");
+            return Err(error.hint("leave brief out"));
+        }
+        let (own, freed) = setup::free(fit, choice)?.unzip();
+        let fit = own.as_ref().unwrap_or(fit);
         let identification = fit.identification()?.clone();
         let mut out = Identified {
+            freed: freed.unwrap_or_default(),
             readings: Reduced::of(fit.measured()),
             screening: screening(fit.measured()),
             profile: None,
@@ -209,7 +226,7 @@ impl Identified {
         };
         let mut left_out = Vec::new();
         let mut mixed = None;
-        if ElasticChoice::or_default(wanted.elastic, fit.options()) == ElasticChoice::Mixed {
+        if choice == ElasticChoice::Mixed {
             let found = elastic(fit, !wanted.brief).map_err(|e| e.key("elastic"));
             let found = unless_stopped("elastic", &mut left_out, found)?;
             (out.elastic, mixed) = found.unzip();

@@ -110,6 +110,10 @@ pub struct Uncertainty {
     /// Compliance about each axis between flange and reflectors that nobody
     /// models \[rad/(N·m)\].
     pub sensor_compliance: Option<f64>,
+    /// Each component of a constant force beside the load, of what hangs on the rope \[N\].
+    pub force_beside: Option<f64>,
+    /// Each component of a displacement that all loaded readings share \[m\].
+    pub common_shift: Option<f64>,
     /// Lost motion of each joint: half the gap \[rad\].
     pub lost_motion: Option<f64>,
 }

@@ -60,6 +60,8 @@ fn assert_same(ours: &[Option<f64>], made: &[f64], what: &str) {
 fn every_source_is_the_error_really_made() {
     let mut cell = quiet_cell();
     cell.setup.tool.has_sensor = true;
+    cell.uncertainty.force_beside = Some(20.0);
+    cell.uncertainty.common_shift = Some(5e-5);
     let cell = cell;
     let postures = numbered(group1());
     let nominal = measure(&cell, &postures, 1);
@@ -109,6 +111,25 @@ fn every_source_is_the_error_really_made() {
             move_points(&cell, m, |terms| term.column(terms) * size)
         })
     };
+    for axis in 0..3 {
+        let force = Wrench::force(Vector3::ith(axis, 20.0));
+        let mut hung = nominal.clone();
+        for m in &mut hung {
+            let terms = PostureTerms::new(&cell.setup, &m.posture.q, Some(&force)).unwrap();
+            let moved = terms.block(&cell.setup.robot) * compliance_of(&truth(&cell));
+            for d in &mut m.displacements {
+                d.value += moved.fixed_rows::<3>(3 * d.point);
+            }
+        }
+        let part = &source(&systematic, "force-beside").parts[axis];
+        assert_same(&part.change, &seen(&hung), "force beside the load");
+        let moved = changed(nominal.clone(), |m| {
+            let all = m.iter_mut().flat_map(|m| &mut m.displacements);
+            all.for_each(|d| d.value[axis] += 5e-5);
+        });
+        let part = &source(&systematic, "common-shift").parts[axis];
+        assert_same(&part.change, &seen(&moved), "common shift");
+    }
     let tilted = seen(&with(ExtraTerm::BaseTilt, 1e-8));
     assert_same(
         &source(&systematic, "base-tilt").change,

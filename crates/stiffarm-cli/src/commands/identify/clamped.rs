@@ -27,6 +27,13 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
             .key("--elastic")
             .hint("leave it out, or measure displacements with the flange free"));
     }
+    if !args.free.is_empty() {
+        let message =
+            "With the flange fixed nothing of the set-up is identified beside the stiffness.";
+        return Err(Error::new(Code::Unsupported, message)
+            .key("--free")
+            .hint("leave it out"));
+    }
     let noise = args.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {
         let message = "Known noise with --clamped needs the standard deviation of the angles.";

@@ -22,7 +22,8 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     }
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
-    let options = args.fit.options(&named.cell.setup.robot)?;
+    let mut options = args.fit.options(&named.cell.setup.robot)?;
+    options.free.clone_from(&args.free);
     let measurements =
         session.read_measurements(&args.measurements, args.postures.as_deref(), &named.cell)?;
     let reduce = session.read_registration(args.registration.as_deref())?;
@@ -43,7 +44,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     };
     let result = progress
         .watch(|control| Identified::new(&fit, &wanted, control))
-        .map_err(|e| of_option(e, &["bootstrap", "elastic"]))?;
+        .map_err(|e| of_option(e, &["bootstrap", "elastic", "free"]))?;
     drop(progress);
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();

@@ -60,6 +60,10 @@ tables! {
         /// Stiffness about each axis of what lies between flange and reflectors, where it yields
         /// and nobody models it, N·m/rad.
         sensor_stiffness_nm_per_rad: Number,
+        /// Each component of a constant force beside the load, of what hangs on the rope in loaded states alone, N.
+        force_beside_n: Number,
+        /// Each component of a displacement that all loaded readings share, mm.
+        common_shift_mm: Number<Mm>,
         /// Lost motion of each joint: half the gap, minutes of arc.
         lost_motion_arcmin: Number<Arcmin>,
     }

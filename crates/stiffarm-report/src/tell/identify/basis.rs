@@ -104,7 +104,9 @@ pub(super) fn size(source: &SystematicSource) -> Text {
         Quantity::new(unit, factor, Form::Significant(2))
     });
     let quantity = match source.unit.as_str() {
+        _ if source.free => return "identified".into(),
         "1" => Quantity::PERCENT,
+        "N" => two("N", 1.0),
         "m" => two("mm", 1e3),
         "rad" if source.name == "lost-motion" => Quantity::GAP,
         "rad" => two("mrad", 1e3),

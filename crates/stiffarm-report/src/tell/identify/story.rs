@@ -11,7 +11,7 @@ use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
 use stiffarm::estimate::elastic::Elastic;
 use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
-use stiffarm::findings::{Finding, Severity, visible};
+use stiffarm::findings::{Finding, Severity, list, visible};
 
 /// Joints without a ± whose bounds are said, and not left to the table.
 const MOST_NAMED: usize = 2;
@@ -31,8 +31,13 @@ pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {
         Some(_) => "raw readings of the tracker",
         None => "measured displacements",
     };
+    let freed: Vec<&str> = found.freed.iter().map(|own| own.words.as_str()).collect();
+    let freed = match freed.as_slice() {
+        [] => String::new(),
+        freed => format!(" With it these readings gave {}.", visible(&list(freed))),
+    };
     Text::new(format!(
-        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{}",
+        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{}{freed}",
         estimates.joints.len(),
         counted(postures, "posture"),
         counted(estimates.rows / 3, "displacement"),

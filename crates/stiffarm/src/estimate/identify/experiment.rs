@@ -132,6 +132,11 @@ impl Experiment {
         self
     }
 
+    /// The caller's watch.
+    pub(crate) fn watch(&self) -> Watch {
+        self.watch.clone()
+    }
+
     /// How the caller watches and stops long work.
     pub(crate) fn control(&self) -> Control<'_> {
         self.watch.control()

@@ -142,6 +142,15 @@ impl Fit {
         })
     }
 
+    /// The same options for what another cell makes of the measurements.
+    ///
+    /// # Errors
+    /// As [`identify`](super::identify()).
+    pub(crate) fn at(&self, cell: &Cell, measured: Measured) -> Result<Self> {
+        let watch = self.experiment().watch();
+        Fit::watched(cell, measured, self.options(), watch)
+    }
+
     /// The same displacements under other options; the posture terms, and where
     /// they do not depend on what changed the system and its factors, are used again.
     ///

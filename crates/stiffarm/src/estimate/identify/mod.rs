@@ -103,6 +103,10 @@ pub struct IdentifyOptions {
     pub confidence: f64,
     /// Further unknowns beside the joint springs.
     pub extra: Vec<ExtraTerm>,
+    /// Quantities of the set-up that are identified beside the stiffness, by name
+    /// ([`free`](crate::estimate::setup::free)); their uncertainty is then what the readings leave of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub free: Vec<String>,
     /// Relative standard deviation of the cell's prior stiffness, for
     /// [`Estimator::Prior`] (fraction).
     pub prior_std: f64,
@@ -118,6 +122,7 @@ impl Default for IdentifyOptions {
             noise: NoiseSource::Estimated,
             confidence: 0.95,
             extra: Vec::new(),
+            free: Vec::new(),
             prior_std: 0.3,
             scatter: None,
         }

@@ -1,10 +1,12 @@
-//! One quantity freed: where the readings want it, and how much likelier they are with it there.
+//! Quantities freed: where the readings want them, and how much likelier they are with them there.
 
-use super::quantity::{Frame, Kind, Place, step};
 use crate::error::Result;
 use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Fit, Response};
 use crate::estimate::mixed::MixedFit;
+use crate::estimate::quantity::answer::Answers;
+use crate::estimate::quantity::facts::Valued;
+use crate::estimate::quantity::stated::Stated;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
 use std::sync::Arc;
@@ -13,16 +15,13 @@ use std::sync::Arc;
 /// model with springs beyond them, which begins where the axes end.
 const AXES: (usize, usize) = (15, 4);
 const MIXED: (usize, usize) = (1, 2);
-/// Longest step \[m; rad\], and of a force \[N\].
-const FAR: f64 = 0.5;
-const FAR_FORCE: f64 = 200.0;
 /// Change of −2 ln L that ends the search.
 const STILL: f64 = 1e-2;
 
-/// The experiment fitted with a quantity at some value.
+/// The experiment fitted with quantities at some values.
 #[derive(Clone)]
 pub(super) struct At {
-    pub place: Place,
+    pub values: Vec<Valued>,
     pub fit: Fit,
     /// Springs beyond the axes, where they are granted.
     pub mixed: Option<Arc<MixedFit>>,
@@ -54,7 +53,7 @@ pub(super) fn below_zero(fit: &Fit, mixed: Option<&MixedFit>) -> f64 {
     squares.filter(|square| square.is_finite()).sum()
 }
 
-/// One step of least squares with the quantity among the unknowns.
+/// One step of least squares with the quantities among the unknowns.
 struct Step {
     change: DVector<f64>,
     errors: DVector<f64>,
@@ -66,7 +65,7 @@ impl At {
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
     /// near those of `near`.
     pub(super) fn new(
-        place: Place,
+        values: Vec<Valued>,
         fit: Fit,
         is_mixed: bool,
         near: Option<&MixedFit>,
@@ -76,7 +75,7 @@ impl At {
             false => None,
         };
         Ok(At {
-            place,
+            values,
             value: value(&fit, mixed.as_ref()),
             mixed: mixed.map(Arc::new),
             fit,
@@ -88,70 +87,71 @@ impl At {
 pub(super) struct Linear<'a> {
     fit: &'a Fit,
     response: Response<'a>,
-    values: &'a DVector<f64>,
+    answers: Answers<'a>,
     /// What it leaves, as it weighs the rows.
     rest: DVector<f64>,
 }
 
 impl<'a> Linear<'a> {
     /// Of the axes alone, or with springs beyond them.
-    pub(super) fn new(fit: &'a Fit, mixed: Option<&'a MixedFit>) -> Option<Self> {
+    pub(super) fn new(
+        stated: &'a Stated<'a>,
+        fit: &'a Fit,
+        mixed: Option<&'a MixedFit>,
+    ) -> Option<Self> {
         let (response, values) = match mixed {
             Some(mixed) => (mixed.response().ok()?, &mixed.compliance().values),
             None => (Response::new(fit).ok()?, &fit.solution().values),
         };
         let delta = response.delta();
         let rest = response.left(delta, &response.of(delta));
+        let system = fit.system();
+        let values = values.rows(0, system.psi.ncols()).into_owned();
         Some(Linear {
             fit,
             response,
-            values,
+            answers: Answers::new(stated, &system.extra, values).ok()?,
             rest,
         })
     }
 }
 
-impl Frame<'_> {
-    /// The fit with the quantity at `place`; `None` where it cannot be had.
+impl Stated<'_> {
+    /// The fit with quantities at these values; `None` where it cannot be had.
     pub(super) fn at(
         &self,
-        kind: Kind,
-        place: Place,
+        values: Vec<Valued>,
         is_mixed: bool,
         near: Option<&MixedFit>,
     ) -> Option<At> {
-        let (cell, measured) = self.changed(kind, &place).ok()?;
+        let (cell, measured) = self.changed(&values).ok()?;
         let fit = Fit::new(&cell, measured, self.fit.options()).ok()?;
-        let found = At::new(place, fit, is_mixed, near).ok()?;
+        let found = At::new(values, fit, is_mixed, near).ok()?;
         found.value.is_finite().then_some(found)
     }
 
-    /// One step of least squares from `place`, where the fit is `linear`.
-    fn step(&self, kind: Kind, place: &Place, linear: &Linear<'_>) -> Option<Step> {
-        let count = place.values.len();
-        if count == 0 {
+    /// One step of least squares from `values`, where the fit is `linear`.
+    fn step(&self, values: &[Valued], linear: &Linear<'_>) -> Option<Step> {
+        let response = &linear.response;
+        let mut columns = Vec::new();
+        for (which, (_, place)) in values.iter().enumerate() {
+            for k in 0..place.values.len() {
+                let slope = linear.answers.slope(values, which, k).ok()?;
+                let weighed = response.weighed(&slope);
+                columns.push(response.left(&weighed, &response.of(&weighed)));
+            }
+        }
+        if columns.is_empty() {
             return None;
         }
-        let (response, system) = (&linear.response, linear.fit.system());
-        let values = linear.values.rows(0, system.psi.ncols()).into_owned();
-        let h = step(kind);
-        let mut own = DMatrix::zeros(linear.rest.len(), count);
-        for k in 0..count {
-            let beside = |by: f64| {
-                let mut place = place.clone();
-                place.values[k] += by;
-                self.missed(kind, &place, &values)
-            };
-            let slope = (beside(h).ok()? - beside(-h).ok()?) / (2.0 * h);
-            let weighed = response.weighed(&slope);
-            own.set_column(k, &response.left(&weighed, &response.of(&weighed)));
-        }
+        let (own, count) = (DMatrix::from_columns(&columns), columns.len());
         let (rest, solution) = (&linear.rest, linear.fit.solution());
         let factor = Factor::new(&own).ok()?;
         let change = factor.solve(rest);
         let after = (rest - &own * &change).norm_squared();
         let before = rest.norm_squared();
-        let free = rest.len().saturating_sub(values.len() + count).max(1);
+        let unknowns = linear.fit.system().psi.ncols();
+        let free = rest.len().saturating_sub(unknowns + count).max(1);
         let sigma = solution.sigma.unwrap_or((after / free as f64).sqrt());
         let errors = factor.standard_errors().into_iter();
         let errors = errors.map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
@@ -162,14 +162,14 @@ impl Frame<'_> {
         })
     }
 
-    fn step_of(&self, kind: Kind, at: &At) -> Option<Step> {
-        let linear = Linear::new(&at.fit, at.mixed.as_deref())?;
-        self.step(kind, &at.place, &linear)
+    fn step_of(&self, at: &At) -> Option<Step> {
+        let linear = Linear::new(self, &at.fit, at.mixed.as_deref())?;
+        self.step(&at.values, &linear)
     }
 
     /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives there.
-    pub(super) fn score(&self, kind: Kind, stated: &Place, linear: &Linear<'_>) -> f64 {
-        let Some(step) = self.step(kind, stated, linear) else {
+    pub(super) fn score(&self, stated: &Valued, linear: &Linear<'_>) -> f64 {
+        let Some(step) = self.step(std::slice::from_ref(stated), linear) else {
             return 0.0;
         };
         let [before, less] = step.squares;
@@ -178,25 +178,20 @@ impl Frame<'_> {
         -(free as f64) * rest.ln()
     }
 
-    /// The value that suits the readings best near `start`.
-    pub(super) fn refined(&self, kind: Kind, start: At) -> At {
+    /// The values that suit the readings best near `start`.
+    pub(super) fn refined(&self, start: At) -> At {
         let is_mixed = start.mixed.is_some();
         let (steps, shorter) = if is_mixed { MIXED } else { AXES };
         let mut at = start;
         for _ in 0..steps {
-            let Some(step) = self.step_of(kind, &at) else {
+            let Some(step) = self.step_of(&at) else {
                 return at;
             };
-            let is_force = matches!(kind, Kind::Beside | Kind::Offset);
-            let far = if is_force { FAR_FORCE } else { FAR };
-            let mut share = (far / step.change.norm()).min(1.0);
+            let mut share = longest_share(&at.values, &step.change);
             let mut better = None;
             for _ in 0..shorter {
-                let place = Place {
-                    turn: at.place.turn,
-                    values: &at.place.values + &step.change * share,
-                };
-                let next = self.at(kind, place, is_mixed, at.mixed.as_deref());
+                let values = moved(&at.values, &step.change, share);
+                let next = self.at(values, is_mixed, at.mixed.as_deref());
                 better = next.filter(|next| next.value < at.value);
                 if better.is_some() {
                     break;
@@ -213,11 +208,35 @@ impl Frame<'_> {
         at
     }
 
-    /// Standard errors of the numbers of a quantity where it is; `None` where the readings do not tell one.
-    pub(super) fn errors(&self, kind: Kind, at: &At) -> Vec<Option<f64>> {
-        let step = self.step_of(kind, at);
+    /// Standard errors of the numbers of the quantities where they are, one after the other; `None` where the readings do
+    /// not tell one.
+    pub(super) fn errors(&self, at: &At) -> Vec<Option<f64>> {
+        let step = self.step_of(at);
         let errors = step.map(|step| step.errors);
         let one = |i: usize| Some(errors.as_ref()?[i]).filter(|error| error.is_finite());
-        (0..at.place.values.len()).map(one).collect()
+        let count: usize = at.values.iter().map(|(_, place)| place.values.len()).sum();
+        (0..count).map(one).collect()
     }
+}
+
+/// The share of a step that no quantity takes farther than it may.
+fn longest_share(values: &[Valued], change: &DVector<f64>) -> f64 {
+    let (mut share, mut from) = (1.0_f64, 0);
+    for (quantity, place) in values {
+        let count = place.values.len();
+        share = share.min(quantity.farthest_step() / change.rows(from, count).norm());
+        from += count;
+    }
+    share
+}
+
+fn moved(values: &[Valued], change: &DVector<f64>, share: f64) -> Vec<Valued> {
+    let mut out = values.to_vec();
+    let mut from = 0;
+    for (_, place) in &mut out {
+        let count = place.values.len();
+        place.values += change.rows(from, count) * share;
+        from += count;
+    }
+    out
 }

@@ -7,24 +7,25 @@
 //! beyond the axes granted before and after.
 
 mod explained;
+mod free;
 mod freed;
-mod quantity;
 mod starts;
 mod words;
 
 pub(crate) use explained::{follows, is_doubtful, is_explained, leave_out_explained};
+pub use free::free;
 
 use crate::error::Result;
 use crate::estimate::elastic::{FEWEST_POSTURES, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, rms};
 use crate::estimate::mixed::MixedFit;
-use crate::estimate::systematic::{ANCHOR, FORCE_SCALE, LOADING_POINT, REGISTRATION};
+use crate::estimate::quantity::facts::{Quantity, Valued};
+use crate::estimate::quantity::stated::Stated;
 use crate::findings::Finding;
 use crate::numerics::jobs::in_order;
 use crate::numerics::order::sort_by_number;
 use freed::{At, Linear, below_zero, value};
 use nalgebra::Matrix3;
-use quantity::{Frame, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Code of the finding about a quantity that is rejected.
@@ -54,10 +55,16 @@ const ALIKE: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Freed {
-    /// Stable name: `anchor`, `loading-point`, `gravity`, `force-beside`, `common-shift`, `sensor-axes`,
-    /// `sensor-origin`, `sensor-in-base-axes`, `force-offset`, `sign`, `measuring-points`, `table-axes`, `joint-angle`, `coupling`, `rows`,
-    /// `lost-motion`.
+    /// Stable name: `anchor`, `loading-point`, `gravity`, `registration`, `force-beside`, `force-offset`, `sign`,
+    /// `common-shift`, `sensor-axes`, `sensor-origin`, `sensor-in-base-axes`, `measuring-points`, `joint-angle`, `coupling`,
+    /// `rows`, `base-tilt`, `lost-motion`.
     pub name: String,
+    /// Key of the cell that states it, else what it is about.
+    #[serde(default)]
+    pub key: String,
+    /// What the readings ask for, in words.
+    #[serde(default)]
+    pub words: String,
     /// What the cell or the table states, SI: a place, a direction, a turn vector, a force, angles.
     pub stated: Vec<f64>,
     /// What the readings ask for.
@@ -89,6 +96,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let options = IdentifyOptions {
         extra: fit.options().extra.clone(),
         weights: fit.options().weights,
+        free: fit.options().free.clone(),
         ..IdentifyOptions::default()
     };
     let own = mixed.filter(|_| *fit.options() == options);
@@ -99,17 +107,21 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
         return Ok(None);
     }
     let is_more = left > MORE_THAN_NOISE * found.expected_std_m || below_zero(&fit, None) > WORTH;
-    let frame = Frame::new(&fit);
-    let Some(linear) = Linear::new(&fit, None) else {
+    let stated = Stated::of(&fit);
+    let Some(linear) = Linear::new(&stated, &fit, None) else {
         return Ok(None);
     };
-    let kinds = frame.quantities();
-    let alone = in_order(&kinds, |(_, kind)| {
+    let has_approach = fit.cell().route.approach.is_some();
+    let is_asked =
+        |own: &Quantity| own.is_told() && !(*own == Quantity::LostMotion && has_approach);
+    let mut quantities = stated.quantities();
+    quantities.retain(is_asked);
+    let alone = in_order(&quantities, |(_, quantity)| {
         fit.control().check()?;
-        Ok(freed_alone(&frame, &linear, *kind, is_more).map(|at| (*kind, at)))
+        Ok(freed_alone(&stated, &linear, *quantity, is_more))
     })?;
-    let mut alone: Vec<(Kind, At)> = alone.into_iter().flatten().collect();
-    let price = |(kind, at): &(Kind, At)| at.value + EACH * frame.dimension(*kind) as f64;
+    let mut alone: Vec<At> = alone.into_iter().flatten().collect();
+    let price = |at: &At| at.value + EACH * numbers(at) as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     // Springs beyond the axes granted on both sides.
@@ -120,99 +132,121 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     };
     let own = own.or(carried.as_ref());
     if let Some(mixed) = own {
-        leave_out_swallowed(&frame, mixed, &mut alone);
+        leave_out_swallowed(&stated, mixed, &mut alone);
     }
     if alone.is_empty() {
         return Ok(Some(SetUp::default()));
     }
     let before = value(&fit, own);
-    let mut beside = in_order(&alone, |(_, (kind, at))| {
+    let mut beside = in_order(&alone, |(_, at)| {
         fit.control().check()?;
-        let at = At::new(at.place.clone(), at.fit.clone(), grants, own)?;
-        Ok((*kind, frame.refined(*kind, at)))
+        let at = At::new(at.values.clone(), at.fit.clone(), grants, own)?;
+        Ok(stated.refined(at))
     })?;
     sort_by_number(&mut beside, price);
-    let described = beside.iter().map(|(kind, at)| Freed {
-        name: words::name(*kind).to_string(),
-        stated: words::stated(fit.cell(), *kind),
-        asked: words::asked(fit.cell(), *kind, &at.place),
-        standard_error: frame.errors(*kind, at),
-        likelihood_ratio: before - at.value,
-        residual_rms_m: [&fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
-    });
+    let described = beside.iter().flat_map(|at| described(&stated, at, before));
     let freed: Vec<Freed> = described.collect();
-    let (kind, at) = &beside[0];
-    let least = REJECTED + EACH * frame.dimension(*kind) as f64;
-    let [stated, left] = freed[0].residual_rms_m;
-    let is_clear = left < CLEAR * stated || freed[0].likelihood_ratio > ANYHOW;
+    let (best, first) = (&beside[0], &freed[0]);
+    let least = REJECTED + EACH * numbers(best) as f64;
+    let [all, left] = first.residual_rms_m;
+    let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
     let is_rejected = is_clear
-        && freed[0].likelihood_ratio > least
-        && !is_within_stated(&fit, *kind, at, &freed[0].standard_error)
-        && without_worst(&fit, at, grants)? > 0.5 * least;
-    let alike = |own: &Freed| freed[0].likelihood_ratio - own.likelihood_ratio < ALIKE;
-    let alike = freed
-        .iter()
-        .zip(&beside)
-        .skip(1)
-        .filter(|(own, _)| alike(own));
-    let alike: Vec<Kind> = alike.map(|(_, (kind, _))| *kind).collect();
-    let finding =
-        is_rejected.then(|| words::finding(fit.cell(), *kind, &at.place, &freed[0], &alike));
+        && first.likelihood_ratio > least
+        && !is_within_stated(&fit, &best.values[0], &first.standard_error)
+        && without_worst(&fit, best, grants)? > 0.5 * least;
+    let others = freed.iter().zip(&beside).skip(1);
+    let alike = others.filter(|(own, _)| first.likelihood_ratio - own.likelihood_ratio < ALIKE);
+    let alike: Vec<Quantity> = alike.map(|(_, at)| at.values[0].0).collect();
+    let finding = is_rejected.then(|| words::finding(fit.cell(), best.values[0].0, first, &alike));
     Ok(Some(SetUp { freed, finding }))
+}
+
+/// How many numbers are free.
+fn numbers(at: &At) -> usize {
+    at.values.iter().map(|(_, place)| place.values.len()).sum()
+}
+
+/// What the readings ask for of each quantity at `at`, where −2 ln L was `before` with all as stated.
+fn described(stated: &Stated<'_>, at: &At, before: f64) -> Vec<Freed> {
+    let (fit, cell) = (stated.fit, stated.cell());
+    let mut errors = stated.errors(at).into_iter();
+    let one = |(quantity, place): &Valued| Freed {
+        words: String::new(),
+        name: quantity.name().to_string(),
+        key: words::key(cell, *quantity),
+        stated: words::stated(cell, *quantity),
+        asked: words::asked(cell, *quantity, place),
+        standard_error: errors.by_ref().take(place.values.len()).collect(),
+        likelihood_ratio: before - at.value,
+        residual_rms_m: [fit, &at.fit].map(|fit| rms(fit.residual().as_slice())),
+    };
+    let mut freed: Vec<Freed> = at.values.iter().map(one).collect();
+    for (own, valued) in freed.iter_mut().zip(&at.values) {
+        own.words = words::wanted(cell, valued, own);
+    }
+    freed
 }
 
 /// A quantity freed beside the axes alone, whose fit with all as stated is `linear`; `None` where that is not worth a
 /// second look.
-fn freed_alone(frame: &Frame<'_>, linear: &Linear<'_>, kind: Kind, is_more: bool) -> Option<At> {
-    let mut places = frame.starts(kind).into_iter();
-    let stated = At::new(places.next()?, frame.fit.clone(), false, None).ok()?;
-    let before = stated.value;
-    let score = frame.score(kind, &stated.place, linear);
+fn freed_alone(
+    stated: &Stated<'_>,
+    linear: &Linear<'_>,
+    quantity: Quantity,
+    is_more: bool,
+) -> Option<At> {
+    let mut places = stated.starts(quantity).into_iter();
+    let as_stated = vec![(quantity, places.next()?)];
+    let score = stated.score(&as_stated[0], linear);
+    let as_stated = At::new(as_stated, stated.fit.clone(), false, None).ok()?;
+    let before = as_stated.value;
     let mut starts: Vec<At> = Vec::new();
     if is_more {
-        starts.extend(places.filter_map(|place| frame.at(kind, place, false, None)));
+        starts.extend(places.filter_map(|place| stated.at(vec![(quantity, place)], false, None)));
         starts.retain(|at| at.value < before);
         sort_by_number(&mut starts, |at| at.value);
         starts.truncate(FOLLOWED);
     }
-    starts.extend((score > WORTH).then_some(stated));
-    let ends = starts.into_iter().map(|at| frame.refined(kind, at));
+    starts.extend((score > WORTH).then_some(as_stated));
+    let ends = starts.into_iter().map(|at| stated.refined(at));
     let best = ends.min_by(|a, b| a.value.total_cmp(&b.value))?;
     (before - best.value > WORTH).then_some(best)
 }
 
 /// Leaves out what springs beyond the axes explain as well: what helps the axes alone by little, and by the derivatives of
 /// the mixed model helps that no more. The dear fits beside them are spared.
-fn leave_out_swallowed(frame: &Frame<'_>, mixed: &MixedFit, alone: &mut Vec<(Kind, At)>) {
-    let before = value(frame.fit, None);
+fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At>) {
+    let before = value(stated.fit, None);
     let mut linear = None;
-    alone.retain(|(kind, at)| {
+    alone.retain(|at| {
         // Derivatives at the stated value know nothing of an exchange of axes or a sign.
         if before - at.value > ANYHOW {
             return true;
         }
-        let linear = linear.get_or_insert_with(|| Linear::new(frame.fit, Some(mixed)));
-        let stated = frame.starts(*kind).into_iter().next();
-        let both = linear.as_ref().zip(stated);
-        both.is_none_or(|(linear, stated)| frame.score(*kind, &stated, linear) > WORTH)
+        let quantity = at.values[0].0;
+        let linear = linear.get_or_insert_with(|| Linear::new(stated, stated.fit, Some(mixed)));
+        let first = stated.starts(quantity).into_iter().next();
+        let both = linear.as_ref().zip(first);
+        both.is_none_or(|(linear, first)| stated.score(&(quantity, first), linear) > WORTH)
     });
 }
 
-/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it.
-fn is_within_stated(fit: &Fit, kind: Kind, at: &At, errors: &[Option<f64>]) -> bool {
+/// Whether the quantity lies within what the cell states of it, or what is assumed: then the total ± has it. A force along
+/// the load is known as well as its scale.
+fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>]) -> bool {
     let given = &fit.cell().uncertainty;
-    let size = match kind {
-        Kind::Anchor(_) => given.anchor.unwrap_or(ANCHOR),
-        Kind::LoadingPoint(_) => given.loading_point.unwrap_or(LOADING_POINT),
-        Kind::TableAxes => given.registration.unwrap_or(REGISTRATION),
-        Kind::Offset => {
+    let size = match quantity {
+        Quantity::Offset => {
             let largest = fit.experiment().largest_force().unwrap_or(0.0);
-            given.force_scale.unwrap_or(FORCE_SCALE) * largest
+            Quantity::ForceScale.size(given, false).0 * largest
         }
-        _ => return false,
+        // What gives way is no error of the set-up.
+        own if own.terms(0).is_some() => 0.0,
+        own => own.size(given, false).0,
     };
-    let mut both = at.place.values.iter().zip(errors);
-    at.place.turn == Matrix3::identity()
+    let mut both = place.values.iter().zip(errors);
+    size > 0.0
+        && place.turn == Matrix3::identity()
         && both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
 }
 
@@ -230,7 +264,7 @@ fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<f64> {
     let value = |fit: &Fit| {
         let rows = fit.system().blocks[worst].rows.clone();
         match fit.filtered(|label| !rows.contains(&label.rows.start))? {
-            Some(fit) => Ok(At::new(at.place.clone(), fit, grants, at.mixed.as_deref())?.value),
+            Some(fit) => Ok(At::new(at.values.clone(), fit, grants, at.mixed.as_deref())?.value),
             None => Ok(f64::INFINITY),
         }
     };

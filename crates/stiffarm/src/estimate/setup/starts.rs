@@ -1,18 +1,20 @@
 //! From which values a quantity is looked for: the stated one, and the slips that people make of it.
 
-use super::quantity::{Frame, Kind, Place, anchor, loading_point};
+use crate::estimate::quantity::facts::{Place, Quantity};
+use crate::estimate::quantity::stated::{Stated, anchor, loading_point};
 use crate::numerics::arrangements::signed_axes;
 use nalgebra::{Matrix3, Vector3};
 
-impl Frame<'_> {
+impl Stated<'_> {
     /// Values to begin with, the stated one first.
-    pub fn starts(&self, kind: Kind) -> Vec<Place> {
-        let cell = self.fit.cell();
+    pub(super) fn starts(&self, quantity: Quantity) -> Vec<Place> {
+        let cell = self.cell();
         let zeros = |count: usize| vec![0.0; count];
-        let mut out = vec![Place::new(Matrix3::identity(), zeros(self.dimension(kind)))];
-        match kind {
-            Kind::LoadingPoint(_) => {
-                let stated = loading_point(cell, kind);
+        let count = quantity.dimension(cell.setup.robot.joint_count());
+        let mut out = vec![Place::new(Matrix3::identity(), zeros(count))];
+        match quantity {
+            Quantity::LoadingPoint(_) => {
+                let stated = loading_point(cell, quantity);
                 let mut others: Vec<Vector3<f64>> = exchanges().map(|turn| turn * stated).collect();
                 let points = &cell.setup.tool.measuring_points;
                 others.extend(points.iter().map(|point| point.position));
@@ -23,29 +25,31 @@ impl Frame<'_> {
                     moves.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())),
                 );
             }
-            Kind::Anchor(i) => {
+            Quantity::Anchor(i) => {
                 let stated = anchor(cell, i);
                 let turned = exchanges().map(|turn| turn * stated - stated);
                 out.extend(
                     turned.map(|v| Place::new(Matrix3::identity(), v.iter().copied().collect())),
                 );
             }
-            Kind::Gravity => out.extend(signed_axes().map(|turn| Place::new(turn, zeros(2)))),
-            Kind::SensorAxes | Kind::TableAxes => {
+            Quantity::Gravity => out.extend(signed_axes().map(|turn| Place::new(turn, zeros(2)))),
+            // The positions behind readings show which axis is which.
+            Quantity::Registration if !self.is_table() => {}
+            Quantity::SensorAxes | Quantity::Registration => {
                 // All three against is the sign.
                 let turns = signed_axes().filter(|turn| *turn != -Matrix3::identity());
                 out.extend(turns.map(|turn| Place::new(turn, zeros(3))));
             }
-            Kind::Points => {
+            Quantity::Points => {
                 let turns = signed_axes().filter(|turn| turn.determinant() > 0.0);
                 out.extend(turns.map(|turn| Place::new(turn, zeros(6))));
             }
-            Kind::Sign => out.push(Place::new(-Matrix3::identity(), Vec::new())),
-            Kind::SensorInBase | Kind::Rows => {
+            Quantity::Sign => out.push(Place::new(-Matrix3::identity(), Vec::new())),
+            Quantity::SensorInBase | Quantity::Rows => {
                 out.push(out[0].clone());
                 out[0].turn = Matrix3::zeros();
             }
-            Kind::Angle(_) => {
+            Quantity::Angle(_) => {
                 for turn in [1.0, -1.0] {
                     for quarter in 0..4 {
                         let offset = f64::from(quarter) * std::f64::consts::FRAC_PI_2;
@@ -53,7 +57,7 @@ impl Frame<'_> {
                     }
                 }
             }
-            Kind::Coupling => {
+            Quantity::Coupling => {
                 out.extend([1.0, -1.0].map(|by| Place::new(Matrix3::identity() * by, Vec::new())));
                 out[0].turn = Matrix3::zeros();
             }

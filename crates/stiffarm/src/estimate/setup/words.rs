@@ -1,7 +1,8 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::quantity::{Kind, Place, anchor, gravity, loading_point};
 use super::{Freed, REJECTS};
+use crate::estimate::quantity::facts::{Numbers, Place, Quantity, Valued};
+use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
 use crate::findings::{Finding, length, list};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
@@ -13,85 +14,43 @@ const GRAVITY: f64 = 9.806_65;
 /// Standard errors of what is printed behind ±.
 const COVERAGE: f64 = 2.0;
 
-/// Stable name.
-pub(super) fn name(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Anchor(_) => "anchor",
-        Kind::LoadingPoint(_) => "loading-point",
-        Kind::Gravity => "gravity",
-        Kind::Beside => "force-beside",
-        Kind::Offset => "force-offset",
-        Kind::Sign => "sign",
-        Kind::SensorInBase => "sensor-in-base-axes",
-        Kind::Points => "measuring-points",
-        Kind::Shift => "common-shift",
-        Kind::SensorAxes => "sensor-axes",
-        Kind::SensorOrigin => "sensor-origin",
-        Kind::TableAxes => "table-axes",
-        Kind::Angle(_) => "joint-angle",
-        Kind::Coupling => "coupling",
-        Kind::Rows => "rows",
-        Kind::LostMotion => "lost-motion",
-    }
-}
-
 /// The key of the cell that states it, else what it is about.
-fn key(cell: &Cell, kind: Kind) -> String {
-    let of_load = |i: usize, key: &str| match cell.setup.load.cases().len() {
-        0 => format!("load.{key}"),
-        _ => format!("load.case[{i}].{key}"),
+pub(super) fn key(cell: &Cell, quantity: Quantity) -> String {
+    let key = quantity.facts().key;
+    let of_case = match quantity {
+        Quantity::Anchor(i) | Quantity::LoadingPoint(Some(i)) => {
+            cell.setup.load.has_cases().then_some(i)
+        }
+        _ => None,
     };
-    match kind {
-        Kind::Anchor(i) => of_load(i, "anchor_mm"),
-        Kind::LoadingPoint(None) => "tool.loading_point_mm".to_string(),
-        Kind::LoadingPoint(Some(i)) => of_load(i, "loading_point_mm"),
-        Kind::Gravity => "robot.down".to_string(),
-        Kind::SensorAxes => "sensor.rpy_deg".to_string(),
-        Kind::SensorOrigin => "sensor.xyz_mm".to_string(),
-        Kind::Angle(_) | Kind::Coupling => "robot.theta_from_q".to_string(),
-        Kind::Rows => format!("robot.dh_{}", cell.setup.robot.convention().name()),
-        Kind::Points => "tool.measuring_point".to_string(),
-        Kind::SensorInBase => "sensor".to_string(),
-        Kind::Beside | Kind::Offset | Kind::Sign => "load".to_string(),
-        Kind::Shift | Kind::TableAxes | Kind::LostMotion => "measurements".to_string(),
+    match (of_case, key.strip_prefix("load.")) {
+        (Some(i), Some(rest)) => format!("load.case[{i}].{rest}"),
+        _ if quantity == Quantity::Rows => {
+            format!("{key}_{}", cell.setup.robot.convention().name())
+        }
+        _ => key.to_string(),
     }
 }
 
 /// What it is, as another explanation.
-fn what(cell: &Cell, kind: Kind) -> String {
-    match kind {
-        Kind::Anchor(_) => format!("another anchor of the {}", cell.setup.load.line()),
-        Kind::LoadingPoint(_) => "another loading point".to_string(),
-        Kind::Gravity => "another direction of gravity".to_string(),
-        Kind::Beside => "a constant force beside the load".to_string(),
-        Kind::Offset => "a force along the load in every loaded state".to_string(),
-        Kind::Sign => "the opposite sign of the load".to_string(),
-        Kind::SensorInBase => "forces in base axes".to_string(),
-        Kind::Points => "other places of the measuring points".to_string(),
-        Kind::Shift => "a shift common to all loaded readings".to_string(),
-        Kind::SensorAxes => "other axes of the sensor".to_string(),
-        Kind::SensorOrigin => "another origin of the sensor".to_string(),
-        Kind::TableAxes => "other axes of the table".to_string(),
-        Kind::Angle(j) => format!("another count of {}", cell.setup.robot.joints()[j].name),
-        Kind::Coupling => "axis 3 coupled to axis 2 in another way".to_string(),
-        Kind::Rows => "rows of the other convention".to_string(),
-        Kind::LostMotion => "lost motion in the joints".to_string(),
-    }
+fn other(cell: &Cell, quantity: Quantity) -> String {
+    let name = match quantity {
+        Quantity::Angle(j) => &cell.setup.robot.joints()[j].name,
+        _ => cell.setup.load.line(),
+    };
+    quantity.facts().other.replace("{}", name)
 }
 
 /// What the cell states.
-pub(super) fn stated(cell: &Cell, kind: Kind) -> Vec<f64> {
+pub(super) fn stated(cell: &Cell, quantity: Quantity) -> Vec<f64> {
     let vector = |v: Vector3<f64>| v.iter().copied().collect();
-    match kind {
-        Kind::Anchor(i) => vector(anchor(cell, i)),
-        Kind::LoadingPoint(_) => vector(loading_point(cell, kind)),
-        Kind::Gravity => vector(down(cell)),
-        Kind::Angle(_) | Kind::Coupling | Kind::Offset => vec![0.0],
-        Kind::Sign => vec![1.0],
-        Kind::SensorInBase | Kind::Rows => vec![0.0],
-        Kind::Points => vec![0.0; 6],
-        Kind::LostMotion => vec![0.0; cell.setup.robot.joint_count()],
-        _ => vec![0.0; 3],
+    match quantity {
+        Quantity::Anchor(i) => vector(anchor(cell, i)),
+        Quantity::LoadingPoint(_) => vector(loading_point(cell, quantity)),
+        Quantity::Gravity => vector(down(cell)),
+        Quantity::Sign => vec![1.0],
+        _ if quantity.facts().numbers == Numbers::None => vec![0.0],
+        _ => vec![0.0; quantity.dimension(cell.setup.robot.joint_count())],
     }
 }
 
@@ -105,15 +64,16 @@ fn down(cell: &Cell) -> Vector3<f64> {
 }
 
 /// What the readings ask for.
-pub(super) fn asked(cell: &Cell, kind: Kind, place: &Place) -> Vec<f64> {
+pub(super) fn asked(cell: &Cell, quantity: Quantity, place: &Place) -> Vec<f64> {
     let vector = |v: Vector3<f64>| v.iter().copied().collect();
-    match kind {
-        Kind::Anchor(i) => vector(anchor(cell, i) + place.vector()),
-        Kind::LoadingPoint(_) => vector(loading_point(cell, kind) + place.vector()),
-        Kind::Gravity => vector(gravity(&down(cell), place)),
-        Kind::SensorAxes | Kind::TableAxes => vector(turn_vector(&place.rotated())),
-        Kind::Coupling | Kind::Sign | Kind::SensorInBase | Kind::Rows => vec![place.turn[(0, 0)]],
-        Kind::Points => [
+    match quantity {
+        Quantity::Anchor(i) => vector(anchor(cell, i) + place.vector()),
+        Quantity::LoadingPoint(_) => vector(loading_point(cell, quantity) + place.vector()),
+        Quantity::Gravity => vector(gravity(&down(cell), place)),
+        Quantity::SensorAxes => vector(turn_vector(&place.rotated())),
+        Quantity::Registration => vector(turn_vector(&place.rotated().transpose())),
+        _ if quantity.facts().numbers == Numbers::None => vec![place.turn[(0, 0)]],
+        Quantity::Points => [
             vector(place.vector()),
             vector(turn_vector(&place.rotated())),
         ]
@@ -187,52 +147,33 @@ fn bare_mm(values: &[f64]) -> String {
     format!("({})", all.join(", "))
 }
 
-/// The finding about the quantity that explains most.
-pub(super) fn finding(
-    cell: &Cell,
-    kind: Kind,
-    place: &Place,
-    own: &Freed,
-    alike: &[Kind],
-) -> Finding {
-    let key = key(cell, kind);
-    let errors: Vec<f64> = own
-        .standard_error
-        .iter()
-        .map(|e| e.unwrap_or(0.0))
-        .collect();
-    let (asked, errors) = (&own.asked, &errors);
-    let (wanted, remedy) = match kind {
-        Kind::Anchor(_) => (
-            format!(
-                "The readings ask for the anchor at {}; {key} has {}",
-                place_mm(asked, errors),
-                bare_mm(&own.stated)
-            ),
-            "Measure the rope's fixed end with the tracker (where a pulley deflects it: the point where it leaves the pulley)",
+/// What the readings ask for, in words.
+pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> String {
+    let key = &own.key;
+    let errors = own.standard_error.iter().map(|e| e.unwrap_or(0.0));
+    let (asked, errors): (_, &Vec<f64>) = (&own.asked, &errors.collect());
+    match quantity {
+        Quantity::Anchor(_) => format!(
+            "the anchor at {}; {key} has {}",
+            place_mm(asked, errors),
+            bare_mm(&own.stated)
         ),
-        Kind::LoadingPoint(_) => (
-            format!(
-                "The readings ask for the loading point at {} in flange axes; {key} has {}{}",
-                place_mm(asked, errors),
-                bare_mm(&own.stated),
-                known_point(cell, asked, errors)
-            ),
-            "Measure where the load acts on the tool",
+        Quantity::LoadingPoint(_) => format!(
+            "the loading point at {} in flange axes; {key} has {}{}",
+            place_mm(asked, errors),
+            bare_mm(&own.stated),
+            known_point(cell, asked, errors)
         ),
-        Kind::Gravity => (
-            format!(
-                "The readings ask for gravity along ({:.3}, {:.3}, {:.3}) in base axes; {key} has ({:.3}, {:.3}, {:.3})",
-                asked[0] + 0.0,
-                asked[1] + 0.0,
-                asked[2] + 0.0,
-                own.stated[0],
-                own.stated[1],
-                own.stated[2]
-            ),
-            "Give the direction of gravity as the base stands",
+        Quantity::Gravity => format!(
+            "gravity along ({:.3}, {:.3}, {:.3}) in base axes; {key} has ({:.3}, {:.3}, {:.3})",
+            asked[0] + 0.0,
+            asked[1] + 0.0,
+            asked[2] + 0.0,
+            own.stated[0],
+            own.stated[1],
+            own.stated[2]
         ),
-        Kind::Beside => {
+        Quantity::Beside => {
             let force = place.vector();
             let vertical = force.dot(cell.setup.robot.gravity_direction());
             let mass = if vertical > 0.9 * force.norm() {
@@ -241,79 +182,42 @@ pub(super) fn finding(
                 String::new()
             };
             let error = errors.iter().copied().fold(0.0, f64::max) * COVERAGE;
-            (
-                format!(
-                    "The readings ask for a constant force beside the load, ({:.1}, {:.1}, {:.1}) ± {error:.1} N in base axes{mass}",
-                    force.x + 0.0,
-                    force.y + 0.0,
-                    force.z + 0.0
-                ),
-                "Weigh what hangs on the rope (hook, shackle, load cell), or take differences against a preload that has it too",
+            format!(
+                "a constant force beside the load, ({:.1}, {:.1}, {:.1}) ± {error:.1} N in base axes{mass}",
+                force.x + 0.0,
+                force.y + 0.0,
+                force.z + 0.0
             )
         }
-        Kind::Shift => (
-            format!(
-                "The readings ask for a shift common to all loaded readings, {}",
-                place_mm(asked, errors)
-            ),
-            "The tracker, its stand or the base moved between the unloaded and the loaded readings: read each posture unloaded, loaded and unloaded again",
+        Quantity::Shift => format!(
+            "a shift common to all loaded readings, {}",
+            place_mm(asked, errors)
         ),
-        Kind::Offset => (
-            format!(
-                "The readings ask for {:+.0} ± {:.0} N along the load in every loaded state",
-                asked[0],
-                COVERAGE * errors[0]
-            ),
-            "The rope was not slack in the unloaded readings, or the load cell does not read zero without load",
+        Quantity::Offset => format!(
+            "{:+.0} ± {:.0} N along the load in every loaded state",
+            asked[0],
+            COVERAGE * errors[0]
         ),
-        Kind::Sign => (
-            "The points move against the stated load: the readings ask for its opposite sign"
-                .to_string(),
-            match cell.sensor {
-                Some(_) => {
-                    "Look up whether the sensor reports the force on the robot or by it (sensor.reports); a displacement is the loaded position less the unloaded one"
-                }
-                None => {
-                    "Check the direction of the load; a displacement is the loaded position less the unloaded one"
-                }
-            },
+        Quantity::Sign => "the opposite sign of the load".to_string(),
+        Quantity::SensorInBase => {
+            "forces that are given in base axes, not in those of the sensor".to_string()
+        }
+        Quantity::Points => format!(
+            "measuring points moved by {} in flange axes and {}",
+            place_mm(&asked[..3], &errors[..3]),
+            axes(&place.rotated())
         ),
-        Kind::SensorInBase => (
-            "The readings ask for forces that are given in base axes, not in those of the sensor"
-                .to_string(),
-            "Take [sensor] out of the cell, or export the sensor's own axes",
+        Quantity::SensorAxes => format!("the sensor's axes {}", axes(&place.rotated())),
+        Quantity::SensorOrigin => format!(
+            "the sensor's origin {} from where {key} has it, in flange axes",
+            place_mm(asked, errors)
         ),
-        Kind::Points => (
-            format!(
-                "The readings ask for measuring points moved by {} in flange axes and {}",
-                place_mm(&asked[..3], &errors[..3]),
-                axes(&place.rotated())
-            ),
-            "Check the origin and the axes in which tool.measuring_point is given: those of the flange",
+        Quantity::Registration => format!(
+            "other axes of the displacements: {}",
+            axes(&place.rotated().transpose())
         ),
-        Kind::SensorAxes => (
-            format!(
-                "The readings ask for the sensor's axes {}",
-                axes(&place.rotated())
-            ),
-            "Check how the sensor sits on the flange, and which way its axes point",
-        ),
-        Kind::SensorOrigin => (
-            format!(
-                "The readings ask for the sensor's origin {} from where {key} has it, in flange axes",
-                place_mm(asked, errors)
-            ),
-            "Look up to which point the sensor refers its moments",
-        ),
-        Kind::TableAxes => (
-            format!(
-                "The readings ask for other axes of the table of displacements: {}",
-                axes(&place.rotated())
-            ),
-            "Check in which axes the displacements were exported; they must be those of the base",
-        ),
-        Kind::Angle(j) => {
-            let joint = &cell.setup.robot.joints()[j].name;
+        Quantity::Angle(j) => {
+            let joint = &cell.setup.robot.joints()[*j].name;
             let offset = rad_to_deg(place.values[0]);
             let offset = (offset + 180.0).rem_euclid(360.0) - 180.0;
             let sign = place.turn[(0, 0)] < 0.0;
@@ -324,37 +228,45 @@ pub(super) fn finding(
                 (true, false) => format!("turning the other way and {off}"),
                 (false, _) => off,
             };
-            (
-                format!("The readings ask for {joint} {said}"),
-                "Check robot.theta_from_q and the offsets of robot.dh against the pendant",
-            )
+            format!("{joint} {said}")
         }
-        Kind::Coupling => (
-            format!(
-                "The readings ask for axis 3 that counts {:+.0} times axis 2",
-                place.turn[(0, 0)]
-            ),
-            "Check robot.theta_from_q against the pendant",
+        Quantity::Coupling => format!("axis 3 that counts {:+.0} times axis 2", place.turn[(0, 0)]),
+        Quantity::Rows => format!(
+            "{} rows; the cell has them as {key}",
+            cell.setup.robot.convention().other().name()
         ),
-        Kind::Rows => (
-            format!(
-                "The readings ask for {} rows; the cell has them as {key}",
-                cell.setup.robot.convention().other().name()
-            ),
-            "Name the rows of the robot by their convention",
+        Quantity::LostMotion => format!(
+            "lost motion in the joints, up to {:.2} arc-minutes",
+            60.0 * rad_to_deg(asked.iter().copied().fold(0.0, f64::max))
         ),
-        Kind::LostMotion => {
-            let most = asked.iter().copied().fold(0.0, f64::max);
-            (
-                format!(
-                    "The readings ask for lost motion in the joints, up to {:.2} arc-minutes",
-                    60.0 * rad_to_deg(most)
-                ),
-                "Take differences against a light preload",
-            )
+        Quantity::BaseTilt => format!(
+            "a base that tilts, {:.1e} N·m/rad about each horizontal axis",
+            1.0 / asked[0]
+        ),
+        // No residual tells these.
+        Quantity::ForceScale | Quantity::Sensor => String::new(),
+    }
+}
+
+/// The finding about the quantity that explains most.
+pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Quantity]) -> Finding {
+    let wanted = match quantity {
+        Quantity::Sign => {
+            "The points move against the stated load: the readings ask for its opposite sign"
+                .to_string()
         }
+        _ => format!("The readings ask for {}", own.words),
     };
-    let names: Vec<String> = alike.iter().map(|other| what(cell, *other)).collect();
+    let remedy = match (quantity, &cell.sensor) {
+        (Quantity::Sign, Some(_)) => {
+            "Look up whether the sensor reports the force on the robot or by it (sensor.reports); a displacement is the loaded position less the unloaded one"
+        }
+        _ => quantity.facts().check,
+    };
+    let names: Vec<String> = alike
+        .iter()
+        .map(|quantity| other(cell, *quantity))
+        .collect();
     let others = match names.as_slice() {
         [] => String::new(),
         names => format!(
@@ -363,17 +275,20 @@ pub(super) fn finding(
         ),
     };
     let [before, after] = own.residual_rms_m.map(length);
-    let fits = match kind {
-        Kind::Sign => "With that no joint yields against its torque.".to_string(),
+    let fits = match quantity {
+        Quantity::Sign => "With that no joint yields against its torque.".to_string(),
         _ => format!("With that the joint axes alone leave {after} instead of {before} (RMS)."),
     };
     let sentence = format!("{wanted}. {fits}{others} {remedy}");
-    match kind {
+    match quantity {
         // No error of the set-up: it is measured around.
-        Kind::LostMotion => Finding::caution("lost-motion-seen", key, sentence + "."),
+        Quantity::LostMotion => {
+            Finding::caution("lost-motion-seen", own.key.as_str(), sentence + ".")
+        }
+        Quantity::BaseTilt => Finding::caution("base-tilt-seen", own.key.as_str(), sentence + "."),
         _ => Finding::serious(
             REJECTS,
-            key,
+            own.key.as_str(),
             sentence + "; until then no stiffness is known.",
         ),
     }

@@ -1,6 +1,7 @@
 //! The common errors in sentences.
 
 use super::{SystematicErrors, SystematicSource};
+use crate::estimate::quantity::facts::Quantity;
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::measure::Measured;
 
@@ -56,30 +57,23 @@ impl BaseSeen {
 impl SystematicSource {
     /// The source in words.
     fn what(&self) -> &'static str {
-        match self.name.as_str() {
-            "force-scale" => "force scale",
-            "anchor" => "anchor",
-            "loading-point" => "loading point",
-            "registration" => "registration",
-            "base-tilt" => "tilt of the base",
-            "sensor" => "compliance between flange and reflectors",
-            _ => "lost motion",
-        }
+        Quantity::named(&self.name).map_or("source", |own| own.facts().what)
     }
 
     /// Its size in words.
     fn how_much(&self) -> String {
-        let stiffness = || format!("{:.1e} N·m/rad", 1.0 / self.size);
-        match self.name.as_str() {
-            "force-scale" => percent(self.size),
-            "anchor" | "loading-point" => format!("{} an axis", length(self.size)),
-            "registration" => format!("{:.2} mrad an axis", 1e3 * self.size),
-            "base-tilt" | "sensor" if self.size > 0.0 => stiffness(),
-            "base-tilt" | "sensor" => "rigid".to_string(),
-            _ => format!(
+        match (self.unit.as_str(), self.name.as_str()) {
+            _ if self.free => "identified beside the stiffness".to_string(),
+            ("1", _) => percent(self.size),
+            ("m", _) => format!("{} an axis", length(self.size)),
+            ("N", _) => format!("{:.1} N an axis", self.size),
+            ("rad", "lost-motion") => format!(
                 "{:.2} arc-minutes each joint",
                 60.0 * self.size.to_degrees()
             ),
+            ("rad", _) => format!("{:.2} mrad an axis", 1e3 * self.size),
+            _ if self.size > 0.0 => format!("{:.1e} N·m/rad", 1.0 / self.size),
+            _ => "rigid".to_string(),
         }
     }
 
@@ -100,19 +94,7 @@ impl SystematicSource {
             ("base-tilt", BaseSeen::Turn) => {
                 "the reflectors on the base have taken its tilt off; declare a stiffer base"
             }
-            (name, _) => Self::usual_remedy(name),
-        }
-    }
-
-    fn usual_remedy(name: &str) -> &'static str {
-        match name {
-            "force-scale" => "check the force with a known weight and declare what it shows",
-            "anchor" => "measure the anchor with the tracker and declare how well",
-            "loading-point" => "measure the loading point with the tracker and declare how well",
-            "registration" => "register with more points, farther apart, and declare how well",
-            "base-tilt" => "measure a reflector on the base and subtract its motion",
-            "sensor" => "give the stiffness of the sensor, or put the reflectors before it",
-            _ => "measure against a light preload, or in more postures, which bound it",
+            _ => Quantity::named(&self.name).map_or("", |own| own.facts().better),
         }
     }
 }
@@ -192,7 +174,7 @@ pub(super) fn not_read_unloaded() -> Finding {
 
 /// What the readings say of a size.
 fn seen_of(source: &SystematicSource, seen: Seen) -> Option<Finding> {
-    let remaining = source.remaining?;
+    let remaining = source.remaining.filter(|_| !source.free)?;
     let (code, severity, message) = match remaining {
         left if left < BOUNDED => (
             "size-bounded",

@@ -26,7 +26,6 @@ use crate::findings::Finding;
 use believed::Believed;
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
-pub(crate) use sources::{ANCHOR, FORCE_SCALE, LOADING_POINT, REGISTRATION};
 use sources::{Part, Source, sources};
 pub use total::JointUncertainty;
 
@@ -47,7 +46,7 @@ pub struct SystematicPart {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SystematicSource {
     /// Stable name: `force-scale`, `anchor`, `loading-point`, `registration`,
-    /// `base-tilt`, `sensor`, `lost-motion`.
+    /// `base-tilt`, `sensor`, `force-beside`, `common-shift`, `lost-motion`; with `free` any that was identified.
     pub name: String,
     /// Standard uncertainty, SI.
     pub size: f64,
@@ -55,6 +54,9 @@ pub struct SystematicSource {
     pub unit: String,
     /// True where the cell declares the size, false where it is assumed.
     pub declared: bool,
+    /// True where it was identified beside the stiffness: before the readings its size counts as unknown.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub free: bool,
     /// Change of each joint's stiffness (fraction) by one standard uncertainty:
     /// with its sign where the source is one number, the root sum of squares of
     /// its parts otherwise.
@@ -108,7 +110,7 @@ fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPoste
         parts: all
             .enumerate()
             .map(|(i, (source, part))| PosteriorPart {
-                source: source.name.to_string(),
+                source: source.facts.name.to_string(),
                 part: part.name.clone(),
                 response: parts.response.column(i).iter().copied().collect(),
                 at_work: part.at_work,
@@ -240,10 +242,11 @@ fn describe(
         )
     };
     SystematicSource {
-        name: source.name.to_string(),
+        name: source.facts.name.to_string(),
         size: source.size,
-        unit: source.unit.to_string(),
+        unit: source.facts.unit.to_string(),
         declared: source.declared,
+        free: source.free,
         change,
         worst,
         remaining: Some(remaining),

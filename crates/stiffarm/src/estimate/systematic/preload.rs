@@ -42,7 +42,7 @@ pub(super) fn rows(
     let shifts = sources(believed, &experiment, &system)?;
     let parts = |of: &[Source]| -> Vec<(&'static str, String)> {
         let own = |source: &Source| {
-            let named = |part: &super::Part| (source.name, part.name.clone());
+            let named = |part: &super::Part| (source.facts.name, part.name.clone());
             source.parts.iter().map(named).collect::<Vec<_>>()
         };
         of.iter().flat_map(own).collect()

@@ -198,6 +198,17 @@ impl PostureTerms {
         self.loading_columns[j].dot(&wrench.force) + self.frames.axes()[j].dot(&wrench.moment)
     }
 
+    /// The same under another wrench, at the loading point, base axes.
+    #[must_use]
+    pub(crate) fn under(&self, wrench: &Wrench) -> Self {
+        let mut out = self.clone();
+        out.wrench = *wrench;
+        for j in 0..out.torque.len() {
+            out.torque[j] = out.torque_of(wrench, j);
+        }
+        out
+    }
+
     /// The same against a reference that carries `preload` (at the loading point, base axes) instead of nothing.
     #[must_use]
     pub fn against(mut self, preload: &Wrench) -> Self {

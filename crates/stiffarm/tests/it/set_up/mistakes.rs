@@ -66,7 +66,7 @@ const OPPOSITE: &[&str] = &["move against the stated load"];
 const OFFSET: &[&str] = &["along the load in every loaded state"];
 const MOVED: &[&str] = &["measuring points moved by"];
 const TOOL: &[&str] = &["measuring points are moved by"];
-const AXES: &[&str] = &["axes of the table of displacements"];
+const AXES: &[&str] = &["axes of the displacements"];
 
 fn point(cell: &mut Cell) -> &mut Vector3<f64> {
     &mut cell.setup.tool.loading_point

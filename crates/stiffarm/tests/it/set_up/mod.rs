@@ -1,6 +1,7 @@
 //! What the cell states of the set-up is held against the readings.
 
 pub mod days;
+mod free;
 mod mistakes;
 
 use crate::common::prelude::*;

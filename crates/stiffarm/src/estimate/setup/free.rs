@@ -1,0 +1,123 @@
+//! Quantities of the set-up that are identified on purpose, together with the stiffness.
+
+use super::freed::At;
+use super::{Freed, described, value};
+use crate::error::{Code, Error, Result, did_you_mean};
+use crate::estimate::elastic::ElasticChoice;
+use crate::estimate::identify::Fit;
+use crate::estimate::quantity::facts::{Place, Quantity, Valued};
+use crate::estimate::quantity::stated::Stated;
+use crate::measure::Measured;
+use nalgebra::Matrix3;
+
+/// Most searches beside the springs beyond the axes: each is one step of least squares.
+const SEARCHES: usize = 8;
+/// Change of −2 ln L that ends them.
+const STILL: f64 = 1e-2;
+/// A number whose standard error reaches this share of what a quantity can be is not told \[m; rad\], of a force \[N\].
+const UNTOLD: f64 = 0.3;
+const UNTOLD_FORCE: f64 = 1e3;
+
+/// The fit where the readings want the quantities that its options name in `free`, and these with their errors: found by
+/// least squares beside the compliances, and beside springs beyond the axes where `elastic` grants these. The errors that
+/// are common to the experiment have then what the readings leave of each. `None` where nothing is to be free.
+///
+/// # Errors
+/// A name that there is not, or twice; a quantity on which these readings do not depend, or that they cannot tell.
+pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>)>> {
+    let names = &fit.options().free;
+    if names.is_empty() {
+        return Ok(None);
+    }
+    let stated = Stated::of(fit);
+    let start = wanted(&stated, names)?;
+    let before = At::new(start.clone(), fit.clone(), false, None)?;
+    let mut at = stated.refined(before);
+    let is_mixed = elastic == ElasticChoice::Mixed;
+    let mut all = value(fit, None);
+    if is_mixed {
+        let granted = At::new(start, fit.clone(), true, None)?;
+        all = granted.value;
+        at = At::new(at.values, at.fit, true, granted.mixed.as_deref())?;
+        for _ in 0..SEARCHES {
+            let next = stated.refined(at.clone());
+            let fall = at.value - next.value;
+            at = next;
+            if fall < STILL {
+                break;
+            }
+        }
+    }
+    let freed = described(&stated, &at, all);
+    for ((quantity, _), own) in at.values.iter().zip(&freed) {
+        let most = match quantity.facts().unit {
+            "N" => UNTOLD_FORCE,
+            _ => UNTOLD,
+        };
+        let is_told = |error: &Option<f64>| error.is_some_and(|error| error < most);
+        if !own.standard_error.iter().all(is_told) {
+            let message = format!(
+                "These readings cannot tell the {} beside the stiffness.",
+                quantity.facts().what
+            );
+            return Err(Error::new(Code::NotIdentifiable, message)
+                .key("free")
+                .hint("leave it out; or measure more postures, a second anchor or several load states, which tell it apart"));
+        }
+    }
+    let (cell, measured) = stated.changed(&at.values)?;
+    let measured = Measured {
+        postures: measured.postures,
+        ..fit.measured().clone()
+    };
+    Ok(Some((fit.at(&cell, measured)?, freed)))
+}
+
+/// What the names mean here, as stated.
+fn wanted(stated: &Stated<'_>, names: &[String]) -> Result<Vec<Valued>> {
+    let cell = stated.cell();
+    let here = stated.quantities();
+    let joints = cell.setup.robot.joint_count();
+    let mut out: Vec<Valued> = Vec::new();
+    for (i, name) in names.iter().enumerate() {
+        let refused = |code, message: String| Error::new(code, message).key("free");
+        if names[..i].contains(name) {
+            return Err(
+                refused(Code::Duplicate, format!("\"{name}\" is to be free twice."))
+                    .hint("name it once"),
+            );
+        }
+        if !Quantity::can_be_free().any(|own| own == name) {
+            let known: Vec<&str> = Quantity::can_be_free().collect();
+            let message = match Quantity::named(name) {
+                Some(own) if own.terms(0).is_some() => {
+                    format!("\"{name}\" is no number of the set-up but gives way.")
+                }
+                Some(_) => format!("No reading tells \"{name}\" beside the stiffness."),
+                None => format!("There is no quantity \"{name}\" of the set-up."),
+            };
+            let hint = match Quantity::named(name) {
+                Some(Quantity::BaseTilt) => Some("it is an extra term: base".to_string()),
+                Some(Quantity::LostMotion) => Some("it is an extra term: lost".to_string()),
+                _ => did_you_mean(name, known.iter().copied()),
+            };
+            let hint = hint.unwrap_or_else(|| format!("one of {}", known.join(", ")));
+            return Err(refused(Code::UnknownName, message).hint(hint));
+        }
+        let own = here.iter().filter(|own| own.name() == name);
+        let from = out.len();
+        out.extend(own.map(|own| {
+            let count = own.dimension(joints);
+            (*own, Place::new(Matrix3::identity(), vec![0.0; count]))
+        }));
+        if out.len() == from {
+            let known: Vec<&str> = Quantity::can_be_free()
+                .filter(|name| here.iter().any(|own| own.name() == *name))
+                .collect();
+            let message = format!("These readings do not depend on \"{name}\" in this cell.");
+            return Err(refused(Code::Unsupported, message)
+                .hint(format!("they do on {}", known.join(", "))));
+        }
+    }
+    Ok(out)
+}

@@ -1,0 +1,160 @@
+//! Quantities of the set-up that are identified on purpose, and what the list says of each.
+
+use super::days::{Beyond, Day, Kind, day, displacements};
+use super::{mistake, planted};
+use crate::common::prelude::*;
+use stiffarm::Code;
+use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::internals::both_ways;
+
+fn freeing(names: &[&str]) -> IdentifyOptions {
+    changed(IdentifyOptions::default(), |o| {
+        o.free = names.iter().map(ToString::to_string).collect();
+    })
+}
+
+fn identified(
+    cell: &Cell,
+    measurements: impl Into<stiffarm::model::measurement::Measurements>,
+    names: &[&str],
+) -> stiffarm::Result<Identified> {
+    let measured = prepare(cell, measurements, &Default::default())?;
+    let fit = Fit::new(cell, measured, &freeing(names))?;
+    Identified::new(&fit, &Wanted::default(), Control::default())
+}
+
+/// With the quantity free, what is stated wrongly is found, the stiffness is the true one, and its ± has the doubt.
+#[test]
+fn what_is_free_is_found_and_the_stiffness_with_it() {
+    for (name, free, truth) in [
+        ("anchor 300 mm too low", "anchor", vec![1.8, 0.0, 0.0]),
+        (
+            "lever 50 mm too long",
+            "loading-point",
+            vec![0.2, 0.0, 0.25],
+        ),
+        (
+            "hook and shackle of 3 kg",
+            "force-beside",
+            vec![0.0, 0.0, -3.0 * 9.806_65],
+        ),
+    ] {
+        let (mut inside, mut all) = (0, 0);
+        for seed in 0..2 {
+            let (cell, measurements) = planted(mistake(name), Beyond::Nothing, seed);
+            let found = identified(&cell, measurements.clone(), &[free]).unwrap();
+            assert!(found.rejected().is_none(), "{name}: {:?}", found.rejected());
+            let [own] = &found.freed[..] else {
+                panic!("{:#?}", found.freed)
+            };
+            assert_eq!(own.name, free);
+            for (i, truth) in truth.iter().enumerate() {
+                let off = (own.asked[i] - truth) / own.standard_error[i].unwrap();
+                assert!(off.abs() < 5.0, "{name} {seed}: {own:#?}");
+            }
+            let truth = cell.require_prior().unwrap();
+            for (joint, k) in found.identification.estimates.joints.iter().zip(truth) {
+                let [low, high] = joint.interval;
+                inside += usize::from(
+                    low.is_some_and(|low| low <= *k) && high.is_none_or(|high| *k <= high),
+                );
+                all += 1;
+            }
+            let systematic = found.systematic_errors.as_ref().unwrap();
+            let source = source(systematic, free);
+            assert!(
+                source.free && source.remaining.unwrap() < 0.1,
+                "{source:#?}"
+            );
+        }
+        assert!(inside + 1 >= all, "{name}: {inside} of {all}");
+    }
+}
+
+/// The doubt about an anchor that is free is in the ± of the stiffness.
+#[test]
+fn freeing_widens() {
+    let Day { cell, table } = day(Kind::Rope, Beyond::Nothing, 12, 3, 3);
+    let [stated, free] =
+        [&[][..], &["anchor"]].map(|names| identified(&cell, table.clone(), names).unwrap());
+    let half = |found: &Identified| -> f64 {
+        let joints = &found.systematic_errors.as_ref().unwrap().uncertainty;
+        joints.iter().map(|j| j.total.unwrap()).sum()
+    };
+    assert!(
+        half(&free) > 1.02 * half(&stated),
+        "{} {}",
+        half(&free),
+        half(&stated)
+    );
+}
+
+#[test]
+fn what_cannot_be_free_is_refused() {
+    let Day { cell, table } = day(Kind::Rope, Beyond::Nothing, 8, 2, 1);
+    let weight = day(Kind::Weight, Beyond::Nothing, 8, 2, 1);
+    let table_of = displacements(&cell, &table);
+    let mut said = String::new();
+    for (names, code) in [
+        (&["anchr"][..], Code::UnknownName),
+        (&["posture"], Code::UnknownName),
+        (&["base-tilt"], Code::UnknownName),
+        (&["lost-motion"], Code::UnknownName),
+        (&["force-scale"], Code::UnknownName),
+        (&["anchor", "anchor"], Code::Duplicate),
+        (&["sensor-axes"], Code::Unsupported),
+        (&["force-offset"], Code::NotIdentifiable),
+    ] {
+        let error = identified(&cell, table_of.clone(), names).unwrap_err();
+        assert_eq!(error.code(), code, "{error}");
+        said += &format!("{error}\n");
+    }
+    let error = identified(&weight.cell, weight.table, &["anchor"]).unwrap_err();
+    assert_eq!(error.code(), Code::Unsupported);
+    said += &format!("{error}\n");
+    let measured = prepare(&cell, table, &Default::default()).unwrap();
+    let fit = Fit::new(&cell, measured, &freeing(&["anchor"])).unwrap();
+    let brief = changed(Wanted::default(), |wanted| wanted.brief = true);
+    let error = Identified::new(&fit, &brief, Control::default()).unwrap_err();
+    assert_eq!(error.code(), Code::Conflict);
+    said += &format!("{error}\n");
+    insta::assert_snapshot!("refused", said);
+}
+
+/// Displacements with a quantity elsewhere, by the answers to unit wrenches and by a cell that has it there.
+#[test]
+fn answers_are_what_another_cell_gives() {
+    for (kind, is_table) in [
+        (Kind::Rope, false),
+        (Kind::Rope, true),
+        (Kind::Weight, false),
+        (Kind::Sensor, false),
+        (Kind::Forces, false),
+    ] {
+        let Day { cell, table } = day(kind, Beyond::Nothing, 4, 3, 2);
+        let measured: Measured = match is_table {
+            true => displacements(&cell, &table).into(),
+            false => prepare(&cell, table, &Default::default()).unwrap(),
+        };
+        let fit = Fit::new(&cell, measured, &Default::default()).unwrap();
+        let ways = both_ways(&fit).unwrap();
+        assert!(ways.len() > 15, "{kind:?} {}", ways.len());
+        for way in ways {
+            let off = (&way.answer - &way.cell).norm();
+            let most = 1e-9 * way.cell.norm() + 1e-16;
+            assert!(
+                off <= most,
+                "{kind:?} {} {off} of {}",
+                way.name,
+                way.cell.norm()
+            );
+            let off = (&way.slope - &way.difference).norm();
+            assert!(
+                off <= 1e-4 * way.slope.norm() + 1e-12,
+                "{kind:?} {} {off} of {}",
+                way.name,
+                way.slope.norm()
+            );
+        }
+    }
+}
