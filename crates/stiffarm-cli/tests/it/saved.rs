@@ -196,3 +196,40 @@ fn what_the_mixed_model_cannot_use_is_refused() {
         ran.err
     );
 }
+
+#[test]
+fn what_is_free_is_told_and_what_cannot_be_is_refused() {
+    let folder = measured();
+    let ran = folder
+        .run("identify builtin:comau r.csv --free anchor,common-shift --details --output k.json");
+    assert!(matches!(ran.code, Some(0 | 1)), "{}{}", ran.out, ran.err);
+    assert!(
+        ran.out
+            .contains("With it these readings gave the anchor at ("),
+        "{}",
+        ran.out
+    );
+    assert!(ran.out.contains("these readings"), "{}", ran.out);
+    let saved: Value = serde_json::from_str(&folder.read("k.json")).unwrap();
+    let freed = saved["result"]["freed"].as_array().unwrap();
+    let names: Vec<&str> = freed
+        .iter()
+        .filter_map(|own| own["name"].as_str())
+        .collect();
+    assert_eq!(names, ["anchor", "common-shift"]);
+    assert_eq!(freed[0]["key"], "load.anchor_mm");
+    assert_eq!(saved["options"]["free"], json!(["anchor", "common-shift"]));
+    folder.run("predict builtin:comau k.json --force");
+    for (options, words) in [
+        ("--free anchr", "did you mean \"anchor\"?"),
+        ("--free force-scale", "No reading tells"),
+        ("--free lost-motion", "extra term"),
+        ("--free sensor-axes", "they do on anchor"),
+        ("--free anchor --brief", "leave brief out"),
+    ] {
+        let ran = folder.run(&format!("identify builtin:comau r.csv {options}"));
+        assert_eq!(ran.code, Some(2), "{options}: {}", ran.out);
+        let is_said = ran.err.contains(words) && ran.err.contains("--free");
+        assert!(is_said, "{options}: {}", ran.err);
+    }
+}

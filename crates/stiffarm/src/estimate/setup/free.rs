@@ -60,7 +60,7 @@ pub fn free(fit: &Fit, elastic: ElasticChoice) -> Result<Option<(Fit, Vec<Freed>
                 "These readings cannot tell the {} beside the stiffness.",
                 quantity.facts().what
             );
-            return Err(Error::new(Code::NotIdentifiable, message)
+            return Err(Error::new(Code::TooFewData, message)
                 .key("free")
                 .hint("leave it out; or measure more postures, a second anchor or several load states, which tell it apart"));
         }

@@ -61,6 +61,14 @@ struct Step {
     squares: [f64; 2],
 }
 
+impl Step {
+    fn gain(&self, fit: &Fit) -> f64 {
+        let [before, less] = self.squares;
+        let rest = (1.0 - less / before).max(f64::MIN_POSITIVE);
+        -(fit.solution().degrees_of_freedom as f64) * rest.ln()
+    }
+}
+
 impl At {
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
     /// near those of `near`.
@@ -88,6 +96,8 @@ pub(super) struct Linear<'a> {
     fit: &'a Fit,
     response: Response<'a>,
     answers: Answers<'a>,
+    /// σ, where springs beyond the axes leave it.
+    sigma: Option<f64>,
     /// What it leaves, as it weighs the rows.
     rest: DVector<f64>,
 }
@@ -110,6 +120,7 @@ impl<'a> Linear<'a> {
         Some(Linear {
             fit,
             response,
+            sigma: mixed.and_then(|mixed| Some(mixed.compliance().spread.as_ref()?.sigma)),
             answers: Answers::new(stated, &system.extra, values).ok()?,
             rest,
         })
@@ -152,7 +163,8 @@ impl Stated<'_> {
         let before = rest.norm_squared();
         let unknowns = linear.fit.system().psi.ncols();
         let free = rest.len().saturating_sub(unknowns + count).max(1);
-        let sigma = solution.sigma.unwrap_or((after / free as f64).sqrt());
+        let sigma = linear.sigma.or(solution.sigma);
+        let sigma = sigma.unwrap_or((after / free as f64).sqrt());
         let errors = factor.standard_errors().into_iter();
         let errors = errors.map(|e| e.map_or(f64::INFINITY, |e| e * sigma));
         Some(Step {
@@ -169,13 +181,13 @@ impl Stated<'_> {
 
     /// By how much −2 ln L of a fit with everything as stated would fall with the quantity freed, by the derivatives there.
     pub(super) fn score(&self, stated: &Valued, linear: &Linear<'_>) -> f64 {
-        let Some(step) = self.step(std::slice::from_ref(stated), linear) else {
-            return 0.0;
-        };
-        let [before, less] = step.squares;
-        let free = linear.fit.solution().degrees_of_freedom;
-        let rest = (1.0 - less / before).max(f64::MIN_POSITIVE);
-        -(free as f64) * rest.ln()
+        let step = self.step(std::slice::from_ref(stated), linear);
+        step.map_or(0.0, |step| step.gain(linear.fit))
+    }
+
+    /// By how much it would fall with one more step from `at`.
+    pub(super) fn gain(&self, at: &At) -> f64 {
+        self.step_of(at).map_or(0.0, |step| step.gain(&at.fit))
     }
 
     /// The values that suit the readings best near `start`.

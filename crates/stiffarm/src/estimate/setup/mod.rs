@@ -4,7 +4,7 @@
 //! is left looks like noise, and the stiffness is wrong. So each quantity of the set-up is freed in turn and found by
 //! Gauss and Newton beside the compliances, and the explanations compete by restricted likelihood, of the axes alone and
 //! of the mixed model. A quantity is rejected where the readings are far likelier with another value of it, springs
-//! beyond the axes granted before and after.
+//! beyond the axes granted before and after, and the axes alone leave clearly less; it is doubtful where these do not.
 
 mod explained;
 mod free;
@@ -28,8 +28,9 @@ use freed::{At, Linear, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Code of the finding about a quantity that is rejected.
+/// Code of the finding about a quantity that is rejected, and about one that springs beyond the axes may excuse.
 pub const REJECTS: &str = "set-up";
+const DOUBTS: &str = "set-up-doubtful";
 /// Fall of −2 ln L from which a quantity is rejected, and what each of its numbers adds: sound days of arms with springs
 /// beyond the axes, drift and shared shifts stay below.
 const REJECTED: f64 = 22.0;
@@ -83,7 +84,7 @@ pub struct Freed {
 pub struct SetUp {
     /// What was freed beside springs beyond the axes, the likeliest first.
     pub freed: Vec<Freed>,
-    /// What is rejected, in a sentence.
+    /// What is rejected or doubtful, in a sentence.
     pub finding: Option<Finding>,
 }
 
@@ -141,7 +142,8 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let mut beside = in_order(&alone, |(_, at)| {
         fit.control().check()?;
         let at = At::new(at.values.clone(), at.fit.clone(), grants, own)?;
-        Ok(stated.refined(at))
+        let hope = before - at.value + stated.gain(&at);
+        Ok(if hope > WORTH { stated.refined(at) } else { at })
     })?;
     sort_by_number(&mut beside, price);
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
@@ -150,14 +152,15 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let least = REJECTED + EACH * numbers(best) as f64;
     let [all, left] = first.residual_rms_m;
     let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
-    let is_rejected = is_clear
-        && first.likelihood_ratio > least
+    let is_likelier = first.likelihood_ratio > least
         && !is_within_stated(&fit, &best.values[0], &first.standard_error)
         && without_worst(&fit, best, grants)? > 0.5 * least;
     let others = freed.iter().zip(&beside).skip(1);
     let alike = others.filter(|(own, _)| first.likelihood_ratio - own.likelihood_ratio < ALIKE);
     let alike: Vec<Quantity> = alike.map(|(_, at)| at.values[0].0).collect();
-    let finding = is_rejected.then(|| words::finding(fit.cell(), best.values[0].0, first, &alike));
+    let is_doubtful = best.values[0].0.terms(0).is_none();
+    let finding = (is_likelier && (is_clear || is_doubtful))
+        .then(|| words::finding(fit.cell(), best.values[0].0, first, &alike, is_clear));
     Ok(Some(SetUp { freed, finding }))
 }
 

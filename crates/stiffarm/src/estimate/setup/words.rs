@@ -1,6 +1,6 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{Freed, REJECTS};
+use super::{DOUBTS, Freed, REJECTS};
 use crate::estimate::quantity::facts::{Numbers, Place, Quantity, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
 use crate::findings::{Finding, length, list};
@@ -249,7 +249,13 @@ pub(super) fn wanted(cell: &Cell, (quantity, place): &Valued, own: &Freed) -> St
 }
 
 /// The finding about the quantity that explains most.
-pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Quantity]) -> Finding {
+pub(super) fn finding(
+    cell: &Cell,
+    quantity: Quantity,
+    own: &Freed,
+    alike: &[Quantity],
+    is_clear: bool,
+) -> Finding {
     let wanted = match quantity {
         Quantity::Sign => {
             "The points move against the stated load: the readings ask for its opposite sign"
@@ -279,6 +285,12 @@ pub(super) fn finding(cell: &Cell, quantity: Quantity, own: &Freed, alike: &[Qua
         Quantity::Sign => "With that no joint yields against its torque.".to_string(),
         _ => format!("With that the joint axes alone leave {after} instead of {before} (RMS)."),
     };
+    if !is_clear {
+        let sentence = format!(
+            "{wanted}, as far as springs beyond the axes do not excuse it.{others} {remedy}."
+        );
+        return Finding::caution(DOUBTS, own.key.as_str(), sentence);
+    }
     let sentence = format!("{wanted}. {fits}{others} {remedy}");
     match quantity {
         // No error of the set-up: it is measured around.

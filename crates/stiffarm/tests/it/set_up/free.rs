@@ -103,7 +103,7 @@ fn what_cannot_be_free_is_refused() {
         (&["force-scale"], Code::UnknownName),
         (&["anchor", "anchor"], Code::Duplicate),
         (&["sensor-axes"], Code::Unsupported),
-        (&["force-offset"], Code::NotIdentifiable),
+        (&["force-offset"], Code::TooFewData),
     ] {
         let error = identified(&cell, table_of.clone(), names).unwrap_err();
         assert_eq!(error.code(), code, "{error}");
