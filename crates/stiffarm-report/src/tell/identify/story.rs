@@ -31,13 +31,8 @@ pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {
         Some(_) => "raw readings of the tracker",
         None => "measured displacements",
     };
-    let freed: Vec<&str> = found.freed.iter().map(|own| own.words.as_str()).collect();
-    let freed = match freed.as_slice() {
-        [] => String::new(),
-        freed => format!(" With it these readings gave {}.", visible(&list(freed))),
-    };
     Text::new(format!(
-        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{}{freed}",
+        "The stiffness of {} joints was identified from {from} at {}: {} ({} components).{}",
         estimates.joints.len(),
         counted(postures, "posture"),
         counted(estimates.rows / 3, "displacement"),
@@ -72,7 +67,12 @@ pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
             .words(" ")
             .strong("Systematic errors were not examined."),
     };
-    let text = residual(known, given, found);
+    let freed: Vec<&str> = found.freed.iter().map(|own| own.words.as_str()).collect();
+    let freed = match freed.as_slice() {
+        [] => String::new(),
+        freed => format!(" With it these readings gave {}.", visible(&list(freed))),
+    };
+    let text = residual(known.words(freed), given, found);
     let mm = |key: &str| given.number(&format!("/elastic/{key}")).mm().decimals(3);
     if found.elastic.as_ref().is_some_and(Elastic::is_better) {
         text.words(" A posture that took no part is missed by ")
