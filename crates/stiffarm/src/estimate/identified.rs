@@ -196,10 +196,17 @@ impl Identified {
     /// [`free`](setup::free) (key `free`).
     pub fn new(fit: &Fit, wanted: &Wanted, control: Control<'_>) -> Result<Self> {
         let choice = ElasticChoice::or_default(wanted.elastic, fit.options());
-        if wanted.brief && !fit.options().free.is_empty() {
-            let message = "What the set-up's own uncertainty does to the stiffness is among the systematic errors, which a brief result has not.";
+        let without = [
+            ("brief", wanted.brief),
+            ("bootstrap", wanted.bootstrap.is_some()),
+        ];
+        let without = without.iter().find(|(_, is_wanted)| *is_wanted);
+        if let (Some((other, _)), false) = (without, fit.options().free.is_empty()) {
+            let message = format!(
+                "How surely the set-up is known beside the stiffness is among the systematic errors, which `{other}` has not."
+            );
             let error = Error::new(Code::Conflict, message).key("free");
-            return Err(error.hint("leave brief out"));
+            return Err(error.hint(format!("leave `{other}` out")));
         }
         let (own, freed) = setup::free(fit, choice)?.unzip();
         let fit = own.as_ref().unwrap_or(fit);
@@ -247,7 +254,10 @@ impl Identified {
             out.sealed = out.seal(fit, mixed.as_ref());
             return Ok(out);
         }
-        out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
+        // A profile holds the set-up still.
+        if out.freed.is_empty() {
+            out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
+        }
         let found = match &mixed {
             Some(mixed) => mixed_systematic_errors(mixed),
             None => systematic_errors(fit),

@@ -44,7 +44,7 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     };
     let result = progress
         .watch(|control| Identified::new(&fit, &wanted, control))
-        .map_err(|e| of_option(e, &["bootstrap", "elastic", "free"]))?;
+        .map_err(|e| of_option(e, &["brief", "bootstrap", "elastic", "free"]))?;
     drop(progress);
 
     let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
