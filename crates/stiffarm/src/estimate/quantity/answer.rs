@@ -4,7 +4,8 @@
 //! for anchor, loading point, gravity, sensor and every force at once, exactly and for any change of these: what remains
 //! of each is how the wrench changes, six closed numbers.
 
-use super::facts::{Place, Quantity, Valued};
+use super::facts::Quantity;
+use super::place::{Place, Valued};
 use super::stated::Stated;
 use crate::error::Result;
 use crate::estimate::identify::known_displacement;
@@ -212,7 +213,8 @@ pub(crate) mod internals {
     use super::{Answers, Stated};
     use crate::error::Result;
     use crate::estimate::identify::{Experiment, Fit};
-    use crate::estimate::quantity::facts::{Place, Quantity};
+    use crate::estimate::quantity::facts::Quantity;
+    use crate::estimate::quantity::place::Place;
     use nalgebra::DVector;
 
     /// One number of a quantity off: what changes by the answers to unit wrenches, and in a cell that has it there.

@@ -3,7 +3,6 @@
 use crate::model::cell::Cell;
 use crate::model::instruments::Uncertainty;
 use crate::model::observation::ExtraTerm;
-use nalgebra::{DVector, Matrix3, Rotation3, Vector3};
 
 /// Standard uncertainty of a quantity that is identified on purpose: wide beside all that readings tell \[m; rad\], and of a
 /// force \[N\].
@@ -106,6 +105,23 @@ const fn row(name: &'static str, numbers: Numbers, unit: &'static str) -> Facts 
         check: "",
         better: "",
     }
+}
+
+/// What an arm is made of, which no set-up states: half of what is found otherwise where springs alone are expected, so
+/// that all of it counts as 95 %.
+pub(crate) fn springs() -> Facts {
+    Facts {
+        what: "kind of springs",
+        assumed: 0.5,
+        better: "measure more postures or under a further load, or give what a drawing knows in [elastic]",
+        ..row("springs", Numbers::One, "1")
+    }
+}
+
+/// The facts of a source of error by its name.
+pub(crate) fn named(name: &str) -> Option<Facts> {
+    let own = Quantity::named(name).map(Quantity::facts);
+    own.or_else(|| Some(springs()).filter(|own| own.name == name))
 }
 
 impl Quantity {
@@ -409,39 +425,3 @@ impl Quantity {
         }
     }
 }
-
-/// A value of a quantity: first `turn`, which is found by trying, then the numbers, which are found by least squares.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Place {
-    pub turn: Matrix3<f64>,
-    pub values: DVector<f64>,
-}
-
-impl Place {
-    pub fn new(turn: Matrix3<f64>, values: Vec<f64>) -> Self {
-        let values = DVector::from_vec(values);
-        Place { turn, values }
-    }
-
-    /// Number `k` of `count` off by `size`, and nothing else.
-    pub fn off(count: usize, k: usize, size: f64) -> Self {
-        let mut place = Place::new(Matrix3::identity(), vec![0.0; count]);
-        place.values[k] = size;
-        place
-    }
-
-    /// The first three numbers.
-    pub fn vector(&self) -> Vector3<f64> {
-        Vector3::from_fn(|i, _| self.values.get(i).copied().unwrap_or(0.0))
-    }
-
-    /// The last three numbers as a turn, after `turn`.
-    pub fn rotated(&self) -> Matrix3<f64> {
-        let from = self.values.len().saturating_sub(3);
-        let by = Vector3::from_fn(|i, _| self.values.get(from + i).copied().unwrap_or(0.0));
-        Rotation3::new(by).matrix() * self.turn
-    }
-}
-
-/// A quantity at a value.
-pub(crate) type Valued = (Quantity, Place);

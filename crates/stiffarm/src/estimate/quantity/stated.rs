@@ -1,6 +1,7 @@
 //! Measurements with what the cell states of them, and with any of its quantities at another value.
 
-use super::facts::{Place, Quantity, Valued};
+use super::facts::Quantity;
+use super::place::{Place, Valued};
 use crate::error::Result;
 use crate::estimate::identify::{Experiment, Fit, MeasuredSystem};
 use crate::measure::Measured;

@@ -5,7 +5,7 @@ use crate::estimate::elastic::carried_near;
 use crate::estimate::identify::{Fit, Response};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::answer::Answers;
-use crate::estimate::quantity::facts::Valued;
+use crate::estimate::quantity::place::Valued;
 use crate::estimate::quantity::stated::Stated;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};

@@ -1,6 +1,7 @@
 //! From which values a quantity is looked for: the stated one, and the slips that people make of it.
 
-use crate::estimate::quantity::facts::{Place, Quantity};
+use crate::estimate::quantity::facts::Quantity;
+use crate::estimate::quantity::place::Place;
 use crate::estimate::quantity::stated::{Stated, anchor, loading_point};
 use crate::numerics::arrangements::signed_axes;
 use nalgebra::{Matrix3, Vector3};

@@ -1,7 +1,8 @@
 //! What the readings ask of the set-up, in sentences.
 
 use super::{DOUBTS, Freed, REJECTS};
-use crate::estimate::quantity::facts::{Numbers, Place, Quantity, Valued};
+use crate::estimate::quantity::facts::{Numbers, Quantity};
+use crate::estimate::quantity::place::{Place, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
 use crate::findings::{Finding, length, list};
 use crate::model::cell::Cell;

@@ -1,7 +1,7 @@
 //! The common errors in sentences.
 
 use super::{SystematicErrors, SystematicSource};
-use crate::estimate::quantity::facts::Quantity;
+use crate::estimate::quantity::facts;
 use crate::findings::{Finding, Severity, length, list, percent};
 use crate::measure::Measured;
 
@@ -57,13 +57,14 @@ impl BaseSeen {
 impl SystematicSource {
     /// The source in words.
     fn what(&self) -> &'static str {
-        Quantity::named(&self.name).map_or("source", |own| own.facts().what)
+        facts::named(&self.name).map_or("source", |own| own.what)
     }
 
     /// Its size in words.
     fn how_much(&self) -> String {
         match (self.unit.as_str(), self.name.as_str()) {
             _ if self.free => "identified beside the stiffness".to_string(),
+            (_, "springs") => "with or without bearings and beams".to_string(),
             ("1", _) => percent(self.size),
             ("m", _) => format!("{} an axis", length(self.size)),
             ("N", _) => format!("{:.1} N an axis", self.size),
@@ -94,7 +95,7 @@ impl SystematicSource {
             ("base-tilt", BaseSeen::Turn) => {
                 "the reflectors on the base have taken its tilt off; declare a stiffer base"
             }
-            _ => Quantity::named(&self.name).map_or("", |own| own.facts().better),
+            _ => facts::named(&self.name).map_or("", |own| own.better),
         }
     }
 }

@@ -46,13 +46,13 @@ pub struct SystematicPart {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SystematicSource {
     /// Stable name: `force-scale`, `anchor`, `loading-point`, `registration`,
-    /// `base-tilt`, `sensor`, `force-beside`, `common-shift`, `lost-motion`; with `free` any that was identified.
+    /// `base-tilt`, `sensor`, `force-beside`, `common-shift`, `lost-motion`, `springs`; with `free` any that was identified.
     pub name: String,
     /// Standard uncertainty, SI.
     pub size: f64,
     /// Unit of `size`; `1` for a fraction.
     pub unit: String,
-    /// True where the cell declares the size, false where it is assumed.
+    /// True where the cell declares the size or the readings give it, false where it is assumed.
     pub declared: bool,
     /// True where it was identified beside the stiffness: before the readings its size counts as unknown.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -144,6 +144,8 @@ fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPoste
 ///   makes k too small. Those that the fit has among its unknowns are left out.
 ///   Displacements against a light preload are free of lost motion; the way from no load to the preload, where it was
 ///   read, shows it, and at work it is there again.
+/// - `springs`, of the mixed model alone: half of what would be found otherwise if springs alone were expected, without
+///   bearings and beams. The readings do not tell which an arm has.
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).

@@ -4,7 +4,8 @@ use super::believed::Believed;
 use crate::error::Result;
 use crate::estimate::identify::{Experiment, MeasuredSystem};
 use crate::estimate::quantity::answer::Answers;
-use crate::estimate::quantity::facts::{Facts, Place, Quantity};
+use crate::estimate::quantity::facts::{self, Facts, Quantity};
+use crate::estimate::quantity::place::Place;
 use crate::estimate::quantity::stated::Stated;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
@@ -29,6 +30,8 @@ pub(super) struct Part {
     pub shift: DVector<f64>,
     /// What acts again at work.
     pub at_work: Option<ExtraTerm>,
+    /// Change of the unknowns by one that moves no displacement: readings say nothing of it.
+    pub change: Option<DVector<f64>>,
 }
 
 /// The sources that matter for the measurements of `experiment`, whose rows are those of `system`; the force scale first.
@@ -72,6 +75,7 @@ pub(super) fn sources(
                 name,
                 shift: answers.shift(&[(quantity, Place::off(count, i, size))])?,
                 at_work,
+                change: None,
             });
         }
         match out.iter_mut().find(|own| own.facts.name == facts.name) {
@@ -86,6 +90,22 @@ pub(super) fn sources(
                 parts,
             }),
         }
+    }
+    if let Some(alone) = &believed.springs_alone {
+        let facts = facts::springs();
+        out.push(Source {
+            size: facts.assumed,
+            declared: true,
+            free: false,
+            alike: false,
+            parts: vec![Part {
+                name: String::new(),
+                shift: DVector::zeros(system.delta.len()),
+                at_work: None,
+                change: Some(alone * facts.assumed),
+            }],
+            facts,
+        });
     }
     Ok(out)
 }
