@@ -157,7 +157,8 @@ fn dense(
 /// Parts in the systematic errors's order that have a size: force scale, base tilt, joints.
 fn moments(systematic: &SystematicErrors) -> (Vec<usize>, DVector<f64>, DMatrix<f64>) {
     let found = &systematic.posterior;
-    let has_size = |i: &usize| found.parts[*i].size > 0.0;
+    // Readings say nothing of the kind of springs.
+    let has_size = |i: &usize| found.parts[*i].size > 0.0 && found.parts[*i].source != "springs";
     let which: Vec<usize> = (0..found.parts.len()).filter(has_size).collect();
     let count = which.len();
     let mean = DVector::from_iterator(count, which.iter().map(|i| found.mean[*i]));
