@@ -22,6 +22,7 @@ mod model;
 mod never_loaded;
 mod reproduced;
 mod result;
+mod search;
 mod seen;
 mod sums;
 mod unlike;
@@ -242,8 +243,8 @@ impl MixedFit {
                 structure: false,
                 sigma,
             };
-            let (axes, near) = (&solution.values, Some(&self.sizes));
-            found(&self.fit, &columns, axes, solution.gamma, &[], choice, near)
+            let (axes, gamma) = (&solution.values, solution.gamma);
+            found(&self.fit, &columns, axes, gamma, &[], choice, None)
         };
         let [alike, by_joint] = [of(ElasticSizing::Alike)?, of(ElasticSizing::ByJoint)?];
         let likelier = match by_joint.values[0] < alike.values[0] {

@@ -45,6 +45,12 @@ impl MixedModel {
         Likelihood::new(&self.rows, &[]).value_and_gradient(&sizes(gamma, classes))
     }
 
+    /// The curvature by which the search for the ratios steps.
+    pub fn curvature(&self, gamma: f64, classes: &[f64]) -> Option<DMatrix<f64>> {
+        let slopes = Likelihood::new(&self.rows, &[]).slopes(&sizes(gamma, classes))?;
+        Some(slopes.curvature)
+    }
+
     /// h and u, their covariance and σ² at given ratios, all postures but `left_out`.
     pub fn solve(
         &self,

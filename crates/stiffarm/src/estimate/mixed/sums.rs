@@ -320,36 +320,70 @@ impl Rows {
         }
     }
 
-    /// Derivatives by ln γ of ln|V|, of the squares that `solution` (of X's columns,
-    /// −1 for the last) leaves, and of ln|XᵀV⁻¹X| whose inverse is `inverse`.
+    /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of unknowns
+    /// those whose squares are xᵀ(XᵀV⁻¹X)⁻¹x, and `inverse` is that inverse.
     pub(super) fn by_ratio(
         &self,
         gamma: f64,
         left_out: &[usize],
         solution: &DVector<f64>,
-        inverse: &DMatrix<f64>,
         alike: Option<&Alike>,
-    ) -> [f64; 3] {
-        let mut out = [0.0; 3];
-        if let Some(alike) = alike {
+        whitened: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+        inverse: &dyn Fn() -> DMatrix<f64>,
+    ) -> ByRatio {
+        let unknowns = solution.len() - 1;
+        // With fewer directions than unknowns their own columns are less work.
+        if let Some(alike) = alike.filter(|alike| alike.count > unknowns) {
             let part = gamma * alike.size;
             let change = part / (1.0 + part).powi(2);
-            let squares = solution.dot(&(&alike.gram * solution));
-            let count = inverse.ncols();
-            let own = alike.gram.view((0, 0), (count, count));
-            let traced = alike.count as f64 * part / (1.0 + part);
-            return [traced, -change * squares, -change * inverse.dot(&own)];
+            let moved = &alike.gram * solution * change;
+            let squares = solution.dot(&moved);
+            let own = alike.gram.view((0, 0), (unknowns, unknowns));
+            return ByRatio {
+                logarithms: alike.count as f64 * part / (1.0 + part),
+                determinant: -change * inverse().dot(&own),
+                twice: squares * part / (1.0 + part),
+                squares,
+                moved,
+            };
         }
-        let left = self.seen.tr_mul(solution);
-        let x = self.seen.rows(0, inverse.ncols());
-        let moved = inverse * x;
-        for (k, size) in self.kept(left_out) {
-            let whole = 1.0 + gamma * size;
-            let change = gamma * size / (whole * whole);
-            out[0] += gamma * size / whole;
-            out[1] -= change * left[k] * left[k];
-            out[2] -= change * moved.column(k).dot(&x.column(k));
+        let kept: Vec<(usize, f64)> = self.kept(left_out).collect();
+        let columns = kept.iter().map(|(k, _)| self.seen.column(*k));
+        let x = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        let left = x.tr_mul(solution);
+        let seen = whitened(&x.rows(0, unknowns).into_owned());
+        let mut out = ByRatio {
+            logarithms: 0.0,
+            squares: 0.0,
+            determinant: 0.0,
+            twice: 0.0,
+            moved: DVector::zeros(0),
+        };
+        let mut changed = left.clone();
+        for (i, (_, size)) in kept.iter().enumerate() {
+            let part = gamma * size;
+            let change = part / (1.0 + part).powi(2);
+            out.logarithms += part / (1.0 + part);
+            out.squares += change * left[i].powi(2);
+            out.twice += change * part / (1.0 + part) * left[i].powi(2);
+            out.determinant -= change * seen.column(i).norm_squared();
+            changed[i] *= change;
         }
+        out.moved = x * changed;
         out
     }
+}
+
+/// What changes with ln γ.
+pub(super) struct ByRatio {
+    /// Derivative of ln|V|.
+    pub(super) logarithms: f64,
+    /// Derivative of the squares that are left, its sign changed.
+    pub(super) squares: f64,
+    /// Derivative of ln|XᵀV⁻¹X|.
+    pub(super) determinant: f64,
+    /// wᵀV⁻¹w of w = ∂V/∂ln γ V⁻¹ r, r what is left.
+    pub(super) twice: f64,
+    /// XᵀV⁻¹w, its sign changed.
+    pub(super) moved: DVector<f64>,
 }
