@@ -2,7 +2,7 @@
 
 use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes};
-use super::sums::{Known, Rows};
+use super::sums::Rows;
 use crate::error::Result;
 use crate::estimate::identify::{MeasuredSystem, Whitened};
 use crate::numerics::control::Control;
@@ -28,14 +28,7 @@ impl MixedModel {
         let white = whitened.whiten(&system.delta);
         let shifts = whitened.is_separable();
         Ok(MixedModel {
-            rows: Rows::new(
-                &whitened,
-                random.clone(),
-                classes,
-                &white,
-                (&[], shifts),
-                &Known::nothing(random.ncols()),
-            ),
+            rows: Rows::new(&whitened, random, classes, &white, (&[], shifts)),
         })
     }
 

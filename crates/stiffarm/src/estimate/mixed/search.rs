@@ -17,6 +17,8 @@ const RATIO: [f64; 2] = [-14.0, 20.0];
 const TOLERANCE: f64 = 1e-10;
 /// Differences of −2 ln L_R below this say nothing.
 const NOTHING: f64 = 1e-4;
+/// A class of this curvature is something: −2 ln L_R would rise by about as much without it.
+const TOLD: f64 = 0.1;
 /// No step changes a logarithm by more.
 const FAR: f64 = 3.0;
 /// Least curvature that a step counts on: with a class that vanishes so do slope and curvature.
@@ -75,13 +77,26 @@ impl Likelihood<'_> {
         let found = starts
             .into_iter()
             .filter_map(|start| search.from(start, control));
-        let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
-        best.map(|(x, value)| self.without_nothing(search.sizes(&x), value))
+        let best = found.min_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        best.map(|(x, at)| {
+            let shared = search.shared();
+            let is_told = |c: usize| at.curvature[(shared + c, shared + c)] > TOLD;
+            self.without_nothing(search.sizes(&x), at.value, is_told)
+        })
     }
 
     /// Classes that give next to nothing give nothing, where that is as likely.
-    fn without_nothing(&self, mut sizes: Sizes, mut value: f64) -> (Sizes, f64) {
-        for class in 0..self.rows().told() {
+    fn without_nothing(
+        &self,
+        mut sizes: Sizes,
+        mut value: f64,
+        is_told: impl Fn(usize) -> bool,
+    ) -> (Sizes, f64) {
+        let all = 0..self.rows().told();
+        for class in all.filter(|c| !is_told(*c)) {
+            if sizes.classes[class] == 0.0 {
+                continue;
+            }
             let mut less = sizes.clone();
             less.classes[class] = 0.0;
             if let Some(solved) = self.solve(&less)
@@ -147,7 +162,7 @@ impl Search<'_, '_> {
     }
 
     /// Newton's steps from `x` within the bounds: where they end, and −2 ln L_R there.
-    fn from(&self, mut x: DVector<f64>, control: Control<'_>) -> Option<(DVector<f64>, f64)> {
+    fn from(&self, mut x: DVector<f64>, control: Control<'_>) -> Option<(DVector<f64>, Slopes)> {
         let mut at = self.likelihood.slopes(&self.sizes(&x))?;
         for _ in 0..STEPS {
             if control.stopped() {
@@ -172,7 +187,7 @@ impl Search<'_, '_> {
             x = place;
             at = next;
         }
-        at.value.is_finite().then_some((x, at.value))
+        at.value.is_finite().then_some((x, at))
     }
 
     /// The step of those logarithms that no bound holds.

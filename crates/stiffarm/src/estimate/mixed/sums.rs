@@ -1,7 +1,9 @@
 //! Sums over the postures of an experiment from which the mixed model follows,
 //! with and without single postures.
 
+use super::means::gathered;
 use crate::estimate::identify::Whitened;
+use crate::numerics::information::scale_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -95,15 +97,14 @@ impl Rows {
         self.classes.len() - usize::from(self.held.is_some())
     }
 
-    /// `random` has one column per random effect (m per unit of its class), not yet
-    /// white; `white` are the whitened displacements; the columns of the fixed effects `idle` are zero.
+    /// `random` has one column per random effect, not yet white; `white` are the whitened displacements; the columns of the
+    /// fixed effects `idle` are zero.
     pub(super) fn new(
         whitened: &Whitened,
-        random: DMatrix<f64>,
+        random: &DMatrix<f64>,
         classes: Vec<Range<usize>>,
         white: &DVector<f64>,
         (idle, shifts): (&[usize], bool),
-        known: &Known,
     ) -> Self {
         let fixed = whitened.psi().ncols();
         let count = fixed + random.ncols() + 1;
@@ -128,12 +129,6 @@ impl Rows {
                 along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
-        let (read, rows) = (known.read.len(), all.nrows());
-        all = all.resize_vertically(rows + read, 0.0);
-        let mut below = all.rows_mut(rows, read);
-        let mut random = below.columns_mut(fixed, known.rows.ncols());
-        random.copy_from(&known.rows);
-        below.column_mut(count - 1).copy_from(&known.read);
         let mut whole = all.transpose() * &all;
         // As if each had been read as zero: of the rest this changes nothing.
         idle.iter().for_each(|j| whole[(*j, *j)] += 1.0);
@@ -146,8 +141,8 @@ impl Rows {
         let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;
         let alike = !along.is_empty() && along.iter().all(is_alike);
         Rows {
-            known: read,
-            held: known.ratio,
+            known: 0,
+            held: None,
             all,
             fixed,
             idle: idle.to_vec(),
@@ -158,6 +153,52 @@ impl Rows {
             directions: along,
             whole,
             start: whitened.factor().solve(white),
+        }
+    }
+
+    /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means` share a
+    /// mean; and with what is `known` of them.
+    pub(super) fn of_effects(
+        &self,
+        scales: impl Iterator<Item = f64> + Clone,
+        means: &[Range<usize>],
+        known: &Known,
+    ) -> Self {
+        let fixed = self.fixed;
+        let means: Vec<_> = means
+            .iter()
+            .map(|mean| fixed + mean.start..fixed + mean.end)
+            .collect();
+        let scales = std::iter::repeat_n(1.0, fixed).chain(scales);
+        let changed = |mut columns: DMatrix<f64>| {
+            scale_columns(&mut columns, scales.clone());
+            gathered(&mut columns, &means);
+            columns
+        };
+        let both = |sum: &DMatrix<f64>| changed(changed(sum.clone()).transpose());
+        let (mut all, mut whole) = (changed(self.all.clone()), both(&self.whole));
+        let (read, rows, last) = (known.read.len(), all.nrows(), all.ncols() - 1);
+        if read > 0 {
+            all = all.resize_vertically(rows + read, 0.0);
+            let mut below = all.rows_mut(rows, read);
+            let mut random = below.columns_mut(fixed, known.rows.ncols());
+            random.copy_from(&known.rows);
+            below.column_mut(last).copy_from(&known.read);
+            whole += below.tr_mul(&below);
+        }
+        Rows {
+            known: read,
+            held: known.ratio,
+            all,
+            whole,
+            seen: changed(self.seen.transpose()).transpose(),
+            alike: self.alike.as_ref().map(both),
+            idle: self.idle.clone(),
+            classes: self.classes.clone(),
+            postures: self.postures.clone(),
+            directions: self.directions.clone(),
+            start: self.start.clone(),
+            ..*self
         }
     }
 
