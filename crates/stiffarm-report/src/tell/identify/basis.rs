@@ -104,6 +104,7 @@ pub(super) fn size(source: &SystematicSource) -> Text {
         Quantity::new(unit, factor, Form::Significant(2))
     });
     let quantity = match source.unit.as_str() {
+        "1" if source.name == "springs" => return "half".into(),
         "1" => Quantity::PERCENT,
         "m" => two("mm", 1e3),
         "rad" if source.name == "lost-motion" => Quantity::GAP,
