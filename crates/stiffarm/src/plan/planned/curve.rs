@@ -1,7 +1,7 @@
 //! The best value for each number of postures, and what one more gains.
 
 use super::bounds::kept;
-use super::kinds::{Asked, Mode, Planned, SEED, Stage, check_count};
+use super::kinds::{Asked, Mode, Planned, SEED, Stage, check_count, check_repeats};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -45,6 +45,8 @@ pub struct CurveRequest {
     pub seed: u64,
     /// Whether to bound how good a group of each size could be.
     pub certificate: bool,
+    /// Whether the index `prediction` may choose postures within 15° of each other in every joint.
+    pub repeats: bool,
 }
 
 impl Default for CurveRequest {
@@ -56,6 +58,7 @@ impl Default for CurveRequest {
             time_limit: None,
             seed: SEED,
             certificate: true,
+            repeats: false,
         }
     }
 }
@@ -107,12 +110,14 @@ pub fn plan_curve(
     control: Control<'_>,
 ) -> Result<Planned<Curve, Asked<CurveRequest>>> {
     check_count(request.postures)?;
+    check_repeats(request.repeats, request.index)?;
     let (cell, findings) = prepared(cell, true);
     let (index, largest) = (request.index, request.postures);
     let global = GlobalOptions {
         seed: request.seed,
         rounds: request.rounds,
         time_limit: request.time_limit,
+        repeats: request.repeats,
         ..GlobalOptions::default()
     };
     let mut points = error_by_count(&cell, index, 1..largest, &global, control)?;
