@@ -5,6 +5,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::time::Duration;
 use stiffarm::model::cell::MeasuringTime;
+use stiffarm::model::elastic::ElasticSizes;
 use stiffarm::model::load::LoadCase;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
@@ -569,6 +570,37 @@ fn a_curve_with_its_bounds() {
     let [two_value, three_value] = [two, three].map(|size| size.point.value.unwrap());
     assert_eq!(two.gain, Some((three_value - two_value) / two_value));
     assert!(two.gain.unwrap() > 0.0);
+}
+
+/// What no posture shows stays however many there are: bounds of one size are not those of another over the root of the
+/// number, which lay above what was found.
+#[test]
+fn a_curve_of_predictions_has_the_bound_of_its_largest_plan() {
+    let mut cell = default_cell();
+    cell.noise.reading_variance = 1e-13;
+    cell.elastic = Some(ElasticSizes {
+        shift: 7e-7,
+        turn: 1.2e-6,
+        coupling: 5.2e-7,
+    });
+    for largest in [4, 12] {
+        let request = with(|o: &mut CurveRequest| {
+            (o.postures, o.rounds) = (largest, Some(1));
+        });
+        let curve = plan_curve(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+        let curve = curve.result;
+        for size in &curve.sizes {
+            let holds = size.efficiency.is_none_or(|share| share <= 1.0);
+            assert!(
+                holds,
+                "{} postures: {:?}",
+                size.point.postures, size.efficiency
+            );
+        }
+        let bounded = curve.sizes.iter().filter(|size| size.bound.is_some());
+        let bounded: Vec<usize> = bounded.map(|size| size.point.postures).collect();
+        assert_eq!(bounded, if largest < 12 { vec![] } else { vec![12] });
+    }
 }
 
 #[test]
