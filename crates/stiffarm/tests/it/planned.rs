@@ -258,7 +258,7 @@ fn with_loads(further: &[(&str, Load)]) -> Cell {
 #[test]
 fn minutes_are_spent_on_the_loads_that_predict_best() {
     let weight = ("weight", hanging(500.0));
-    let cell = with_loads(&[weight.clone()]);
+    let cell = with_loads(&[weight]);
     let mut request = quick(6);
     request.index = Index::Prediction;
     request.measuring_time = Some(Duration::from_secs(36 * 60));

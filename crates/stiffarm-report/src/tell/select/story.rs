@@ -122,8 +122,8 @@ fn takes(context: &Given<'_>, plan: &Plan) -> String {
 
 /// The way to load the arm that a plan for a given time takes, with its position.
 fn chosen_in_time(plan: &Plan) -> Option<(usize, &InTime)> {
-    let ways = plan.in_time.iter().enumerate();
-    ways.filter(|(_, way)| way.further_mass_kg.is_none()).nth(0)
+    let mut ways = plan.in_time.iter().enumerate();
+    ways.find(|(_, way)| way.further_mass_kg.is_none())
 }
 
 /// ` under rope and then weight`.
