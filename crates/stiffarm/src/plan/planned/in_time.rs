@@ -63,7 +63,7 @@ pub(super) fn in_time(
         return Err(too_short(&cell.time, seconds, &cell.setup.load));
     }
     if most > MOST_POSTURES {
-        let message = format!("{} are enough for {most} postures.", minutes(seconds));
+        let message = format!("{} would do for {most} postures.", minutes(seconds));
         let hint = format!("a plan has {MOST_POSTURES} at most: give less time");
         return Err(Error::invalid(message).hint(hint));
     }
@@ -184,7 +184,7 @@ fn value(model: &PredictionModel, under: &Cell, postures: &[Vec<f64>]) -> Option
 
 fn too_short(time: &MeasuringTime, seconds: f64, load: &Load) -> Error {
     let message = format!(
-        "{} are too short for a posture, which takes {} under the loads of this cell.",
+        "In {} no posture can be measured: one takes {} under the loads of this cell.",
         minutes(seconds),
         minutes(time.of(1, load))
     );
