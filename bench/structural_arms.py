@@ -9,7 +9,7 @@ random postures (or those of a plan), and predicted at 200 others:
 - other: the same of the first point under forces of 200 to 1000 N on it in all directions;
 - bands: share of the components of `other` inside their 95 % bands, and the mean half width;
 - k: share of the joints whose interval holds the stiffness with which joint axes alone best reproduce the arm over
-  1000 random postures under the rope (docs/identifying.md); worst joint behind it;
+  20,000 random postures of the cell under its rope (docs/identifying.md); worst joint behind it;
 - factor: true factor of compensation at new postures under the same load, and what `validate --folds all` promises over it
   (with --validate);
 - outlying: share of the experiments in which a sound posture is called outlying.
@@ -47,6 +47,12 @@ def springs_of(arm):
     for j, k in enumerate(arm["joint_stiffness_nm_per_rad"]):
         springs[j + 1, 5, 5] += 1 / k
     return springs
+
+
+@functools.cache
+def compliance_of(springs):
+    """That of joint axes which alone best reproduce the arm with these springs (bytes)."""
+    return reproduced(np.frombuffer(springs).reshape(JOINTS + 1, 6, 6), AT_ORIGINS)
 
 
 def table(path, heads, rows):
@@ -89,7 +95,7 @@ def experiment(folder, args, springs, count, seed):
     promised = run("validate", cell, readings, "--folds", "all") if args.validate else {}
     # These displacements are without noise.
     factor = same["displacement_rms_m"] / same["deviation_rms_m"]
-    k = 1 / reproduced(springs, AT_ORIGINS)
+    k = 1 / compliance_of(springs.tobytes())
     holds = []
     for value, joint in zip(k, found["joints"]):
         low, high = joint["interval"] or (None, None)

@@ -7,10 +7,12 @@ use stiffarm::Control;
 use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::saved::Saved;
+use stiffarm::estimate::systematic::{SystematicSource, mixed_systematic_errors};
 use stiffarm::estimate::validate::cross_validate_mixed;
-use stiffarm::model::elastic::{KnownElement, beams};
+use stiffarm::internals::{MixedModel, measured_system};
+use stiffarm::model::elastic::{ElasticSizing, KnownElement, beams, elastic_effects};
 use stiffarm::model::load::LoadCase;
-use stiffarm::model::observation::RowPart;
+use stiffarm::model::observation::{ElasticClass, RowPart};
 use stiffarm::plan::select::random_group;
 use stiffarm::work::predicted::{Loaded, Request};
 
@@ -148,6 +150,136 @@ fn other_loads_are_predicted_as_well_as_the_one_measured() {
     assert!(inside as f64 > 0.85 * count as f64, "{inside} of {count}");
     assert!(holds + 1 >= joints, "{holds} of {joints}");
     assert_eq!(outlying, 0);
+}
+
+/// What springs alone would say is a source of common error: half of the change to the likelier of two models without
+/// bearings and beams, fitted here with their common means as columns of their own. Where nothing gives way beyond the axes
+/// there is no such source.
+#[test]
+fn what_an_arm_is_made_of_is_a_source_of_error() {
+    let cell = default_cell();
+    let robot = &cell.setup.robot;
+    for (i, (name, arm)) in arms(&cell).enumerate() {
+        let measured = arm.measured(&cell, 8, 70 + i as u64);
+        let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
+        let mixed = MixedFit::new(&fit).unwrap();
+        let errors = mixed_systematic_errors(&mixed).unwrap();
+        let mut parts = errors.posterior.parts.iter();
+        let part = parts.find(|part| part.source == "springs").unwrap();
+        let found = mixed.compliance();
+        let springs = &found.values + 2.0 * DVector::from_column_slice(&part.response);
+        let likelier = ElasticSizing::ALL
+            .map(|sizing| springs_alone(robot, &fit, &measured, sizing))
+            .into_iter()
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let (_, own) = likelier.unwrap();
+        let size = own.rows(0, 6).amax();
+        for ((value, own), term) in springs
+            .iter()
+            .skip(6)
+            .zip(own.iter().skip(6))
+            .zip(&found.extra)
+        {
+            let far = (value - own).abs();
+            assert!(
+                far < 2e-3 * own.abs().max(0.1 * size),
+                "{name} {term:?}: {value:e} {own:e}"
+            );
+        }
+        for (value, own) in springs.iter().zip(own.iter()).take(6) {
+            assert!(
+                (value / own - 1.0).abs() < 1e-3,
+                "{name}: {value:e} {own:e}"
+            );
+        }
+    }
+    let rigid = Arm {
+        springs: vec![Matrix6::zeros(); 7],
+        axes: compliance_of(cell.require_prior().unwrap()),
+    };
+    let fit = Fit::new(
+        &cell,
+        &rigid.measured(&cell, 8, 3),
+        &IdentifyOptions::default(),
+    )
+    .unwrap();
+    let errors = mixed_systematic_errors(&MixedFit::new(&fit).unwrap()).unwrap();
+    let source = errors
+        .sources
+        .iter()
+        .find(|source| source.name == "springs");
+    let change = |source: &SystematicSource| {
+        source
+            .change
+            .iter()
+            .flatten()
+            .fold(0.0, |a, b| b.abs().max(a))
+    };
+    assert!(
+        source.is_none_or(|source| change(source) < 0.002),
+        "{source:#?}"
+    );
+}
+
+/// −2 ln L of springs alone, and all unknowns of the mixed model with them.
+fn springs_alone(
+    robot: &Robot,
+    fit: &Fit,
+    measured: &[MeasuredPosture],
+    sizing: ElasticSizing,
+) -> (f64, DVector<f64>) {
+    let axes = &fit.compliance().unwrap().values;
+    let weights = IdentifyOptions::default().weights;
+    let system = measured_system(fit.cell(), measured, &[], weights).unwrap();
+    let effects = elastic_effects(robot, axes.as_slice(), sizing);
+    let terms: Vec<ExtraTerm> = effects.iter().map(|effect| effect.0).collect();
+    let blocks: Vec<DMatrix<f64>> = measured
+        .iter()
+        .map(|own| {
+            let terms_there = PostureTerms::new(&fit.cell().setup, &own.posture.q, None).unwrap();
+            terms_there.block_with(robot, &terms)
+        })
+        .collect();
+    let rows: Vec<_> = blocks.iter().flat_map(|block| block.row_iter()).collect();
+    let columns = DMatrix::from_rows(&rows);
+    let is_positive =
+        |term: &ExtraTerm| matches!(term, ExtraTerm::Spring { row, column, .. } if row == column);
+    // Each class with its mean as a further column.
+    let (mut random, mut classes, mut origins) = (Vec::new(), Vec::new(), Vec::new());
+    for class in ElasticClass::ENTRIES {
+        let (from, mut mean) = (random.len(), DVector::zeros(columns.nrows()));
+        for (i, (term, own, scale)) in effects
+            .iter()
+            .enumerate()
+            .filter(|(_, effect)| effect.1 == class)
+        {
+            let column = columns.column(6 + i) * *scale;
+            if is_positive(term) {
+                mean += &column;
+            }
+            assert_eq!(*own, class);
+            random.push(column);
+            origins.push(Some(i));
+        }
+        random.push(mean);
+        origins.push(None);
+        classes.push(from..random.len());
+    }
+    let model = MixedModel::new(&system, &DMatrix::from_columns(&random), classes.clone()).unwrap();
+    let (gamma, sizes, value) = model.best().unwrap();
+    let (found, ..) = model.solve(gamma, &sizes, &[]).unwrap();
+    let mut out = DVector::zeros(6 + effects.len());
+    out.rows_mut(0, 6).copy_from(&found.rows(0, 6));
+    for class in classes {
+        let mean = found[6 + class.end - 1];
+        for k in class {
+            if let Some(i) = origins[k] {
+                let (term, _, scale) = &effects[i];
+                out[6 + i] = scale * (found[6 + k] + if is_positive(term) { mean } else { 0.0 });
+            }
+        }
+    }
+    (value, out)
 }
 
 /// A posture whose load was half as large again as stated, among those of arms that bend beyond their axes.

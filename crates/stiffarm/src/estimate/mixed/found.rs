@@ -1,7 +1,7 @@
 //! The sizes of one choice of random effects, and where its classes stand.
 
 use super::doubt::doubt;
-use super::likelihood::{Likelihood, Sizes};
+use super::likelihood::{Likelihood, Sizes, Solved};
 use super::means::gathered;
 use super::sums::{Known, Rows};
 use super::too_few;
@@ -23,6 +23,16 @@ pub(super) struct Found {
     pub(super) values: [f64; 2],
 }
 
+/// Which random effects are fitted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Choice {
+    pub(super) sizing: ElasticSizing,
+    /// With bearings and beams, or the entries of springs alone.
+    pub(super) structure: bool,
+    /// Standard deviation of a displacement, in which what a drawing knows counts; without it that does not count.
+    pub(super) sigma: Option<f64>,
+}
+
 /// The likeliest model of all postures but `left_out` (ascending), whose axes alone have the compliances `axes` and the
 /// ratio `gamma`; `columns` are those of the terms in their units. The sizes are looked for near `near`, or from several
 /// starts.
@@ -42,7 +52,12 @@ pub(super) fn likeliest(
 ) -> Result<(ElasticSizing, Found)> {
     let of = |sizing, near: Option<&Sizes>, sigma| {
         fit.control().check()?;
-        found(fit, columns, axes, gamma, left_out, (sizing, sigma), near)
+        let choice = Choice {
+            sizing,
+            structure: true,
+            sigma,
+        };
+        found(fit, columns, axes, gamma, left_out, choice, near)
     };
     let alike = of(ElasticSizing::Alike, near, None)?;
     let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes), None)?;
@@ -60,8 +75,7 @@ pub(super) fn likeliest(
     Ok((sizing, with))
 }
 
-/// The model with entries of this sizing, and with what the cell knows of bearings and links where a displacement's standard
-/// deviation is given; its sizes are looked for near those of another model, where there is one.
+/// The model of this choice; its sizes are looked for near those of another model, where there is one.
 ///
 /// # Errors
 /// Nothing left of the displacements, or no degree of freedom.
@@ -71,19 +85,19 @@ pub(super) fn found(
     axes: &DVector<f64>,
     gamma: f64,
     left_out: &[usize],
-    (sizing, sigma): (ElasticSizing, Option<f64>),
+    choice: Choice,
     near: Option<&Sizes>,
 ) -> Result<Found> {
     let effects = fitted(
         &fit.cell().setup.robot,
         joint_give(fit, axes).as_slice(),
-        sizing,
+        choice.sizing,
         &fit.cell().known_elements,
     );
     let mut random = columns.clone();
     scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
     gathered(&mut random, &means(&effects));
-    let known = known(&fit.cell().known_elements, &effects, sigma);
+    let known = known(&fit.cell().known_elements, &effects, choice.sigma);
     let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
     let shifts = whitened.is_separable() && !solution.independent_rows;
     let classes = classes(&effects);
@@ -94,13 +108,19 @@ pub(super) fn found(
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }
     let likelihood = Likelihood::new(&rows, left_out);
-    let nothing = std::iter::repeat_n(0.0, rows.told());
+    let is_structure = |class: &ElasticClass| {
+        matches!(class, ElasticClass::Bearing | ElasticClass::Beam) && !choice.structure
+    };
+    let nothing: Vec<bool> = (0..rows.told())
+        .map(|i| ElasticClass::ALL.get(i).is_some_and(is_structure))
+        .collect();
+    let zeros = std::iter::repeat_n(0.0, rows.told());
     let none = Sizes {
         gamma,
-        classes: nothing.chain(rows.held).collect(),
+        classes: zeros.chain(rows.held).collect(),
     };
     let (Some((sizes, value)), Some(without)) = (
-        likelihood.best(near, fit.control()),
+        likelihood.best(near, &nothing, fit.control()),
         likelihood.solve(&none),
     ) else {
         return Err(too_few("there are hardly more displacements than joints"));
@@ -142,6 +162,28 @@ impl Found {
         solved.map(|solved| solved.variance.sqrt())
     }
 
+    /// The solution of the equations of all postures in the effects' own units.
+    pub(super) fn solution(&self) -> Option<DVector<f64>> {
+        let solved = Likelihood::new(&self.rows, &[]).solve(&self.sizes)?;
+        Some(self.values(&solved))
+    }
+
+    /// What `solved` gives in the effects' own units: u = L w.
+    fn values(&self, solved: &Solved) -> DVector<f64> {
+        let means = moved(means(&self.effects), self.rows.fixed);
+        let mut values = DMatrix::from_columns(&[solved.values(&self.rows)]).transpose();
+        gathered(&mut values, &means);
+        DVector::from_fn(values.len(), |i, _| values[i] * self.scale(i))
+    }
+
+    /// Unit of unknown `i`.
+    fn scale(&self, i: usize) -> f64 {
+        match i.checked_sub(self.rows.fixed) {
+            Some(i) => self.effects[i].scale,
+            None => 1.0,
+        }
+    }
+
     /// The solution of the mixed-model equations of all postures but `left_out` in the effects' own units.
     pub(super) fn compliance(&self, fit: &Fit, left_out: &[usize]) -> Option<IdentifiedCompliance> {
         let Found {
@@ -153,26 +195,13 @@ impl Found {
         let likelihood = Likelihood::new(rows, left_out);
         let plain = fit.solution();
         let fixed = rows.fixed;
-        let scale = |i: usize| {
-            if i < fixed {
-                1.0
-            } else {
-                effects[i - fixed].scale
-            }
-        };
+        let scale = |i: usize| self.scale(i);
         let solved = likelihood.solve(sizes)?;
         let means = moved(means(effects), fixed);
         let (mut covariance, of_sizes) = doubt(rows, &likelihood, sizes, &solved);
-        // u = L w.
-        let mut values = DMatrix::from_columns(&[solved.values(rows)]).transpose();
-        gathered(&mut values, &means);
         for _ in 0..2 {
             gathered(&mut covariance, &means);
             covariance = covariance.transpose();
-        }
-        let mut values = values.transpose().column(0).into_owned();
-        for (i, value) in values.iter_mut().enumerate() {
-            *value *= scale(i);
         }
         for j in &rows.idle {
             covariance.row_mut(*j).fill(0.0);
@@ -185,7 +214,7 @@ impl Found {
         let sigma = solved.variance.sqrt();
         let std = |class| sizes.std(class, sigma);
         Some(IdentifiedCompliance {
-            values,
+            values: self.values(&solved),
             extra: terms(effects),
             spread: Some(Spread {
                 covariance,

@@ -213,9 +213,14 @@ impl<'a> Likelihood<'a> {
         Some((solved.value, gradient))
     }
 
-    /// The sizes of largest likelihood: from `near`, or from several starts. `None`
-    /// where there is no likelihood.
-    pub(super) fn best(&self, near: Option<&Sizes>, control: Control<'_>) -> Option<(Sizes, f64)> {
+    /// The sizes of largest likelihood: from `near`, or from several starts. Classes that are `nothing` are left out.
+    /// `None` where there is no likelihood.
+    pub(super) fn best(
+        &self,
+        near: Option<&Sizes>,
+        nothing: &[bool],
+        control: Control<'_>,
+    ) -> Option<(Sizes, f64)> {
         let units: Vec<f64> = (0..self.rows.told())
             .map(|class| self.rows.mean_square(class))
             .collect();
@@ -224,7 +229,7 @@ impl<'a> Likelihood<'a> {
             bounds: Vec::new(),
             // Logarithm of the λ that gives a row the variance of the noise.
             units: units.iter().map(|unit| -unit.ln()).collect(),
-            nothing: vec![false; units.len()],
+            nothing: nothing.to_vec(),
         };
         if self.rows.has_shifts() {
             problem.bounds.push(RATIO);
@@ -314,9 +319,9 @@ impl Search<'_, '_> {
             && let Some((_, gradient)) = self.likelihood.value_and_gradient(&self.sizes(&place))
         {
             let classes = sizes.classes.iter().zip(&gradient[shared..]);
-            self.nothing = classes
-                .map(|(size, slope)| *size == 0.0 && *slope >= 0.0)
-                .collect();
+            for (nothing, (size, slope)) in self.nothing.iter_mut().zip(classes) {
+                *nothing |= *size == 0.0 && *slope >= 0.0;
+            }
         }
         place
     }

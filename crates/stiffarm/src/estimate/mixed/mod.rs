@@ -48,7 +48,7 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Found, found, likeliest, means};
+use found::{Choice, Found, found, likeliest, means};
 use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
@@ -227,6 +227,34 @@ impl MixedFit {
         Response::with_random(&self.fit, &random, (&roots, &below), self.sizes.gamma)
     }
 
+    /// The likelier model of springs alone, without bearings and beams, less this one: change of all unknowns. What an arm is
+    /// made of is an assumption, and where it matters both differ.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn springs_alone(&self) -> Result<DVector<f64>> {
+        let (columns, solution) = (self.columns(), self.fit.solution());
+        let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
+        let of = |sizing| {
+            self.fit.control().check()?;
+            let choice = Choice {
+                sizing,
+                structure: false,
+                sigma,
+            };
+            let (axes, near) = (&solution.values, Some(&self.sizes));
+            found(&self.fit, &columns, axes, solution.gamma, &[], choice, near)
+        };
+        let [alike, by_joint] = [of(ElasticSizing::Alike)?, of(ElasticSizing::ByJoint)?];
+        let likelier = match by_joint.values[0] < alike.values[0] {
+            true => by_joint,
+            false => alike,
+        };
+        let springs = likelier.solution();
+        let springs = springs.ok_or_else(|| too_few("the equations are singular"))?;
+        Ok(springs - &self.compliance.values)
+    }
+
     /// What turns the unknowns into the compliance with which the joint axes alone best reproduce the arm over its cell.
     ///
     /// # Errors
@@ -326,15 +354,12 @@ impl MixedFit {
             let (axes, gamma, near) = (&solution.values, solution.gamma, Some(&self.sizes));
             let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
             let found = || {
-                let found = found(
-                    &self.fit,
-                    &columns,
-                    axes,
-                    gamma,
-                    left_out,
-                    (self.sizing, sigma),
-                    near,
-                );
+                let choice = Choice {
+                    sizing: self.sizing,
+                    structure: true,
+                    sigma,
+                };
+                let found = found(&self.fit, &columns, axes, gamma, left_out, choice, near);
                 found.ok()?.compliance(&self.fit, left_out)
             };
             let determined = solution.undetermined == self.rows.idle;

@@ -31,6 +31,9 @@ pub(super) struct Believed<'a> {
     pub half_widths: Vec<Option<f64>>,
     /// True where springs of the base are among the values, and not of size zero.
     pub base_turns: bool,
+    /// What the values change by where springs alone are expected, without bearings and beams; of the mixed model, where it
+    /// matters.
+    pub springs_alone: Option<DVector<f64>>,
     /// What is left of the displacements \[m\], where they are not those of the fit: of those that are not there
     /// yet nothing.
     pub expected: Option<&'a DVector<f64>>,
@@ -58,6 +61,7 @@ impl<'a> Believed<'a> {
             half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
             errors,
             base_turns: false,
+            springs_alone: None,
             expected: None,
         })
     }
@@ -119,6 +123,7 @@ impl<'a> Believed<'a> {
             base_turns: [ElasticClass::Turn, ElasticClass::Bearing]
                 .iter()
                 .any(|class| mixed.size(*class) > 0.0),
+            springs_alone: Some(mixed.springs_alone()?).filter(|change| change.norm() > 0.0),
             expected: None,
         })
     }

@@ -63,6 +63,7 @@ impl SystematicSource {
             "registration" => "registration",
             "base-tilt" => "tilt of the base",
             "sensor" => "compliance between flange and reflectors",
+            "springs" => "kind of springs",
             _ => "lost motion",
         }
     }
@@ -76,6 +77,7 @@ impl SystematicSource {
             "registration" => format!("{:.2} mrad an axis", 1e3 * self.size),
             "base-tilt" | "sensor" if self.size > 0.0 => stiffness(),
             "base-tilt" | "sensor" => "rigid".to_string(),
+            "springs" => "with or without bearings and beams".to_string(),
             _ => format!(
                 "{:.2} arc-minutes each joint",
                 60.0 * self.size.to_degrees()
@@ -112,6 +114,9 @@ impl SystematicSource {
             "registration" => "register with more points, farther apart, and declare how well",
             "base-tilt" => "measure a reflector on the base and subtract its motion",
             "sensor" => "give the stiffness of the sensor, or put the reflectors before it",
+            "springs" => {
+                "measure more postures or under a further load, or give what a drawing knows in [elastic]"
+            }
             _ => "measure against a light preload, or in more postures, which bound it",
         }
     }

@@ -47,13 +47,13 @@ pub struct SystematicPart {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SystematicSource {
     /// Stable name: `force-scale`, `anchor`, `loading-point`, `registration`,
-    /// `base-tilt`, `sensor`, `lost-motion`.
+    /// `base-tilt`, `sensor`, `lost-motion`, `springs`.
     pub name: String,
     /// Standard uncertainty, SI.
     pub size: f64,
     /// Unit of `size`; `1` for a fraction.
     pub unit: String,
-    /// True where the cell declares the size, false where it is assumed.
+    /// True where the cell declares the size or the readings give it, false where it is assumed.
     pub declared: bool,
     /// Change of each joint's stiffness (fraction) by one standard uncertainty:
     /// with its sign where the source is one number, the root sum of squares of
@@ -142,6 +142,8 @@ fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPoste
 ///   makes k too small. Those that the fit has among its unknowns are left out.
 ///   Displacements against a light preload are free of lost motion; the way from no load to the preload, where it was
 ///   read, shows it, and at work it is there again.
+/// - `springs`, of the mixed model alone: half of what would be found otherwise if springs alone were expected, without
+///   bearings and beams. The readings do not tell which an arm has.
 ///
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).

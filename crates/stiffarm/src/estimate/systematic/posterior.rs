@@ -70,8 +70,15 @@ pub(super) fn parts(believed: &Believed<'_>, sources: &[Source]) -> Result<Parts
     for part in shifts {
         fit.control().check()?;
         let own = response.weighed(&part.shift);
-        let change = response.of(&own);
-        left.push(response.left(&own, &change));
+        let (change, own) = match &part.change {
+            Some(change) => (change.clone(), own),
+            None => {
+                let change = response.of(&own);
+                let own = response.left(&own, &change);
+                (change, own)
+            }
+        };
+        left.push(own);
         changes.push(change);
     }
     let count = changes.len();

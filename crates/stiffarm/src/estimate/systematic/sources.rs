@@ -25,6 +25,8 @@ const BASE_TILT: f64 = 1e-8;
 const SENSOR: f64 = 1e-6;
 /// Half the gap of a joint in order, 0.1 arc-minute \[rad\].
 const LOST_MOTION: f64 = 0.1 / 60.0 * std::f64::consts::PI / 180.0;
+/// Half of what is found otherwise where springs alone are expected: all of it counts as 95 %.
+const SPRINGS: f64 = 0.5;
 /// Name of the source whose parts are alike.
 const LOST_MOTION_NAME: &str = "lost-motion";
 /// 1 − cosine below which a force counts as being along the rope.
@@ -49,6 +51,8 @@ pub(super) struct Part {
     pub shift: DVector<f64>,
     /// What acts again at work.
     pub at_work: Option<ExtraTerm>,
+    /// Change of the unknowns by one that moves no displacement: readings say nothing of it.
+    pub change: Option<DVector<f64>>,
 }
 
 /// What is nominal: the measurements with their terms and displacements.
@@ -157,6 +161,16 @@ pub(super) fn sources(
             nominal.terms(terms, size)
         },
     )?;
+    if let Some(alone) = &believed.springs_alone {
+        add("springs", Some(SPRINGS), SPRINGS, "1", &|size| {
+            Ok(vec![Part {
+                name: String::new(),
+                shift: DVector::zeros(system.delta.len()),
+                at_work: None,
+                change: Some(alone * size),
+            }])
+        })?;
+    }
     Ok(out)
 }
 
@@ -194,6 +208,7 @@ impl Nominal<'_> {
             name: name.to_string(),
             shift: rows,
             at_work: None,
+            change: None,
         })
     }
 
