@@ -101,6 +101,19 @@ proptest! {
                 prop_assert!((ours_covariance[(at, at)] - direct).abs() < 1e-8 * lambda[j] * variance);
             }
 
+            // The average of observed and expected curvature, with σ² at its best.
+            let mut parts = vec![dense_covariance(&system, gamma) - dense_covariance(&system, 0.0)];
+            parts.extend(classes.iter().zip(ratios).map(|(class, ratio)| {
+                let columns = random.columns(class.start, class.len());
+                columns * columns.transpose() * ratio
+            }));
+            let scattered = parts.iter().map(|part| part * &inverse * &left);
+            let scattered = DMatrix::from_columns(&scattered.collect::<Vec<_>>());
+            let along = scattered.transpose() * &inverse * &left;
+            let average = scattered.transpose() * &projected * &scattered - &along * along.transpose() / squares;
+            let ours = model.curvature(gamma, &ratios).unwrap() * (squares / free);
+            prop_assert!((&ours - &average).amax() < 1e-8 * average.amax(), "{ours} {average}");
+
             // Derivatives by differences.
             let at = |k: usize, h: f64| {
                 let mut ratios = ratios;

@@ -10,7 +10,6 @@ use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::identify::Fit;
 use crate::model::elastic::{Effect, ElasticClass, ElasticSizing, KnownElement, fitted, terms};
-use crate::numerics::information::scale_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -34,7 +33,7 @@ pub(super) struct Choice {
 }
 
 /// The likeliest model of all postures but `left_out` (ascending), whose axes alone have the compliances `axes` and the
-/// ratio `gamma`; `columns` are those of the terms in their units. The sizes are looked for near `near`, or from several
+/// ratio `gamma`; `white` are the columns of all effects in their units. The sizes are looked for near `near`, or from several
 /// starts.
 ///
 /// What a drawing knows of bearings and links counts as read once more, with the noise of these readings as its unit: the
@@ -44,7 +43,7 @@ pub(super) struct Choice {
 /// As [`found`]; interrupted.
 pub(super) fn likeliest(
     fit: &Fit,
-    columns: &DMatrix<f64>,
+    white: &Rows,
     axes: &DVector<f64>,
     gamma: f64,
     left_out: &[usize],
@@ -57,7 +56,7 @@ pub(super) fn likeliest(
             structure: true,
             sigma,
         };
-        found(fit, columns, axes, gamma, left_out, choice, near)
+        found(fit, white, axes, gamma, left_out, choice, near)
     };
     let alike = of(ElasticSizing::Alike, near, None)?;
     let by_joint = of(ElasticSizing::ByJoint, Some(&alike.sizes), None)?;
@@ -75,13 +74,21 @@ pub(super) fn likeliest(
     Ok((sizing, with))
 }
 
+/// Columns of the random effects, which are `columns` in their own units, as all models of a fit have them.
+pub(super) fn white(fit: &Fit, effects: &[Effect], columns: &DMatrix<f64>) -> Rows {
+    let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
+    let shifts = whitened.is_separable() && !solution.independent_rows;
+    let held = (solution.undetermined.as_slice(), shifts);
+    Rows::new(whitened, columns, classes(effects), fit.white(), held)
+}
+
 /// The model of this choice; its sizes are looked for near those of another model, where there is one.
 ///
 /// # Errors
 /// Nothing left of the displacements, or no degree of freedom.
 pub(super) fn found(
     fit: &Fit,
-    columns: &DMatrix<f64>,
+    white: &Rows,
     axes: &DVector<f64>,
     gamma: f64,
     left_out: &[usize],
@@ -94,16 +101,9 @@ pub(super) fn found(
         choice.sizing,
         &fit.cell().known_elements,
     );
-    let mut random = columns.clone();
-    scale_columns(&mut random, effects.iter().map(|effect| effect.scale));
-    gathered(&mut random, &means(&effects));
     let known = known(&fit.cell().known_elements, &effects, choice.sigma);
-    let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
-    let shifts = whitened.is_separable() && !solution.independent_rows;
-    let classes = classes(&effects);
-    let idle = solution.undetermined.as_slice();
-    let (white, held) = (fit.white(), (idle, shifts));
-    let rows = Rows::new(whitened, random, classes, white, held, &known);
+    let scales = effects.iter().map(|effect| effect.scale);
+    let rows = white.of_effects(scales, &means(&effects), &known);
     if rows.rest() <= ROUNDING * fit.white().norm() {
         return Err(too_few("the joint axes leave nothing of the displacements"));
     }

@@ -1,4 +1,4 @@
-//! The restricted likelihood of the mixed model, and the sizes that maximise it
+//! The restricted likelihood of the mixed model, which its sizes maximise
 //! (REML: Patterson & Thompson, Biometrika 58, 1971, 545–554,
 //! doi:10.1093/biomet/58.3.545), from Henderson's mixed-model equations
 //! (Biometrics 31, 1975, 423–447, doi:10.2307/2529430):
@@ -12,20 +12,8 @@
 
 use super::sums::{Alike, Rows};
 use crate::model::elastic::ElasticClass;
-use crate::numerics::control::Control;
 use crate::numerics::information::cholesky::Cholesky;
-use crate::numerics::optimise::{Evaluation, Options, Problem, minimise};
 use nalgebra::{DMatrix, DVector};
-
-/// Shares of the noise's variance, as exponents of e, that an effect's class may give to
-/// a row: below the first it is nothing, beyond the last there is no noise.
-const SHARES: [f64; 2] = [-16.0, 16.0];
-/// How far above the lower end of the bounds a search near known sizes starts.
-const LITTLE: f64 = 8.0;
-/// Where the search starts.
-const STARTS: [f64; 3] = [-3.0, 0.0, 3.0];
-/// ln γ of the variance that a posture's readings share.
-const RATIO: [f64; 2] = [-14.0, 20.0];
 
 /// Sizes of the random parts in units of σ².
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +47,8 @@ pub(super) struct Solved {
     kept: Vec<usize>,
     /// Λ^(1/2) of each column, 1 for fixed effects.
     scale: DVector<f64>,
+    /// XᵀV⁻¹X, the displacements its last column.
+    gram: DMatrix<f64>,
 }
 
 impl Solved {
@@ -86,6 +76,23 @@ impl Solved {
             for (i, row) in self.kept.iter().enumerate() {
                 out[(*row, *to)] = inverse[(i, j)];
             }
+        }
+        out
+    }
+
+    /// L⁻¹Λ^(1/2) x of columns x of unknowns, A = L Lᵀ: their squares are xᵀ(XᵀV⁻¹X + Λ⁻¹)⁻¹x.
+    fn whitened(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let kept = DMatrix::from_fn(self.kept.len(), x.ncols(), |i, j| {
+            x[(self.kept[i], j)] * self.scale[self.kept[i]]
+        });
+        self.factor.whitened(&kept)
+    }
+
+    /// Diagonal of A⁻¹.
+    fn scaled_diagonal(&self) -> DVector<f64> {
+        let mut out = DVector::from_element(self.scale.len(), 1.0);
+        for (i, value) in self.kept.iter().zip(&self.factor.inverse_diagonal()) {
+            out[*i] = *value;
         }
         out
     }
@@ -127,6 +134,10 @@ impl<'a> Likelihood<'a> {
         }
     }
 
+    pub(super) fn rows(&self) -> &'a Rows {
+        self.rows
+    }
+
     /// Postures that take no part, ascending.
     pub(super) fn left_out(&self) -> &'a [usize] {
         self.left_out
@@ -148,11 +159,16 @@ impl<'a> Likelihood<'a> {
                 .rows_mut(fixed + class.start, class.len())
                 .fill(size.sqrt());
         }
-        let gram = &sums.gram;
+        let gram = sums.gram;
         let kept: Vec<usize> = (0..unknowns).filter(|i| scale[*i] > 0.0).collect();
-        let mut matrix = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {
-            gram[(kept[i], kept[j])] * scale[kept[i]] * scale[kept[j]]
-        });
+        let mut matrix = DMatrix::zeros(kept.len(), kept.len());
+        for (j, from) in kept.iter().enumerate() {
+            let (column, size) = (gram.column(*from), scale[*from]);
+            // The factor reads the lower triangle.
+            for (i, row) in kept.iter().enumerate().skip(j) {
+                matrix[(i, j)] = column[*row] * scale[*row] * size;
+            }
+        }
         for i in fixed..kept.len() {
             matrix[(i, i)] += 1.0;
         }
@@ -179,179 +195,85 @@ impl<'a> Likelihood<'a> {
             factor,
             kept,
             scale,
+            gram,
         })
     }
 
     /// −2 ln L_R and its derivatives by ln γ (where the data tell shifts from noise)
     /// and by the ln λ of each class.
     pub(super) fn value_and_gradient(&self, sizes: &Sizes) -> Option<(f64, Vec<f64>)> {
+        let slopes = self.slopes(sizes)?;
+        Some((slopes.value, slopes.gradient.as_slice().to_vec()))
+    }
+
+    /// The same with the average of the observed and the expected curvature: a class scatters as w = ∂V/∂θ P y, and
+    /// wᵀP w is all it takes (Gilmour, Thompson & Cullis, Biometrics 51, 1995, 1440–1450, doi:10.2307/2533274); less what ln s²
+    /// takes of it.
+    pub(super) fn slopes(&self, sizes: &Sizes) -> Option<Slopes> {
         let solved = self.solve(sizes)?;
-        let fixed = self.rows.fixed;
-        let inverse = solved.scaled_inverse();
-        let mut gradient = Vec::with_capacity(4);
-        if self.rows.has_shifts() {
-            let unknowns = solved.change.len();
+        let (fixed, unknowns) = (self.rows.fixed, solved.change.len());
+        let shared = usize::from(self.rows.has_shifts());
+        let count = shared + self.rows.told();
+        let mut gradient = DVector::zeros(count);
+        // XᵀV⁻¹w, wᵀP y and, of the shifts, wᵀV⁻¹w.
+        let mut moved = DMatrix::zeros(unknowns, count);
+        let mut along = DVector::zeros(count);
+        let mut own = DMatrix::zeros(count, count);
+        if shared == 1 {
             let solution = solved.change.clone().resize_vertically(unknowns + 1, -1.0);
-            let covariance = solved.scaled(inverse.clone());
-            let [logarithms, squares, determinant] = self.rows.by_ratio(
+            let ratio = self.rows.by_ratio(
                 sizes.gamma,
                 self.left_out,
                 &solution,
-                &covariance,
                 self.alike.as_ref(),
+                &|x| solved.whitened(x),
+                &|| solved.scaled(solved.scaled_inverse()),
             );
-            gradient.push(logarithms + squares / solved.variance + determinant);
+            gradient[0] = ratio.logarithms - ratio.squares / solved.variance + ratio.determinant;
+            along[0] = ratio.squares;
+            own[(0, 0)] = ratio.twice;
+            moved.set_column(0, &-ratio.moved.rows(0, unknowns));
         }
-        let told = self.rows.classes.iter().zip(&sizes.classes);
-        for (class, size) in told.take(self.rows.told()) {
-            let own = class.clone().map(|c| fixed + c);
-            let trace: f64 = own.clone().map(|c| inverse[(c, c)]).sum();
-            let squares: f64 = own.map(|c| solved.change[c].powi(2)).sum();
-            let squares = if *size > 0.0 { squares / size } else { 0.0 };
-            gradient.push(class.len() as f64 - trace - squares / solved.variance);
+        let diagonal = solved.scaled_diagonal();
+        let range = |c: usize| {
+            let class = &self.rows.classes[c];
+            (fixed + class.start, class.len())
+        };
+        for c in (0..self.rows.told()).filter(|c| sizes.classes[*c] > 0.0) {
+            let (from, len) = range(c);
+            let effects = solved.change.rows(from, len);
+            let squares = effects.norm_squared() / sizes.classes[c];
+            let trace = diagonal.rows(from, len).sum();
+            gradient[shared + c] = len as f64 - trace - squares / solved.variance;
+            along[shared + c] = squares;
+            moved.set_column(
+                shared + c,
+                &(solved.gram.view((0, from), (unknowns, len)) * effects),
+            );
         }
-        Some((solved.value, gradient))
-    }
-
-    /// The sizes of largest likelihood: from `near`, or from several starts. Classes that are `nothing` are left out.
-    /// `None` where there is no likelihood.
-    pub(super) fn best(
-        &self,
-        near: Option<&Sizes>,
-        nothing: &[bool],
-        control: Control<'_>,
-    ) -> Option<(Sizes, f64)> {
-        let units: Vec<f64> = (0..self.rows.told())
-            .map(|class| self.rows.mean_square(class))
-            .collect();
-        let mut problem = Search {
-            likelihood: self,
-            bounds: Vec::new(),
-            // Logarithm of the λ that gives a row the variance of the noise.
-            units: units.iter().map(|unit| -unit.ln()).collect(),
-            nothing: nothing.to_vec(),
-        };
-        if self.rows.has_shifts() {
-            problem.bounds.push(RATIO);
-        }
-        problem.bounds.extend(units.iter().map(|_| SHARES));
-        let starts: Vec<Vec<f64>> = match near {
-            Some(sizes) => vec![problem.start(sizes)],
-            None => STARTS
-                .iter()
-                .map(|share| {
-                    let ratio = self.rows.has_shifts().then_some(0.0);
-                    ratio
-                        .into_iter()
-                        .chain(units.iter().map(|_| *share))
-                        .collect()
-                })
-                .collect(),
-        };
-        let options = Options {
-            tolerance: TOLERANCE,
-            max_iterations: 200,
-            ..Options::default()
-        };
-        let mut best: Option<(Sizes, f64)> = None;
-        for start in starts {
-            let found = minimise(&mut problem, &start, options, control);
-            let sizes = problem.sizes(&found.x);
-            if found.merit.is_finite()
-                && best.as_ref().is_none_or(|(_, value)| found.merit < *value)
-            {
-                best = Some((sizes, found.merit));
+        for c in 0..self.rows.told() {
+            let (from, len) = range(c);
+            let effects = solved.change.rows(from, len);
+            for k in 0..=shared + c {
+                let value = effects.dot(&moved.view((from, k), (len, 1)));
+                own[(shared + c, k)] = value;
+                own[(k, shared + c)] = value;
             }
         }
-        best.map(|(sizes, value)| self.without_nothing(sizes, value))
-    }
-
-    /// Classes that give next to nothing give nothing, where that is as likely.
-    fn without_nothing(&self, mut sizes: Sizes, mut value: f64) -> (Sizes, f64) {
-        for class in 0..self.rows.told() {
-            let mut less = sizes.clone();
-            less.classes[class] = 0.0;
-            if let Some(solved) = self.solve(&less)
-                && solved.value <= value + NOTHING
-            {
-                value = solved.value;
-                sizes = less;
-            }
-        }
-        (sizes, value)
-    }
-}
-
-/// Relative change of −2 ln L_R at which the search ends.
-const TOLERANCE: f64 = 1e-10;
-/// Differences of −2 ln L_R below this say nothing.
-const NOTHING: f64 = 1e-4;
-
-/// The search over logarithms: ln γ, then ln λ in units of each class.
-struct Search<'a, 'b> {
-    likelihood: &'b Likelihood<'a>,
-    bounds: Vec<[f64; 2]>,
-    units: Vec<f64>,
-    /// Classes that are nothing and stay so.
-    nothing: Vec<bool>,
-}
-
-impl Search<'_, '_> {
-    fn sizes(&self, x: &[f64]) -> Sizes {
-        let shared = usize::from(self.likelihood.rows.has_shifts());
-        let classes = x[shared..].iter().zip(&self.units);
-        Sizes {
-            gamma: if shared == 1 { x[0].exp() } else { 0.0 },
-            classes: classes
-                .zip(&self.nothing)
-                .map(|((x, unit), nothing)| if *nothing { 0.0 } else { (x + unit).exp() })
-                .chain(self.likelihood.rows.held)
-                .collect(),
-        }
-    }
-
-    /// Where a search near `sizes` starts. A class that was nothing starts as little, or stays nothing where it would be
-    /// less likely as that.
-    fn start(&mut self, sizes: &Sizes) -> Vec<f64> {
-        let shared = usize::from(self.likelihood.rows.has_shifts());
-        let place = self.place(sizes);
-        if sizes.classes.contains(&0.0)
-            && let Some((_, gradient)) = self.likelihood.value_and_gradient(&self.sizes(&place))
-        {
-            let classes = sizes.classes.iter().zip(&gradient[shared..]);
-            for (nothing, (size, slope)) in self.nothing.iter_mut().zip(classes) {
-                *nothing |= *size == 0.0 && *slope >= 0.0;
-            }
-        }
-        place
-    }
-
-    fn place(&self, sizes: &Sizes) -> Vec<f64> {
-        let ratio = self.likelihood.rows.has_shifts().then(|| sizes.gamma.ln());
-        let classes = sizes.classes.iter().zip(&self.units);
-        let all = ratio
-            .into_iter()
-            .chain(classes.map(|(size, unit)| size.ln() - unit));
-        // A class that was nothing starts as little, where its derivative is not nothing.
-        let kept = all.zip(&self.bounds);
-        kept.map(|(x, [low, high])| x.clamp(low + LITTLE, *high))
-            .collect()
-    }
-}
-
-impl Problem for Search<'_, '_> {
-    fn bounds(&self) -> &[[f64; 2]] {
-        &self.bounds
-    }
-
-    fn evaluate(&mut self, x: &[f64]) -> Evaluation {
-        let found = self.likelihood.value_and_gradient(&self.sizes(x));
-        let (value, gradient) = found.unwrap_or_else(|| (f64::INFINITY, vec![0.0; x.len()]));
-        Evaluation {
-            objective: value,
+        let seen = solved.whitened(&moved);
+        let free = solved.free as f64 * solved.variance;
+        let curvature = own - seen.tr_mul(&seen) - &along * along.transpose() / free;
+        Some(Slopes {
+            value: solved.value,
             gradient,
-            merit: value,
-            ..Evaluation::default()
-        }
+            curvature: curvature / solved.variance,
+        })
     }
+}
+
+/// −2 ln L_R with its derivatives by ln γ and the ln λ of each class.
+pub(super) struct Slopes {
+    pub(super) value: f64,
+    pub(super) gradient: DVector<f64>,
+    pub(super) curvature: DMatrix<f64>,
 }

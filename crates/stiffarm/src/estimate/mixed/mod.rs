@@ -22,6 +22,7 @@ mod model;
 mod never_loaded;
 mod reproduced;
 mod result;
+mod search;
 mod seen;
 mod sums;
 mod unlike;
@@ -48,7 +49,7 @@ use crate::model::load::Load;
 use crate::model::observation::{ExtraTerm, PostureTerms};
 use crate::numerics::information::scale_columns;
 use crate::numerics::jobs::in_order_watched;
-use found::{Choice, Found, found, likeliest, means};
+use found::{Choice, Found, found, likeliest, means, white};
 use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
@@ -62,6 +63,8 @@ pub struct MixedFit {
     fit: Fit,
     sizing: ElasticSizing,
     effects: Vec<Effect>,
+    /// The columns of all effects in their own units.
+    white: Rows,
     rows: Rows,
     /// Ψ of all unknowns, fixed effects first, in the effects' own units.
     system: MeasuredSystem,
@@ -143,17 +146,14 @@ impl MixedFit {
         }
         let robot = &fit.cell().setup.robot;
         // Which terms they are does not depend on their sizes.
-        let terms = terms(&fitted(
-            robot,
-            &[],
-            ElasticSizing::Alike,
-            &fit.cell().known_elements,
-        ));
+        let effects = fitted(robot, &[], ElasticSizing::Alike, &fit.cell().known_elements);
+        let terms = terms(&effects);
         let columns = fit.columns(&terms);
         let system = extended(fit.system(), &terms, &columns);
+        let white = white(fit, &effects, &columns);
         let near = other.map(|other| &other.sizes);
         let (axes, gamma) = (&solution.values, solution.gamma);
-        let (sizing, found) = likeliest(fit, &columns, axes, gamma, &[], near)?;
+        let (sizing, found) = likeliest(fit, &white, axes, gamma, &[], near)?;
         let compliance = found
             .compliance(fit, &[])
             .ok_or_else(|| too_few("the equations are singular"))?;
@@ -168,6 +168,7 @@ impl MixedFit {
             sizing,
             fit: fit.clone(),
             effects,
+            white,
             rows,
             system,
             sizes,
@@ -233,7 +234,7 @@ impl MixedFit {
     /// # Errors
     /// As [`new`](Self::new).
     pub(crate) fn springs_alone(&self) -> Result<DVector<f64>> {
-        let (columns, solution) = (self.columns(), self.fit.solution());
+        let solution = self.fit.solution();
         let sigma = self.compliance.spread.as_ref().map(|spread| spread.sigma);
         let of = |sizing| {
             self.fit.control().check()?;
@@ -242,8 +243,8 @@ impl MixedFit {
                 structure: false,
                 sigma,
             };
-            let (axes, near) = (&solution.values, Some(&self.sizes));
-            found(&self.fit, &columns, axes, solution.gamma, &[], choice, near)
+            let (axes, gamma) = (&solution.values, solution.gamma);
+            found(&self.fit, &self.white, axes, gamma, &[], choice, None)
         };
         let [alike, by_joint] = [of(ElasticSizing::Alike)?, of(ElasticSizing::ByJoint)?];
         let likelier = match by_joint.values[0] < alike.values[0] {
@@ -314,25 +315,10 @@ impl MixedFit {
         }
         // All is searched for afresh: what was found of all postures knows the others.
         let (axes, gamma) = (&plain.solution.values, plain.solution.gamma);
-        let found = likeliest(
-            &self.fit,
-            &self.columns(),
-            axes,
-            gamma,
-            &plain.left_out,
-            None,
-        )
-        .ok();
+        let found = likeliest(&self.fit, &self.white, axes, gamma, &plain.left_out, None).ok();
         out.mixed = found.and_then(|(_, found)| found.compliance(&self.fit, &plain.left_out));
         out.axes = Some(plain.solution.values);
         Ok(out)
-    }
-
-    /// Columns of the terms in their own units.
-    fn columns(&self) -> DMatrix<f64> {
-        let fixed = self.rows.fixed;
-        let psi = &self.system.psi;
-        psi.columns(fixed, psi.ncols() - fixed).into_owned()
     }
 
     fn new_folds(&self, count: usize) -> Result<Vec<MixedFold>> {
@@ -348,7 +334,7 @@ impl MixedFit {
     }
 
     fn folds_from(&self, plain: &[Fold]) -> Result<Vec<MixedFold>> {
-        let (control, columns) = (self.fit.control(), self.columns());
+        let control = self.fit.control();
         in_order_watched(plain, "leaving postures out", control, |(_, fold)| {
             let (solution, left_out) = (&fold.solution, fold.left_out.as_slice());
             let (axes, gamma, near) = (&solution.values, solution.gamma, Some(&self.sizes));
@@ -359,7 +345,7 @@ impl MixedFit {
                     structure: true,
                     sigma,
                 };
-                let found = found(&self.fit, &columns, axes, gamma, left_out, choice, near);
+                let found = found(&self.fit, &self.white, axes, gamma, left_out, choice, near);
                 found.ok()?.compliance(&self.fit, left_out)
             };
             let determined = solution.undetermined == self.rows.idle;

@@ -2,7 +2,7 @@
 
 use super::doubt::doubt;
 use super::likelihood::{Likelihood, Sizes};
-use super::sums::{Known, Rows};
+use super::sums::Rows;
 use crate::error::Result;
 use crate::estimate::identify::{MeasuredSystem, Whitened};
 use crate::numerics::control::Control;
@@ -28,14 +28,7 @@ impl MixedModel {
         let white = whitened.whiten(&system.delta);
         let shifts = whitened.is_separable();
         Ok(MixedModel {
-            rows: Rows::new(
-                &whitened,
-                random.clone(),
-                classes,
-                &white,
-                (&[], shifts),
-                &Known::nothing(random.ncols()),
-            ),
+            rows: Rows::new(&whitened, random, classes, &white, (&[], shifts)),
         })
     }
 
@@ -43,6 +36,12 @@ impl MixedModel {
     /// and by the logarithm of each class's variance ratio.
     pub fn value(&self, gamma: f64, classes: &[f64]) -> Option<(f64, Vec<f64>)> {
         Likelihood::new(&self.rows, &[]).value_and_gradient(&sizes(gamma, classes))
+    }
+
+    /// The curvature by which the search for the ratios steps.
+    pub fn curvature(&self, gamma: f64, classes: &[f64]) -> Option<DMatrix<f64>> {
+        let slopes = Likelihood::new(&self.rows, &[]).slopes(&sizes(gamma, classes))?;
+        Some(slopes.curvature)
     }
 
     /// h and u, their covariance and σ² at given ratios, all postures but `left_out`.

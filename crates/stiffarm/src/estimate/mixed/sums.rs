@@ -1,7 +1,9 @@
 //! Sums over the postures of an experiment from which the mixed model follows,
 //! with and without single postures.
 
+use super::means::gathered;
 use crate::estimate::identify::Whitened;
+use crate::numerics::information::scale_columns;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -95,15 +97,14 @@ impl Rows {
         self.classes.len() - usize::from(self.held.is_some())
     }
 
-    /// `random` has one column per random effect (m per unit of its class), not yet
-    /// white; `white` are the whitened displacements; the columns of the fixed effects `idle` are zero.
+    /// `random` has one column per random effect, not yet white; `white` are the whitened displacements; the columns of the
+    /// fixed effects `idle` are zero.
     pub(super) fn new(
         whitened: &Whitened,
-        random: DMatrix<f64>,
+        random: &DMatrix<f64>,
         classes: Vec<Range<usize>>,
         white: &DVector<f64>,
         (idle, shifts): (&[usize], bool),
-        known: &Known,
     ) -> Self {
         let fixed = whitened.psi().ncols();
         let count = fixed + random.ncols() + 1;
@@ -128,12 +129,6 @@ impl Rows {
                 along.extend(sizes.iter().map(|size| (b, *size)));
             }
         }
-        let (read, rows) = (known.read.len(), all.nrows());
-        all = all.resize_vertically(rows + read, 0.0);
-        let mut below = all.rows_mut(rows, read);
-        let mut random = below.columns_mut(fixed, known.rows.ncols());
-        random.copy_from(&known.rows);
-        below.column_mut(count - 1).copy_from(&known.read);
         let mut whole = all.transpose() * &all;
         // As if each had been read as zero: of the rest this changes nothing.
         idle.iter().for_each(|j| whole[(*j, *j)] += 1.0);
@@ -146,8 +141,8 @@ impl Rows {
         let is_alike = |(_, size): &(usize, f64)| (size / first - 1.0).abs() < ONE_SIZE;
         let alike = !along.is_empty() && along.iter().all(is_alike);
         Rows {
-            known: read,
-            held: known.ratio,
+            known: 0,
+            held: None,
             all,
             fixed,
             idle: idle.to_vec(),
@@ -158,6 +153,52 @@ impl Rows {
             directions: along,
             whole,
             start: whitened.factor().solve(white),
+        }
+    }
+
+    /// The same with random effects of other units: one of them is `scales` of those before, the columns of `means` share a
+    /// mean; and with what is `known` of them.
+    pub(super) fn of_effects(
+        &self,
+        scales: impl Iterator<Item = f64> + Clone,
+        means: &[Range<usize>],
+        known: &Known,
+    ) -> Self {
+        let fixed = self.fixed;
+        let means: Vec<_> = means
+            .iter()
+            .map(|mean| fixed + mean.start..fixed + mean.end)
+            .collect();
+        let scales = std::iter::repeat_n(1.0, fixed).chain(scales);
+        let changed = |mut columns: DMatrix<f64>| {
+            scale_columns(&mut columns, scales.clone());
+            gathered(&mut columns, &means);
+            columns
+        };
+        let both = |sum: &DMatrix<f64>| changed(changed(sum.clone()).transpose());
+        let (mut all, mut whole) = (changed(self.all.clone()), both(&self.whole));
+        let (read, rows, last) = (known.read.len(), all.nrows(), all.ncols() - 1);
+        if read > 0 {
+            all = all.resize_vertically(rows + read, 0.0);
+            let mut below = all.rows_mut(rows, read);
+            let mut random = below.columns_mut(fixed, known.rows.ncols());
+            random.copy_from(&known.rows);
+            below.column_mut(last).copy_from(&known.read);
+            whole += below.tr_mul(&below);
+        }
+        Rows {
+            known: read,
+            held: known.ratio,
+            all,
+            whole,
+            seen: changed(self.seen.transpose()).transpose(),
+            alike: self.alike.as_ref().map(both),
+            idle: self.idle.clone(),
+            classes: self.classes.clone(),
+            postures: self.postures.clone(),
+            directions: self.directions.clone(),
+            start: self.start.clone(),
+            ..*self
         }
     }
 
@@ -320,36 +361,70 @@ impl Rows {
         }
     }
 
-    /// Derivatives by ln γ of ln|V|, of the squares that `solution` (of X's columns,
-    /// −1 for the last) leaves, and of ln|XᵀV⁻¹X| whose inverse is `inverse`.
+    /// Derivatives by ln γ at `solution` (of X's columns, −1 for the last), where `whitened` makes of columns x of unknowns
+    /// those whose squares are xᵀ(XᵀV⁻¹X)⁻¹x, and `inverse` is that inverse.
     pub(super) fn by_ratio(
         &self,
         gamma: f64,
         left_out: &[usize],
         solution: &DVector<f64>,
-        inverse: &DMatrix<f64>,
         alike: Option<&Alike>,
-    ) -> [f64; 3] {
-        let mut out = [0.0; 3];
-        if let Some(alike) = alike {
+        whitened: &dyn Fn(&DMatrix<f64>) -> DMatrix<f64>,
+        inverse: &dyn Fn() -> DMatrix<f64>,
+    ) -> ByRatio {
+        let unknowns = solution.len() - 1;
+        // With fewer directions than unknowns their own columns are less work.
+        if let Some(alike) = alike.filter(|alike| alike.count > unknowns) {
             let part = gamma * alike.size;
             let change = part / (1.0 + part).powi(2);
-            let squares = solution.dot(&(&alike.gram * solution));
-            let count = inverse.ncols();
-            let own = alike.gram.view((0, 0), (count, count));
-            let traced = alike.count as f64 * part / (1.0 + part);
-            return [traced, -change * squares, -change * inverse.dot(&own)];
+            let moved = &alike.gram * solution * change;
+            let squares = solution.dot(&moved);
+            let own = alike.gram.view((0, 0), (unknowns, unknowns));
+            return ByRatio {
+                logarithms: alike.count as f64 * part / (1.0 + part),
+                determinant: -change * inverse().dot(&own),
+                twice: squares * part / (1.0 + part),
+                squares,
+                moved,
+            };
         }
-        let left = self.seen.tr_mul(solution);
-        let x = self.seen.rows(0, inverse.ncols());
-        let moved = inverse * x;
-        for (k, size) in self.kept(left_out) {
-            let whole = 1.0 + gamma * size;
-            let change = gamma * size / (whole * whole);
-            out[0] += gamma * size / whole;
-            out[1] -= change * left[k] * left[k];
-            out[2] -= change * moved.column(k).dot(&x.column(k));
+        let kept: Vec<(usize, f64)> = self.kept(left_out).collect();
+        let columns = kept.iter().map(|(k, _)| self.seen.column(*k));
+        let x = DMatrix::from_columns(&columns.collect::<Vec<_>>());
+        let left = x.tr_mul(solution);
+        let seen = whitened(&x.rows(0, unknowns).into_owned());
+        let mut out = ByRatio {
+            logarithms: 0.0,
+            squares: 0.0,
+            determinant: 0.0,
+            twice: 0.0,
+            moved: DVector::zeros(0),
+        };
+        let mut changed = left.clone();
+        for (i, (_, size)) in kept.iter().enumerate() {
+            let part = gamma * size;
+            let change = part / (1.0 + part).powi(2);
+            out.logarithms += part / (1.0 + part);
+            out.squares += change * left[i].powi(2);
+            out.twice += change * part / (1.0 + part) * left[i].powi(2);
+            out.determinant -= change * seen.column(i).norm_squared();
+            changed[i] *= change;
         }
+        out.moved = x * changed;
         out
     }
+}
+
+/// What changes with ln γ.
+pub(super) struct ByRatio {
+    /// Derivative of ln|V|.
+    pub(super) logarithms: f64,
+    /// Derivative of the squares that are left, its sign changed.
+    pub(super) squares: f64,
+    /// Derivative of ln|XᵀV⁻¹X|.
+    pub(super) determinant: f64,
+    /// wᵀV⁻¹w of w = ∂V/∂ln γ V⁻¹ r, r what is left.
+    pub(super) twice: f64,
+    /// XᵀV⁻¹w, its sign changed.
+    pub(super) moved: DVector<f64>,
 }

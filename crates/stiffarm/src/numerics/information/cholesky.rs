@@ -29,13 +29,24 @@ impl Cholesky {
         self.inverse_root.tr_mul(&(&self.inverse_root * right))
     }
 
+    /// L⁻¹ X.
+    pub fn whitened(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        &self.inverse_root * columns
+    }
+
+    /// Diagonal of A⁻¹.
+    pub fn inverse_diagonal(&self) -> DVector<f64> {
+        let columns = self.inverse_root.column_iter();
+        DVector::from_iterator(columns.len(), columns.map(|column| column.norm_squared()))
+    }
+
     /// A⁻¹.
     pub fn inverse(&self) -> DMatrix<f64> {
         self.inverse_root.transpose() * &self.inverse_root
     }
 }
 
-/// L⁻¹: with A in four blocks that of its first, then of what it leaves of the last.
+/// L⁻¹ from the lower triangle of A: with A in four blocks that of its first, then of what it leaves of the last.
 fn inverse_root(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
     if n <= SMALL {
