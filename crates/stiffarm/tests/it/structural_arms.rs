@@ -199,7 +199,7 @@ fn what_an_arm_is_made_of_is_a_source_of_error() {
     };
     let fit = Fit::new(
         &cell,
-        &rigid.measured(&cell, 8, 3),
+        rigid.measured(&cell, 8, 3),
         &IdentifyOptions::default(),
     )
     .unwrap();
