@@ -184,6 +184,8 @@ def page(cells, refused):
         words = [f"{short(middle)} ({short(most)}; {short(worst)})" for middle, most, worst in figures]
         lines.append(f"| {name if name == RANDOM else f'`{name}`'} | {' | '.join(words)} |")
     lines.append("")
+    if not {"novel", "classical"} <= set(INDICES):
+        return "\n".join(lines)
     told = [of_cell(cell, "deviation") for cell in cells]
     count = lambda holds: f"{sum(holds(values) for values in told)} of {len(told)}"
     lines += [
@@ -235,7 +237,9 @@ def main():
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--keep", default="cells.jsonl")
     parser.add_argument("--figure", help="also draw the cells")
+    parser.add_argument("--indices", default=",".join(INDICES), help="plans by these alone, for what the others leave open")
     args = parser.parse_args()
+    INDICES[:] = args.indices.split(",")
     binary = str(Path(args.binary).resolve())
     listed = json.loads(subprocess.run([binary, "robots", "--json"], capture_output=True, text=True, check=True).stdout)
     robots = sorted(robot["key"] for robot in listed["result"]["robots"] if robot["joint_count"] == 6)

@@ -100,6 +100,13 @@ pub fn length(metres: f64) -> String {
     }
 }
 
+/// A time \[s\] in minutes, to a tenth of one.
+pub fn minutes(seconds: f64) -> String {
+    let minutes = (seconds / 6.0).round() / 10.0;
+    let unit = if minutes == 1.0 { "minute" } else { "minutes" };
+    format!("{minutes} {unit}")
+}
+
 /// A length with its standard error, in one unit.
 pub(crate) fn length_with_error(metres: f64, error: f64) -> String {
     if metres.abs().max(error) >= 9.995e-6 {

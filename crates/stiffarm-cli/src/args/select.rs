@@ -25,6 +25,17 @@ pub struct SelectArgs {
     #[arg(long, short = 'n', value_name = "N", value_parser = within::<u64>(1..=MOST_POSTURES),
           conflicts_with_all = ["initial", "given"])]
     pub count: Option<u64>,
+    /// Time beside the robot instead of a number of postures, by [time] of the cell [min]
+    ///
+    /// Under prediction it also says which of the cell's loads each posture is measured under, and what the others, or a
+    /// weight hung as well, give in the same time.
+    #[arg(long, value_name = "MIN", value_parser = above_zero("min"), conflicts_with_all = ["count", "initial", "given",
+          "curve", "space_filling", "candidates", "anchor_box_mm", "loading_point_box_mm", "largest_load_n"])]
+    pub minutes: Option<f64>,
+    /// The index prediction may measure a posture again; without this no two postures of a plan are within 15° of each
+    /// other in every joint
+    #[arg(long, conflicts_with_all = ["initial", "space_filling", "candidates", "drop"])]
+    pub repeats: bool,
     /// The best value for every number of postures up to --count, and what one more gains
     #[arg(long, conflicts_with_all = ["initial", "given", "sensitivity"])]
     pub curve: bool,

@@ -464,3 +464,52 @@ fn help_names_every_index() {
     }
     assert!(help.contains("o1 to o5"));
 }
+
+/// Without a second load, and with one: how many postures, under what, and what else the time would give.
+#[test]
+fn minutes_instead_of_a_number_of_postures() {
+    let folder = Folder::new();
+    let cell = stiffarm_files::builtin::cell_text("comau").unwrap();
+    let loads = "kind = \"cases\"\n[[load.case]]\nname = \"rope\"\nkind = \"rope\"\nmagnitude_n = 500\n\
+        anchor_mm = [1800, 0, 0]\n[[load.case]]\nname = \"weight\"\nkind = \"weight\"\nmass_kg = 50\n";
+    let one = "kind = \"rope\"\nmagnitude_n = 500\nanchor_mm = [1800, 0, 0]\n";
+    assert!(cell.contains(one));
+    folder.write("both.toml", cell.replace(one, loads));
+    folder.write("slow.toml", format!("{cell}\n[time]\nposture_min = 6\n"));
+    let line = "--minutes 24 --rounds 1 --no-certificate";
+    for (cell, words) in [
+        (
+            "builtin:comau",
+            "Measuring 8 postures takes 24 minutes, at an assumed 3 minutes a posture ([time]). In the same time 6 \
+                           postures, a weight of 51 kg hung in each as well (a second `[[load.case]]`), would give ",
+        ),
+        (
+            "both.toml",
+            "Measuring 6 postures under rope and then weight takes 24 minutes, at an assumed 4 minutes a posture \
+                       ([time]). In the same time 8 postures under rope would give ",
+        ),
+        (
+            "slow.toml",
+            "Measuring 4 postures takes 24 minutes. In the same time 3 postures",
+        ),
+    ] {
+        let said = folder.ok(&format!("select {cell} {line}"));
+        assert!(said.replace("\n  ", " ").contains(words), "{said}");
+    }
+    let said = folder.ok("select builtin:comau -n 3 --rounds 1 --no-certificate");
+    let words = "Measuring them takes 9 minutes, at an assumed 3 minutes a posture ([time]).";
+    assert!(said.replace("\n  ", " ").contains(words), "{said}");
+    let said = folder.ok("check both.toml");
+    assert!(
+        said.contains("4 minutes a posture (assumed: [time])"),
+        "{said}"
+    );
+    for line in [
+        "builtin:comau --minutes 2",
+        "builtin:comau --minutes 20 -n 3",
+        "builtin:comau --minutes -1",
+        "builtin:comau -n 3 --index d --repeats",
+    ] {
+        folder.refused(&format!("select {line}"));
+    }
+}

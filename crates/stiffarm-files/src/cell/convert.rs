@@ -9,7 +9,7 @@ use super::raw::{
     RawValidation,
 };
 use super::robot;
-use super::route::route;
+use super::route::{route, time};
 use super::scene::{scene, with_link_shapes};
 use super::source::Source;
 use super::task::tasks;
@@ -54,6 +54,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
     let tasks = tasks(source, raw.task.as_ref(), &robot, &tool)?;
     let work = work(source, raw.work.as_ref(), &tool)?;
     let route = route(source, raw.route.as_ref(), &robot, entry)?;
+    let time = source.optional(&raw.time, time)?;
     let tracker = source.optional(&raw.tracker, tracker)?;
     let uncertainty = source.optional(&raw.uncertainty, |source, table| {
         uncertainty(source, table, &load)
@@ -82,6 +83,7 @@ pub(super) fn cell(source: &Source<'_>, raw: &RawCell) -> Result<Cell> {
         columns,
         work,
         route,
+        time: time.unwrap_or_default(),
     })
 }
 

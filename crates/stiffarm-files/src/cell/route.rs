@@ -1,9 +1,10 @@
-//! `[route]`: how the robot drives from posture to posture.
+//! `[route]`: how the robot drives from posture to posture; `[time]`: what measuring takes.
 
-use super::raw::{At, Number, RawRoute};
+use super::raw::{At, Minutes, Number, RawRoute, RawTime};
 use super::robot::angles;
 use super::source::Source;
 use stiffarm::error::{Code, Result};
+use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::robot::{CatalogueEntry, Robot};
 use stiffarm::model::route::RouteRules;
 use stiffarm::units::deg_to_rad;
@@ -75,4 +76,36 @@ pub(super) fn route(
         rules.load_stays_on = source.choice(text, &[("off", false), ("on", true)], hint)?;
     }
     Ok(rules)
+}
+
+/// Longest part of an experiment that is no slip of the unit \[min\].
+const LONGEST_MIN: f64 = 480.0;
+
+/// What measuring takes, where the cell says it.
+pub(super) fn time(source: &Source<'_>, table: &At<RawTime>) -> Result<MeasuringTime> {
+    let (raw, assumed) = (table.get(), MeasuringTime::default());
+    let posture = source.optional(&raw.posture_min, |source, value| {
+        source.positive(value)?;
+        minutes(source, value)
+    })?;
+    // A further load that hangs there already may take none.
+    let further_load = source.optional(&raw.further_load_min, minutes)?;
+    let further_anchor = source.optional(&raw.further_anchor_min, minutes)?;
+    Ok(MeasuringTime {
+        posture: posture.unwrap_or(assumed.posture),
+        further_load: further_load.unwrap_or(assumed.further_load),
+        further_anchor: further_anchor.unwrap_or(assumed.further_anchor),
+    })
+}
+
+fn minutes(source: &Source<'_>, value: &Number<Minutes>) -> Result<f64> {
+    if value.get() > LONGEST_MIN {
+        let message = format!(
+            "{} minutes are longer than a day beside the robot.",
+            value.get()
+        );
+        let error = source.error(Code::InvalidValue, value, message);
+        return Err(error.hint("give minutes, not seconds"));
+    }
+    source.not_negative(value)
 }

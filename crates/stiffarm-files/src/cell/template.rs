@@ -269,6 +269,12 @@ posture_common_mm = 0
 # common_shift_mm = 0.02
 # lost_motion_arcmin = 0.2
 
+# What measuring takes, for the minutes of a plan and select --minutes; these are assumed.
+# [time]
+# posture_min = 3          # a posture, read without load and under the first one
+# further_load_min = 1     # each further load in it: a weight hung, the rope at another anchor
+# further_anchor_min = 10  # each further anchor, once
+
 # Headings of the tracker's software, if it has its own: ours, with the unit of the
 # table, = theirs. Columns in ignore do not matter.
 # [columns]

@@ -65,6 +65,7 @@ pub fn deviation(cell: &Cell, plans: &[Plan], random: &Band) -> Figure {
                     ("drop-one", "drop one"),
                     ("d", "d"),
                     ("task", "task index"),
+                    ("prediction", "prediction"),
                 ],
             ),
         ],

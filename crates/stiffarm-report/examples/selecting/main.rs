@@ -36,7 +36,7 @@ const ROUNDS_DEFAULT: [u64; 3] = [1, 4, 16];
 const ROUNDS_REFERENCE: [u64; 4] = [1, 4, 16, 48];
 
 /// The indices of the table of plans.
-const INDICES: [Index; 12] = [
+const INDICES: [Index; 13] = [
     Index::Classical,
     Index::Condition,
     Index::Novel,
@@ -46,6 +46,7 @@ const INDICES: [Index; 12] = [
     Index::DropOne,
     Index::D,
     Index::Task,
+    Index::Prediction,
     Index::O3,
     Index::O4,
     Index::O5,

@@ -5,8 +5,8 @@ use super::postures::coarse;
 use crate::cell::usual_posture;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity, list, visible};
-use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Noise, PointBound};
+use stiffarm::findings::{Finding, Severity, list, minutes, visible};
+use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, MeasuringTime, Noise, PointBound};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::{CellCheck, LEFT_OUT, ONE_LOAD};
@@ -173,6 +173,7 @@ fn setup(cell: &Cell) -> DataTable {
         None => "computed where it is needed".to_string(),
     };
     rows.push(("characteristic length", length));
+    rows.push(("measuring", measuring(cell)));
     if !cell.validation.is_empty() {
         let names: Vec<&str> = cell.validation.iter().map(|p| p.name.as_str()).collect();
         rows.push(("validation postures", names.join(", ")));
@@ -192,6 +193,23 @@ fn setup(cell: &Cell) -> DataTable {
 fn point(position: &[f64]) -> String {
     let digits: Vec<String> = position.iter().map(|m| coarse(*m).digits()).collect();
     digits.join(", ")
+}
+
+/// What a posture takes, and what was set up before it.
+fn measuring(cell: &Cell) -> String {
+    let (time, load) = (&cell.time, &cell.setup.load);
+    let anchors = match time.of(0, load) {
+        none if none <= 0.0 => String::new(),
+        some => format!(", and {} for further anchors", minutes(some)),
+    };
+    let assumed = match *time == MeasuringTime::default() {
+        true => " (assumed: [time])",
+        false => "",
+    };
+    format!(
+        "{} a posture{anchors}{assumed}",
+        minutes(time.of_posture(load))
+    )
 }
 
 fn noise(noise: &Noise) -> String {

@@ -38,7 +38,7 @@ impl ElasticSource {
     pub fn in_words(self) -> &'static str {
         match self {
             ElasticSource::Declared => "the sizes that the cell declares in [elastic]",
-            ElasticSource::Typical => "typical sizes (no [elastic] in the cell)",
+            ElasticSource::Typical => "typical sizes (none in [elastic] of the cell)",
         }
     }
 }
@@ -109,6 +109,15 @@ impl KnownElement {
             term,
             compliance: 1.0 / stiffness,
             std: (factor - 1.0 / factor) / 2.0 / stiffness,
+        }
+    }
+
+    /// What is not known of it, a random effect.
+    pub(crate) fn effect(&self) -> Effect {
+        Effect {
+            term: self.term,
+            class: ElasticClass::Drawing,
+            scale: self.std,
         }
     }
 }
@@ -204,11 +213,7 @@ pub(crate) fn fitted(
     }));
     for known in drawing {
         all.retain(|effect| effect.term != known.term);
-        all.push(Effect {
-            term: known.term,
-            class: ElasticClass::Drawing,
-            scale: known.std,
-        });
+        all.push(known.effect());
     }
     all
 }

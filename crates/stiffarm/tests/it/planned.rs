@@ -3,6 +3,10 @@
 use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::time::Duration;
+use stiffarm::model::cell::MeasuringTime;
+use stiffarm::model::elastic::ElasticSizes;
+use stiffarm::model::load::LoadCase;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
 use stiffarm::plan::index::Evaluated;
@@ -177,6 +181,229 @@ fn requests_that_contradict_themselves_are_refused_with_their_key() {
         r.given = given();
         r.sensitivity = true;
     });
+    refused("repeats", |r| r.repeats = true);
+    refused("repeats", |r| {
+        (r.index, r.repeats) = (Index::Prediction, true);
+        r.initial = Some(given());
+        r.rounds = None;
+    });
+    refused("measuring_time", |r| {
+        r.given = given();
+        r.measuring_time = Some(Duration::from_secs(3600));
+    });
+}
+
+/// Joint 6 is free, the others hardly move.
+fn hardly_moving(last: [f64; 2]) -> Cell {
+    let mut cell = default_cell();
+    let bounds = [
+        [-5.0, 5.0],
+        [0.0, 8.0],
+        [-100.0, -92.0],
+        [20.0, 30.0],
+        [50.0, 60.0],
+        last,
+    ];
+    cell.bounds = bounds.map(|b| b.map(f64::to_radians)).to_vec();
+    cell
+}
+
+#[test]
+fn postures_that_are_alike_are_planned_where_they_may_be() {
+    let cell = hardly_moving([0.0, 10.0]);
+    let mut request = quick(8);
+    request.index = Index::Prediction;
+    let planned =
+        |cell: &Cell, request: &PlanRequest| plan(cell, request, &mut |_| {}, Control::default());
+    let error = planned(&cell, &request).map(|own| own.options).unwrap_err();
+    assert!(
+        error.message().contains("within 15°"),
+        "{}",
+        error.message()
+    );
+    assert!(error.hint_text().unwrap().contains("--repeats"));
+    request.repeats = true;
+    let again = planned(&cell, &request).unwrap();
+    assert_eq!(again.postures.len(), 8);
+    assert!(again.options.repeats);
+
+    // A whole turn makes no other posture: -180° and 180°.
+    let cell = hardly_moving([170.0, 180.0]);
+    let one = Posture {
+        name: "there".into(),
+        q: [0.0, 4.0, -96.0, 25.0, 55.0, -180.0]
+            .map(f64::to_radians)
+            .to_vec(),
+    };
+    (request.given, request.postures) = (vec![one], 1);
+    assert!(planned(&cell, &request).is_ok());
+    request.repeats = false;
+    assert!(planned(&cell, &request).is_err());
+}
+
+/// The default cell under its rope, and under these loads besides.
+fn with_loads(further: &[(&str, Load)]) -> Cell {
+    let mut cell = default_cell();
+    let rope = ("rope", cell.setup.load.clone());
+    let case = |(name, load): &(&str, Load)| LoadCase {
+        name: (*name).into(),
+        load: load.clone(),
+        loading_point: None,
+    };
+    let all = [rope].into_iter().chain(further.to_vec());
+    cell.setup.load = Load::Cases(all.map(|own| case(&own)).collect());
+    cell
+}
+
+#[test]
+fn minutes_are_spent_on_the_loads_that_predict_best() {
+    let weight = ("weight", hanging(500.0));
+    let cell = with_loads(&[weight]);
+    let mut request = quick(6);
+    request.index = Index::Prediction;
+    request.measuring_time = Some(Duration::from_secs(36 * 60));
+    let in_time =
+        |cell: &Cell, request: &PlanRequest| plan(cell, request, &mut |_| {}, Control::default());
+    let planned = in_time(&cell, &request).unwrap();
+    let result = &planned.result;
+    saved(result);
+    // The weight alone never turns joint 1.
+    let ways: Vec<(&[String], usize, f64)> = result
+        .in_time
+        .iter()
+        .map(|way| (way.loads.as_slice(), way.postures, way.time_s))
+        .collect();
+    let names = ["rope".to_string(), "weight".to_string()];
+    assert_eq!(ways, [(&names[..], 9, 2160.0), (&names[..1], 12, 2160.0)]);
+    assert_eq!((planned.postures.len(), result.time_s), (9, 2160.0));
+    assert_eq!(planned.cell.setup.load, cell.setup.load);
+    assert!(result.selection.value <= result.in_time[0].prediction * (1.0 + 1e-3));
+    // What the rope alone gives is what its own plan gives: its work is the same.
+    let mut alone = request.clone();
+    alone.measuring_time = None;
+    alone.postures = 12;
+    let alone = in_time(&default_cell(), &alone)
+        .unwrap()
+        .result
+        .selection
+        .value;
+    let told = result.in_time[1].prediction;
+    assert!((told / alone - 1.0).abs() < 1e-3, "{told} {alone}");
+
+    // Where hanging it takes as long as driving there, it is not hung.
+    let mut slow = cell.clone();
+    slow.time.further_load = 3000.0;
+    let planned = in_time(&slow, &request).unwrap();
+    assert_eq!(planned.result.in_time.len(), 1);
+    assert_eq!(planned.postures.len(), 12);
+    assert_eq!(planned.cell.setup.load.case_names(), "rope");
+
+    // A cell with the rope alone hears what the weight would give, and is not told to hang it.
+    let planned = in_time(&default_cell(), &request).unwrap();
+    assert_eq!(planned.postures.len(), 12);
+    let way = &planned.result.in_time[0];
+    assert_eq!((way.postures, way.loads.len()), (9, 0));
+    assert!((way.further_mass_kg.unwrap() - 500.0 / 9.80665).abs() < 1e-9);
+
+    // Under another index all loads are taken.
+    let mut other = request.clone();
+    other.index = Index::ExpectedError;
+    let planned = in_time(&cell, &other).unwrap();
+    assert_eq!(
+        (planned.postures.len(), planned.result.in_time.len()),
+        (9, 0)
+    );
+    for (seconds, words) in [(100, "no posture can"), (10_000_000, "at most")] {
+        request.measuring_time = Some(Duration::from_secs(seconds));
+        let error = in_time(&cell, &request).map(|own| own.options).unwrap_err();
+        let said = format!(
+            "{} {}",
+            error.message(),
+            error.hint_text().unwrap_or_default()
+        );
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
+fn further_loads_and_anchors_take_time() {
+    let rope = |y: f64| Load::Rope {
+        anchor: Vector3::new(1.8, y, 0.0),
+        magnitude: 500.0,
+    };
+    let (time, single) = (MeasuringTime::default(), rope(0.0));
+    let both = with_loads(&[("side", rope(1.0))]).setup.load;
+    let same = with_loads(&[("again", rope(0.0)), ("weight", hanging(500.0))])
+        .setup
+        .load;
+    for (load, twelve) in [
+        (&single, 36.0),
+        (&both, 12.0 * 4.0 + 10.0),
+        (&same, 12.0 * 5.0),
+    ] {
+        let seconds = time.of(12, load);
+        assert_eq!(seconds, 60.0 * twelve);
+        assert_eq!(time.postures_within(seconds, load), 12);
+        assert_eq!(time.postures_within(seconds - 1.0, load), 11);
+    }
+    assert_eq!(time.postures_within(300.0, &both), 0);
+}
+
+/// What `check` says that a second anchor would bring is what a cell with it has.
+#[test]
+fn a_second_anchor_is_worth_what_is_said() {
+    // The rope's shortest and longest would leave other postures for the work that a plan is made for.
+    let mut cell = default_cell();
+    cell.limits = Default::default();
+    let mut request = quick(4);
+    request.index = Index::Prediction;
+    let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+    let found = planned.result.further_load.unwrap();
+    let anchor = found.anchor.unwrap();
+    let [x, y, z] = anchor.position_m;
+    let Load::Rope {
+        anchor: first,
+        magnitude,
+    } = cell.setup.load
+    else {
+        unreachable!()
+    };
+    // A sixth of a turn about axis 1, as far from it and as high.
+    assert!((x.hypot(y) - first.x.hypot(first.y)).abs() < 1e-12 && (z - first.z).abs() < 1e-12);
+    let second = Load::Rope {
+        anchor: Vector3::new(x, y, z),
+        magnitude,
+    };
+    for (load, with, minutes) in [
+        (second, anchor.with, 4.0 + 10.0),
+        (hanging(magnitude), found.with, 4.0),
+    ] {
+        let mut cell = with_loads(&[("further", load)]);
+        cell.limits = Default::default();
+        let own = evaluate(&cell, "", &planned.postures)
+            .unwrap()
+            .indices
+            .prediction;
+        assert!((own.unwrap() / with - 1.0).abs() < 1e-9, "{own:?} {with}");
+        let takes = if minutes > 10.0 {
+            anchor.time_s
+        } else {
+            found.time_s
+        };
+        assert_eq!(takes, 60.0 * minutes);
+    }
+    // An anchor on axis 1 has no other.
+    let mut above = cell.clone();
+    above.setup.load = Load::Rope {
+        anchor: Vector3::new(0.0, 0.0, 3.5),
+        magnitude,
+    };
+    let found = plan(&above, &request, &mut |_| {}, Control::default());
+    assert!(found.is_ok_and(|own| {
+        own.result
+            .further_load
+            .is_none_or(|own| own.anchor.is_none())
+    }));
 }
 
 #[test]
@@ -343,6 +570,37 @@ fn a_curve_with_its_bounds() {
     let [two_value, three_value] = [two, three].map(|size| size.point.value.unwrap());
     assert_eq!(two.gain, Some((three_value - two_value) / two_value));
     assert!(two.gain.unwrap() > 0.0);
+}
+
+/// What no posture shows stays however many there are: bounds of one size are not those of another over the root of the
+/// number, which lay above what was found.
+#[test]
+fn a_curve_of_predictions_has_the_bound_of_its_largest_plan() {
+    let mut cell = default_cell();
+    cell.noise.reading_variance = 1e-13;
+    cell.elastic = Some(ElasticSizes {
+        shift: 7e-7,
+        turn: 1.2e-6,
+        coupling: 5.2e-7,
+    });
+    for largest in [4, 12] {
+        let request = with(|o: &mut CurveRequest| {
+            (o.postures, o.rounds) = (largest, Some(1));
+        });
+        let curve = plan_curve(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+        let curve = curve.result;
+        for size in &curve.sizes {
+            let holds = size.efficiency.is_none_or(|share| share <= 1.0);
+            assert!(
+                holds,
+                "{} postures: {:?}",
+                size.point.postures, size.efficiency
+            );
+        }
+        let bounded = curve.sizes.iter().filter(|size| size.bound.is_some());
+        let bounded: Vec<usize> = bounded.map(|size| size.point.postures).collect();
+        assert_eq!(bounded, if largest < 12 { vec![] } else { vec![12] });
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
 use stiffarm::internals::elastic_effects;
 use stiffarm::model::cell::Task;
-use stiffarm::model::elastic::{ElasticSizes, ElasticSizing, ElasticSource};
+use stiffarm::model::elastic::{ElasticSizes, ElasticSizing, ElasticSource, KnownElement, beams};
 use stiffarm::model::load::LoadCase;
 use stiffarm::model::observation::{ExtraTerm, Setup};
 use stiffarm::plan::certificate::{CertificateOptions, certify};
@@ -357,7 +357,29 @@ fn expected_arms_are_made_of_what_identify_fits() {
     const SIZES: [f64; 5] = [0.0005, 0.005, 0.002, 0.06, 0.5];
     let mut cell = default_cell();
     let rope = cell.setup.load.clone();
-    for several in [false, true] {
+    // Bearing, link and base of a drawing, the base much stiffer than expected; the last time all entries are declared.
+    let beam = beams(&cell.setup.robot)[0];
+    let drawing = [
+        KnownElement::new(ExtraTerm::JointTilt(1), 8e6, 1.5),
+        KnownElement::new(beam, 3e6, 1.2),
+        KnownElement::new(ExtraTerm::BaseTilt, 1e9, 1.5),
+    ];
+    let declared = ElasticSizes {
+        shift: 3e-8,
+        turn: 5e-8,
+        coupling: 2e-8,
+    };
+    let cases = [
+        (false, false, None),
+        (true, false, None),
+        (false, true, None),
+        (true, true, Some(declared)),
+    ];
+    let mut promised = Vec::new();
+    for (several, drawn, sizes) in cases {
+        cell.setup.load = rope.clone();
+        cell.elastic = sizes;
+        cell.known_elements = if drawn { drawing.to_vec() } else { Vec::new() };
         if several {
             let case = |name: &str, load: Load, loading_point| LoadCase {
                 name: name.into(),
@@ -381,7 +403,38 @@ fn expected_arms_are_made_of_what_identify_fits() {
         let c = give.iter().map(|h| h.ln()).sum::<f64>() / 6.0;
         let (c, length) = (c.exp(), robot.length() + cell.setup.tool.tcp().norm());
         let units = [c * length * length, c, c * length, c, c / length];
-        let effects = elastic_effects(robot, &give, ElasticSizing::ByJoint);
+        // Term, standard deviation, class where its size is expected and not known, whether it scatters about a mean.
+        let mut effects: Vec<(ExtraTerm, f64, Option<usize>, bool)> = Vec::new();
+        for (term, class, scale) in elastic_effects(robot, &give, ElasticSizing::ByJoint) {
+            let positive = match term {
+                ExtraTerm::Spring { row, column, .. } => row == column,
+                _ => true,
+            };
+            let class = class as usize;
+            match sizes {
+                _ if cell.known_elements.iter().any(|own| own.term == term) => {}
+                None => effects.push((
+                    term,
+                    scale * SIZES[class] * units[class],
+                    Some(class),
+                    positive,
+                )),
+                Some(sizes) => {
+                    // Alike in all joints, none of the elements: its class is that of the entry.
+                    let size = [sizes.shift, sizes.turn, sizes.coupling];
+                    let scale = if positive { 1.0 } else { 0.5f64.sqrt() };
+                    let entry = size
+                        .get(class)
+                        .map(|size| (term, scale * size, Some(class), false));
+                    effects.extend(entry);
+                }
+            }
+        }
+        let known = cell
+            .known_elements
+            .iter()
+            .map(|own| (own.term, own.std, None, false));
+        effects.extend(known);
         let columns = |setup: &Setup, terms: &PostureTerms, factor: f64| {
             let all: Vec<ExtraTerm> = effects.iter().map(|(term, ..)| *term).collect();
             let mut rows = terms.block_with(&setup.robot, &all);
@@ -389,16 +442,11 @@ fn expected_arms_are_made_of_what_identify_fits() {
             for (j, h) in give.iter().enumerate() {
                 rows.column_mut(j).scale_mut(*h);
             }
-            for (e, (term, class, scale)) in effects.iter().enumerate() {
-                let class = *class as usize;
+            for (e, (_, size, class, positive)) in effects.iter().enumerate() {
                 let mut column = rows.column_mut(6 + e);
-                column *= scale * SIZES[class] * units[class] * factor;
-                let positive = match term {
-                    ExtraTerm::Spring { row, column, .. } => row == column,
-                    _ => true,
-                };
-                if positive {
-                    let mut mean = means.column_mut(class);
+                column *= size * class.map_or(1.0, |_| factor);
+                if let (Some(class), true) = (class, positive) {
+                    let mut mean = means.column_mut(*class);
                     mean += column;
                 }
             }
@@ -444,12 +492,20 @@ fn expected_arms_are_made_of_what_identify_fits() {
         let found = evaluate(&cell, "", &group).unwrap().indices;
         let near = |ours: f64, golden: f64| {
             let error = (ours / golden - 1.0).abs();
-            assert!(error < 1e-8, "several loads {several}: {ours} {golden}");
+            assert!(
+                error < 1e-8,
+                "several loads {several}, drawing {drawn}: {ours} {golden}"
+            );
         };
         near(found.prediction.unwrap(), value(1.0));
         near(found.prediction_range.unwrap()[0], value(1.0 / 3.0));
         near(found.prediction_range.unwrap()[1], value(3.0));
-        assert_eq!(found.prediction_sizes, Some(ElasticSource::Typical));
+        let source = match sizes {
+            None => ElasticSource::Typical,
+            Some(_) => ElasticSource::Declared,
+        };
+        assert_eq!(found.prediction_sizes, Some(source));
+        promised.push(found.prediction.unwrap());
 
         // The searches' own form, and its gradient.
         let mut function = IndexFunction::new(&cell, Index::Prediction, 5).unwrap();
@@ -471,6 +527,8 @@ fn expected_arms_are_made_of_what_identify_fits() {
             );
         }
     }
+    // What is known need not be measured.
+    assert!(promised[2] < 0.999 * promised[0], "{promised:?}");
 }
 
 /// Short searches: no posture is as good as another, one more round gains little, and the bound holds.

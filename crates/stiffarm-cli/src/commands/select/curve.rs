@@ -18,6 +18,7 @@ pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
     request.time_limit = budget.time_limit;
     request.seed = budget.seed.unwrap_or(request.seed);
     request.certificate = !job.args.no_certificate;
+    request.repeats = job.args.repeats;
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
         let mut watch = |stage| job.tell(&progress, stage);

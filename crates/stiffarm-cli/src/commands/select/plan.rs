@@ -5,8 +5,10 @@ use super::load;
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
-use stiffarm::Result;
+use std::time::Duration;
 use stiffarm::plan::planned::{PlanRequest, plan};
+use stiffarm::units::min_to_s;
+use stiffarm::{Error, Result};
 use stiffarm_files::source::Source;
 
 /// Selects, bounds and examines the plan, and writes plan and sheet.
@@ -39,6 +41,8 @@ fn request(job: &Job<'_>) -> Result<PlanRequest> {
         None => args.count,
     };
     request.postures = count.map_or(request.postures, to_usize);
+    request.measuring_time = args.minutes.map(measuring_time).transpose()?;
+    request.repeats = args.repeats;
     let iterations = args.existing.max_iterations;
     request.max_iterations = iterations.unwrap_or(request.max_iterations);
     request.rounds = args.budget.rounds;
@@ -51,4 +55,10 @@ fn request(job: &Job<'_>) -> Result<PlanRequest> {
     request.sensitivity = args.sensitivity;
     request.prices = args.prices;
     Ok(request)
+}
+
+/// Minutes as a time.
+fn measuring_time(minutes: f64) -> Result<Duration> {
+    Duration::try_from_secs_f64(min_to_s(minutes))
+        .map_err(|_| Error::invalid("The number is too large.").key("--minutes"))
 }

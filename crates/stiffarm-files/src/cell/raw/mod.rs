@@ -18,11 +18,13 @@ pub(super) use read::{Node, Reading, Value};
 
 pub(super) use columns::{RawColumn, RawColumns};
 pub(super) use instruments::{RawSensor, RawTracker, RawUncertainty};
-pub(super) use route::RawRoute;
+pub(super) use route::{RawRoute, RawTime};
 pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
 pub(super) use work::{RawFeature, RawForce, RawMilling, RawWork};
 
 pub(super) use value::{At, Deg, Fixed, List, Mm, Number, Placed, Text, Unit};
+
+pub(super) use value::Minutes;
 
 use value::{Mm2, Um};
 
@@ -64,6 +66,8 @@ tables! {
         work: At<RawWork>,
         /// How the robot drives from posture to posture.
         route: At<RawRoute>,
+        /// What measuring takes, for the minutes of a plan.
+        time: At<RawTime>,
         /// The force sensor whose readings stand in tables of raw readings.
         sensor: At<RawSensor>,
         /// The laser tracker: where its readings' axes are, and how exact it is.

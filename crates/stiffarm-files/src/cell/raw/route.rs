@@ -1,6 +1,6 @@
-//! `[route]`: how the robot drives from posture to posture.
+//! `[route]`: how the robot drives from posture to posture; `[time]`: what measuring takes.
 
-use super::value::Percent;
+use super::value::{Minutes, Percent};
 use super::{Deg, List, Number, Text};
 
 tables! {
@@ -19,5 +19,16 @@ tables! {
         approach_deg: Number<Deg>,
         /// Whether the load is taken off before each move ("off", the default) or stays "on".
         load: Text [with = "Option<String>", extend("enum" = ["off", "on"])],
+    }
+
+    /// What measuring takes beside the robot, for the minutes of a plan.
+    struct RawTime as "Time" {
+        /// A posture, with its readings without load and under the first one, minutes (default: 3).
+        posture_min: Number<Minutes>,
+        /// Each further load in the same posture, minutes: a weight hung, the rope hooked to another anchor
+        /// (default: 1).
+        further_load_min: Number<Minutes>,
+        /// Each further anchor of a rope, once, minutes: it is set up before the first posture (default: 10).
+        further_anchor_min: Number<Minutes>,
     }
 }

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 use stiffarm::units::{
-    arcmin_to_rad, deg_to_rad, mm_to_m, mm2_to_m2, mrad_to_rad, n_per_mm_to_n_per_m,
+    arcmin_to_rad, deg_to_rad, min_to_s, mm_to_m, mm2_to_m2, mrad_to_rad, n_per_mm_to_n_per_m,
     n_per_mm2_to_pa, percent_to_fraction, rpm_to_hz, um_to_m, urad_to_rad,
 };
 #[cfg(feature = "schema")]
@@ -69,6 +69,7 @@ units! {
     Urad: urad_to_rad;
     Arcmin: arcmin_to_rad;
     Percent: percent_to_fraction;
+    Minutes: min_to_s;
     Rpm: rpm_to_hz;
     NPerMm: n_per_mm_to_n_per_m;
     NPerMm2: n_per_mm2_to_pa;

@@ -4,10 +4,11 @@ use super::super::worth::{index_number, index_says, is_beyond_first_order, least
 use crate::tell::Given;
 use crate::tell::Text;
 use stiffarm::Termination;
-use stiffarm::findings::{Severity, visible};
+use stiffarm::findings::{Severity, minutes, visible};
+use stiffarm::model::cell::MeasuringTime;
 use stiffarm::plan::feasibility::{HIDDEN_POINTS, NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::Plan;
+use stiffarm::plan::planned::{InTime, Plan};
 use stiffarm::plan::select::different;
 
 /// Below this share of what is possible a longer search is worth its time.
@@ -94,6 +95,46 @@ fn done(context: &Given<'_>, plan: &Plan) -> Text {
     }
 }
 
+/// What measuring the plan takes.
+fn takes(context: &Given<'_>, plan: &Plan) -> String {
+    let count = plan.selection.group.len();
+    if plan.time_s <= 0.0 || count == 0 {
+        return String::new();
+    }
+    let loads = chosen_in_time(plan).map_or_else(String::new, |(_, own)| under(&own.loads));
+    let assumed = context
+        .cell
+        .filter(|cell| cell.time == MeasuringTime::default());
+    let how = assumed.map_or_else(String::new, |cell| {
+        let each = minutes(cell.time.of_posture(&cell.setup.load));
+        format!(", at an assumed {each} a posture ([time])")
+    });
+    let what = match (count, plan.in_time.is_empty()) {
+        (1, _) => "it".to_string(),
+        (_, true) => "them".to_string(),
+        (count, false) => format!("{count} postures"),
+    };
+    format!(
+        " Measuring {what}{loads} takes {}{how}.",
+        minutes(plan.time_s)
+    )
+}
+
+/// The way to load the arm that a plan for a given time takes, with its position.
+fn chosen_in_time(plan: &Plan) -> Option<(usize, &InTime)> {
+    let mut ways = plan.in_time.iter().enumerate();
+    ways.find(|(_, way)| way.further_mass_kg.is_none())
+}
+
+/// ` under rope and then weight`.
+fn under(loads: &[String]) -> String {
+    if loads.is_empty() {
+        return String::new();
+    }
+    let names: Vec<_> = loads.iter().map(|name| visible(name)).collect();
+    format!(" under {}", names.join(" and then "))
+}
+
 fn came(context: &Given<'_>, plan: &Plan) -> Text {
     let index = plan.selection.index;
     let mut text = Text::new(index_says(index)).number(index_number(context, index, "/value"));
@@ -158,13 +199,51 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
     }
     let least = least_sure(context, "/evaluation", &plan.evaluation, &plan.joints);
     text.then(least)
+        .words(takes(context, plan))
+        .then(in_time(context, plan))
         .then(further_load(context, plan))
         .words(on_limits(context))
 }
 
+/// What the other ways to load the arm would bring in the same time.
+fn in_time(context: &Given<'_>, plan: &Plan) -> Text {
+    let mut text = Text::default();
+    let Some((chosen, _)) = chosen_in_time(plan) else {
+        return text;
+    };
+    let others = plan.in_time.iter().enumerate();
+    for (i, way) in others.filter(|(i, _)| *i != chosen) {
+        let is_first = text == Text::default();
+        text = text.words(match (is_first, way.postures) {
+            (true, 1) => " In the same time one posture".to_string(),
+            (true, count) => format!(" In the same time {count} postures"),
+            (false, 1) => "; one".to_string(),
+            (false, count) => format!("; {count}"),
+        });
+        text = match way.further_mass_kg {
+            Some(mass) => text
+                .words(format!(
+                    ", a weight of {mass:.0} kg hung in each as well (a second "
+                ))
+                .code("[[load.case]]")
+                .words("), would give "),
+            None => text.words(format!("{} would give ", under(&way.loads))),
+        };
+        let below = format!("/in_time/{i}/prediction");
+        text = text.number(index_number(context, Index::Prediction, &below));
+    }
+    if text == Text::default() {
+        text
+    } else {
+        text.words(".")
+    }
+}
+
 /// What a second load would bring.
 fn further_load(context: &Given<'_>, plan: &Plan) -> Text {
-    let Some(found) = &plan.further_load else {
+    // For a given time that is said already, with fewer postures.
+    let said = plan.in_time.iter().any(|way| way.further_mass_kg.is_some());
+    let Some(found) = plan.further_load.as_ref().filter(|_| !said) else {
         return Text::default();
     };
     let of = |key: &str| index_number(context, Index::Prediction, &format!("/further_load/{key}"));
@@ -173,7 +252,10 @@ fn further_load(context: &Given<'_>, plan: &Plan) -> Text {
         found.mass_kg
     ))
     .code("[[load.case]]")
-    .words(") would bring the error of the deflection at work from ")
+    .words(format!(
+        ", {} more) would bring the error of the deflection at work from ",
+        minutes(found.time_s)
+    ))
     .number(of("without"))
     .words(" to ")
     .number(of("with"))

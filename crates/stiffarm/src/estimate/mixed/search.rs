@@ -14,7 +14,7 @@ const STARTS: [f64; 3] = [0.0, -3.0, 3.0];
 /// ln γ of the variance that a posture's readings share.
 const RATIO: [f64; 2] = [-14.0, 20.0];
 /// Steps end where −2 ln L_R would fall by less than this share of itself.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-9;
 /// Differences of −2 ln L_R below this say nothing.
 const NOTHING: f64 = 1e-4;
 /// A class of this curvature is something: −2 ln L_R would rise by about as much without it.

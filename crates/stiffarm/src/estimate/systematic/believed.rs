@@ -39,6 +39,9 @@ pub(super) struct Believed<'a> {
     pub expected: Option<&'a DVector<f64>>,
 }
 
+/// Two models whose joints differ by less than this share are one.
+const SAME: f64 = 1e-6;
+
 impl<'a> Believed<'a> {
     /// # Errors
     /// A decomposition that fails, a quantile that cannot be computed.
@@ -109,10 +112,13 @@ impl<'a> Believed<'a> {
                 half_widths[j] = Some(variance.sqrt() * quantiles.of(&with, variance, 0.0));
             }
         }
+        let joints = reproduced.of(&found.values);
+        let alone = mixed.springs_alone()?;
+        let is_seen = reproduced.of(&alone).amax() > SAME * joints.amax();
         Ok(Believed {
             fit: mixed.fit(),
             values: &found.values,
-            joints: reproduced.of(&found.values),
+            joints,
             reproduced: Some(reproduced),
             extra: &found.extra,
             response: mixed.response()?,
@@ -123,7 +129,7 @@ impl<'a> Believed<'a> {
             base_turns: [ElasticClass::Turn, ElasticClass::Bearing]
                 .iter()
                 .any(|class| mixed.size(*class) > 0.0),
-            springs_alone: Some(mixed.springs_alone()?).filter(|change| change.norm() > 0.0),
+            springs_alone: is_seen.then_some(alone),
             expected: None,
         })
     }

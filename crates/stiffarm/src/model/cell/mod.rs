@@ -11,6 +11,7 @@ mod point_limit;
 mod posture_margins;
 mod slopes;
 mod task;
+mod time;
 
 pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
 pub use columns::{Columns, DateOrder, NamePart, NamePattern, Separator};
@@ -20,6 +21,7 @@ pub use point_limit::{LimitedPoints, PointBound, PointLimit};
 pub use posture_margins::PostureMargins;
 pub use slopes::Slopes;
 pub use task::{Task, task_matrix, task_rows};
+pub use time::MeasuringTime;
 
 use crate::error::{Code, Error, Result};
 use crate::model::elastic::{ElasticSizes, ElasticSource, KnownElement};
@@ -143,6 +145,8 @@ pub struct Cell {
     pub work: Work,
     /// How the robot drives from posture to posture.
     pub route: RouteRules,
+    /// What measuring takes.
+    pub time: MeasuringTime,
 }
 
 impl Cell {
@@ -189,6 +193,7 @@ impl Cell {
             columns: Columns::default(),
             work: Work::default(),
             route: RouteRules::default(),
+            time: MeasuringTime::default(),
         }
     }
 

@@ -15,7 +15,8 @@ mod start;
 mod work;
 
 pub use excitation::JointExcitation;
-pub use further_load::{FurtherLoad, ONE_LOAD};
+pub(crate) use further_load::both_loads;
+pub use further_load::{FurtherAnchor, FurtherLoad, ONE_LOAD};
 pub use prepared::{LEFT_OUT, determinable, prepared, springs_left_out};
 pub use start::{START_TOUCHES, start_touches};
 

@@ -15,7 +15,7 @@ use crate::plan::index::Index;
 const JOINT_SEARCHES: usize = 256;
 
 /// Postures from which on the bound of the index prediction says anything.
-const FEWEST_PREDICTING: usize = 12;
+pub(super) const FEWEST_PREDICTING: usize = 12;
 
 /// Why there is no bound after a stop.
 pub(super) const STOPPED: &str = "stopped before the bound was found";

@@ -1,7 +1,7 @@
 //! The best value for each number of postures, and what one more gains.
 
-use super::bounds::kept;
-use super::kinds::{Asked, Mode, Planned, SEED, Stage, check_count};
+use super::bounds::{FEWEST_PREDICTING, kept};
+use super::kinds::{Asked, Mode, Planned, SEED, Stage, check_count, check_repeats};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -45,6 +45,8 @@ pub struct CurveRequest {
     pub seed: u64,
     /// Whether to bound how good a group of each size could be.
     pub certificate: bool,
+    /// Whether the index `prediction` may choose postures within 15° of each other in every joint.
+    pub repeats: bool,
 }
 
 impl Default for CurveRequest {
@@ -56,6 +58,7 @@ impl Default for CurveRequest {
             time_limit: None,
             seed: SEED,
             certificate: true,
+            repeats: false,
         }
     }
 }
@@ -88,8 +91,8 @@ pub struct CurveSize {
     /// How much better the index becomes with one more posture (fraction);
     /// `null` for the last size and where there is no value.
     pub gain: Option<f64>,
-    /// No group of this size has an index below this; `null` where the index
-    /// has no bound, or none was wanted or found.
+    /// No group of this size has an index below this; `null` where the index has no bound, or none was wanted or found.
+    /// The index prediction has one for the last size, from 12 postures on.
     pub bound: Option<f64>,
     /// `bound`/`value`.
     pub efficiency: Option<f64>,
@@ -107,12 +110,14 @@ pub fn plan_curve(
     control: Control<'_>,
 ) -> Result<Planned<Curve, Asked<CurveRequest>>> {
     check_count(request.postures)?;
+    check_repeats(request.repeats, request.index)?;
     let (cell, findings) = prepared(cell, true);
     let (index, largest) = (request.index, request.postures);
     let global = GlobalOptions {
         seed: request.seed,
         rounds: request.rounds,
         time_limit: request.time_limit,
+        repeats: request.repeats,
         ..GlobalOptions::default()
     };
     let mut points = error_by_count(&cell, index, 1..largest, &global, control)?;
@@ -123,7 +128,8 @@ pub fn plan_curve(
     }
     let mut missing = None;
     let mut bound_of_one = None;
-    if let (Some(group), true) = (&group, request.certificate) {
+    let says_something = index != Index::Prediction || largest >= FEWEST_PREDICTING;
+    if let (Some(group), true) = (&group, request.certificate && says_something) {
         watch(Stage::BoundingSizes);
         let options = CertificateOptions::default();
         let bound = one_posture_bound(&cell, index, group, &options, control);
@@ -131,7 +137,7 @@ pub fn plan_curve(
     }
     let result = Curve {
         index,
-        sizes: sizes(index, points, bound_of_one),
+        sizes: sizes(index, largest, points, bound_of_one),
         certificate_missing: missing,
         findings,
     };
@@ -165,7 +171,8 @@ fn last_size(
 }
 
 /// The bound of the index for one posture, from which that for n follows: the
-/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n.
+/// bound is σ·sqrt(φ(M₀)/n) with the same M₀ for every n. That of the index prediction, which knows something before the
+/// first posture, is that of the group alone.
 fn one_posture_bound(
     cell: &Cell,
     index: Index,
@@ -178,7 +185,12 @@ fn one_posture_bound(
 }
 
 /// The points with what one more gains and what is possible.
-fn sizes(index: Index, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> Vec<CurveSize> {
+fn sizes(
+    index: Index,
+    largest: usize,
+    points: Vec<ErrorAtCount>,
+    bound_of_one: Option<f64>,
+) -> Vec<CurveSize> {
     let next: Vec<Option<f64>> = points.iter().skip(1).map(|p| p.value).collect();
     let next = next.into_iter().chain([None]);
     points
@@ -190,7 +202,9 @@ fn sizes(index: Index, points: Vec<ErrorAtCount>, bound_of_one: Option<f64>) -> 
                 .value
                 .zip(next)
                 .map(|(now, next)| better * (now - next) / now);
-            let bound = bound_of_one.map(|bound| bound / (point.postures as f64).sqrt());
+            let holds = index != Index::Prediction || point.postures == largest;
+            let bound = bound_of_one.filter(|_| holds);
+            let bound = bound.map(|bound| bound / (point.postures as f64).sqrt());
             CurveSize {
                 gain,
                 bound,

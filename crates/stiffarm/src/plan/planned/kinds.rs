@@ -1,8 +1,9 @@
 //! What all ways to work have in common.
 
-use crate::error::{Error, Result};
+use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
+use crate::plan::index::Index;
 use crate::plan::select::RoundReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -26,6 +27,20 @@ pub(super) fn check_count(postures: usize) -> Result<()> {
             Err(Error::invalid(message).key("postures"))
         }
     }
+}
+
+/// Refuses to allow what is allowed in any case.
+pub(super) fn check_repeats(repeats: bool, index: Index) -> Result<()> {
+    if !repeats || index == Index::Prediction {
+        return Ok(());
+    }
+    let message = format!(
+        "Under the index {} a plan may hold a posture twice in any case; only prediction keeps them apart.",
+        index.as_str()
+    );
+    Err(Error::new(Code::Conflict, message)
+        .key("repeats")
+        .hint("leave it out"))
 }
 
 /// What the result holds.

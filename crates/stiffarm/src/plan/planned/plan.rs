@@ -2,6 +2,7 @@
 
 use super::bounds::Bounds;
 use super::driven::driven;
+use super::in_time::in_time;
 use super::kinds::{Mode, Planned, Stage};
 use super::request::PlanRequest;
 use super::result::{LoadOptions, Plan, PlanOptions};
@@ -53,6 +54,14 @@ pub fn plan(
     let moves = request.load.anchor.is_some() || request.load.loading_point.is_some();
     let (cell, mut findings) = prepared(cell, !moves);
     let global = global_options(request);
+    let (cell, postures, in_time) = match request.measuring_time {
+        Some(time) => in_time(cell, request.index, time, &global, control)?,
+        None => (cell, request.postures, Vec::new()),
+    };
+    let request = &PlanRequest {
+        postures,
+        ..request.clone()
+    };
     let initial = request.initial.as_deref();
     let given = request.given.as_slice();
     let selection = selected(&cell, request, &global, watch, control)?;
@@ -118,6 +127,8 @@ pub fn plan(
             ..selection.evaluation.clone()
         },
         before,
+        time_s: cell.time.of(postures.len(), &cell.setup.load),
+        in_time,
         further_load: FurtherLoad::new(&cell, &all),
         certificate: bounds.certificate,
         joint_efficiencies: bounds.joints,
@@ -145,6 +156,7 @@ fn global_options(request: &PlanRequest) -> GlobalOptions {
         time_limit: request.time_limit,
         load: request.load.clone(),
         accept: request.accept.clone(),
+        repeats: request.repeats,
         given: request.given.iter().map(|p| p.q.clone()).collect(),
         ..GlobalOptions::default()
     }
@@ -185,6 +197,7 @@ fn examined(
     }
     let mut options = SensitivityOptions {
         seed: request.seed,
+        repeats: request.repeats,
         ..SensitivityOptions::default()
     };
     // Who wants a quick plan wants a quick answer here too.
@@ -241,6 +254,8 @@ fn options(cell: &Cell, request: &PlanRequest, postures: usize) -> PlanOptions {
             (false, false) => Mode::Add,
         },
         postures,
+        measuring_time_s: request.measuring_time.map(|time| time.as_secs_f64()),
+        repeats: request.repeats,
         max_iterations: is_local.then_some(request.max_iterations),
         rounds: request.rounds,
         time_limit_s: request.time_limit.map(|limit| limit.as_secs_f64()),

@@ -1,6 +1,6 @@
 //! What is asked of a plan.
 
-use super::kinds::{ANGLE_STEP_DEG, POSTURES, SEED, check_count};
+use super::kinds::{ANGLE_STEP_DEG, POSTURES, SEED, check_count, check_repeats};
 use crate::error::{Code, Error, Result};
 use crate::model::posture::Posture;
 use crate::plan::index::Index;
@@ -18,6 +18,12 @@ pub struct PlanRequest {
     pub index: Index,
     /// Number of postures to select; beside given ones the number of new ones. An initial group says it itself.
     pub postures: usize,
+    /// Time beside the robot, by the cell's [`MeasuringTime`](crate::model::cell::MeasuringTime), which says the number of
+    /// postures instead, and under the index `prediction` which of the cell's loads each is measured under; not with
+    /// `initial`, `given` or `load`.
+    pub measuring_time: Option<Duration>,
+    /// Whether the index `prediction` may choose postures within 15° of each other in every joint, as the others may.
+    pub repeats: bool,
     /// An initial group to improve locally, as in the paper, instead of a global search; not with
     /// `given`, `rounds`, `time_limit`, `load` or `prices`.
     pub initial: Option<Vec<Posture>>,
@@ -51,6 +57,8 @@ impl Default for PlanRequest {
         PlanRequest {
             index: Index::Prediction,
             postures: POSTURES,
+            measuring_time: None,
+            repeats: false,
             initial: None,
             given: Vec::new(),
             max_iterations: MAX_ITERATIONS,
@@ -75,8 +83,18 @@ impl PlanRequest {
         };
         if self.initial.is_none() {
             check_count(self.postures)?;
+            check_repeats(self.repeats, self.index)?;
+        }
+        let beside = self.initial.is_some() || !self.given.is_empty() || !self.load.is_empty();
+        if self.measuring_time.is_some() && beside {
+            let message = "A time for measuring is that of a whole plan under known loads.";
+            return conflict("measuring_time", message);
         }
         if self.initial.is_some() {
+            if self.repeats {
+                let message = "An initial group may hold a posture twice in any case.";
+                return conflict("repeats", message);
+            }
             if !self.given.is_empty() {
                 let message = "An initial group is improved alone, without given postures.";
                 return conflict("given", message);

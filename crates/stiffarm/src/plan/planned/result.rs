@@ -1,5 +1,6 @@
 //! What a plan's result holds.
 
+use super::in_time::InTime;
 use super::kinds::Mode;
 use crate::findings::Finding;
 use crate::plan::certificate::{Certificate, JointEfficiency};
@@ -21,6 +22,12 @@ pub struct PlanOptions {
     pub mode: Mode,
     /// Number of postures selected.
     pub postures: usize,
+    /// Time beside the robot that was given for the plan \[s\]; absent where its number of postures was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measuring_time_s: Option<f64>,
+    /// Whether the index `prediction` might choose postures within 15° of each other in every joint.
+    #[serde(default)]
+    pub repeats: bool,
     /// Iterations of the optimiser from an initial group; `null` without one.
     pub max_iterations: Option<u64>,
     /// Rounds asked for; `null` where the search ended by itself.
@@ -94,6 +101,12 @@ pub struct Plan {
     pub joint_efficiencies: Option<Vec<JointEfficiency>>,
     /// Why there is no certificate, where one was wanted; else `null`.
     pub certificate_missing: Option<String>,
+    /// What measuring the selected postures takes \[s\], each under all loads of the plan.
+    #[serde(default)]
+    pub time_s: f64,
+    /// What the cell's ways to load the arm give in the time that was asked for, the best first; absent without.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub in_time: Vec<InTime>,
     /// What a weight in the same postures would add; absent where the load is no pull through one point or one way, and
     /// where it adds little.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -3,14 +3,19 @@
 use crate::plan::index::prediction::{Equations, Held, PredictionModel, Rows};
 use crate::plan::select::exchange::Judge;
 use nalgebra::DMatrix;
+use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// Postures that differ by less in every joint are one posture to a plan \[rad\].
-const APART: f64 = 15.0 / 180.0 * std::f64::consts::PI;
+const APART: f64 = 15.0 / 180.0 * PI;
 
-/// True where two postures are as good as the same.
+/// True where two postures are as good as the same, whole turns of a joint aside.
 pub(super) fn alike(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).all(|(a, b)| (a - b).abs() < APART)
+    let off = |a: &f64, b: &f64| {
+        let turned = (a - b).abs() % TAU;
+        turned.min(TAU - turned)
+    };
+    a.iter().zip(b).all(|(a, b)| off(a, b) < APART)
 }
 
 /// The readings of candidates, beside those that are taken in any case.

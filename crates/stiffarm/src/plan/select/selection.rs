@@ -286,3 +286,12 @@ pub(super) fn no_result(
     ))
     .hint("start from postures inside the limits, or relax [limits] and [bounds]")
 }
+
+/// Why `postures` that are all unlike were not found.
+pub(super) fn too_near(postures: usize) -> Error {
+    Error::invalid(format!(
+        "No group of {postures} postures inside bounds and limits was found of which no two are within 15° of each other \
+         in every joint."
+    ))
+    .hint("ask for fewer, widen [bounds] or [limits], or let the plan measure postures again (--repeats)")
+}

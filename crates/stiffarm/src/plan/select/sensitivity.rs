@@ -32,6 +32,9 @@ pub struct SensitivityOptions {
     pub rounds: u64,
     /// Seed of the random numbers.
     pub seed: u64,
+    /// Whether the index `prediction` may choose postures that are alike.
+    #[serde(default)]
+    pub repeats: bool,
 }
 
 impl Default for SensitivityOptions {
@@ -43,6 +46,7 @@ impl Default for SensitivityOptions {
             samples: 200,
             rounds: 6,
             seed: 1,
+            repeats: false,
         }
     }
 }
@@ -146,6 +150,7 @@ pub fn sensitivity<Q: AsRef<[f64]>>(
                 let search = GlobalOptions {
                     seed: options.seed,
                     rounds: Some(options.rounds),
+                    repeats: options.repeats,
                     ..GlobalOptions::default()
                 };
                 let best = select(&changed, index, plan.len(), &search, control.quiet())

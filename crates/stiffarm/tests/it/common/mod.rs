@@ -147,6 +147,7 @@ pub fn plain_cell(setup: Setup, noise: Noise) -> Cell {
         tracker: Default::default(),
         uncertainty: Default::default(),
         route: Default::default(),
+        time: Default::default(),
         columns: Default::default(),
         work: Default::default(),
     }

@@ -83,7 +83,7 @@ impl PredictionModel {
     /// # Errors
     /// As [`of_cell`](Self::of_cell).
     pub(crate) fn alike(cell: &Cell, sizes: &ElasticSizes) -> Result<Self> {
-        let prior = Prior::alike(&cell.setup.robot, sizes);
+        let prior = Prior::alike(&cell.setup.robot, sizes, &[]);
         PredictionModel::at(cell, prior, None, &work_of(cell)?[..1])
     }
 
@@ -177,7 +177,7 @@ impl PredictionModel {
     }
 
     /// The same for searches: effects that neither readings under the cell's loads nor what is to be predicted can tell
-    /// apart are one effect, and so are deflections that go together.
+    /// apart are one effect, and so are deflections that go together. All sizes are then as expected.
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
@@ -337,9 +337,11 @@ impl PredictionModel {
         }
     }
 
-    /// [`value`](Self::value) of these readings where what gives way beyond the axes is `factor` times as large.
+    /// [`value`](Self::value) of these readings where what is expected to give way beyond the axes, and not drawn, is
+    /// `factor` times as large.
     pub(crate) fn value_where(&self, readings: &Rows, factor: f64) -> Option<f64> {
-        let (readings, targets) = (readings.times(factor), self.targets.times(factor));
+        let times = |rows: &Rows| rows.times(factor, self.prior.drawn);
+        let (readings, targets) = (times(readings), times(&self.targets));
         let error = Posterior::new(&readings)?.error(&targets)?;
         Some(error.sqrt()).filter(|e| e.is_finite())
     }

@@ -30,10 +30,10 @@ impl Rows {
         self.all.columns(0, self.fixed)
     }
 
-    /// The same where random effects are `factor` times as large.
-    pub(super) fn times(&self, factor: f64) -> Self {
+    /// The same where random effects but the `last` are `factor` times as large.
+    pub(super) fn times(&self, factor: f64, last: usize) -> Self {
         let mut out = self.clone();
-        let random = out.all.ncols() - out.fixed;
+        let random = out.all.ncols() - out.fixed - last;
         out.all.columns_mut(out.fixed, random).scale_mut(factor);
         out
     }

@@ -4,7 +4,7 @@
 use crate::error::Result;
 use crate::model::cell::Cell;
 use crate::model::elastic::{
-    Effect, ElasticClass, ElasticSizes, ElasticSizing, ElasticSource, effects, fitted,
+    Effect, ElasticClass, ElasticSizes, ElasticSizing, ElasticSource, KnownElement, effects, fitted,
 };
 use crate::model::kinematics::Frames;
 use crate::model::observation::ExtraTerm;
@@ -26,44 +26,50 @@ pub(super) struct Prior {
     pub(super) entries: Vec<Effect>,
     /// Entries × effects: what an effect of variance one adds to each entry.
     pub(super) root: DMatrix<f64>,
+    /// How many of the effects, the last, a drawing knows: they are as far off as it says, whatever is expected besides.
+    pub(super) drawn: usize,
 }
 
 impl Prior {
     /// As the cell declares, each entry for itself, else as an arm of its length and prior stiffness may be expected to
-    /// be made; all sizes times `factor`.
+    /// be made, all sizes times `factor`; and what a drawing says, as exactly as it says it.
     ///
     /// # Errors
     /// The cell declares nothing and has no prior.
     pub(super) fn of_cell(cell: &Cell, factor: f64) -> Result<(Self, ElasticSource)> {
         let robot = &cell.setup.robot;
         if let Some(sizes) = cell.elastic {
-            let sizes = sizes.times(factor);
-            return Ok((Prior::alike(robot, &sizes), ElasticSource::Declared));
+            let prior = Prior::alike(robot, &sizes.times(factor), &cell.known_elements);
+            return Ok((prior, ElasticSource::Declared));
         }
         let prior = cell.require_prior()?;
         let compliance = joint_compliance(robot, prior)?.diagonal();
         let c = (-prior.iter().map(|k| k.ln()).sum::<f64>() / prior.len() as f64).exp();
         let length = robot.length() + cell.setup.tool.tcp().norm();
         let units = [c * length * length, c, c * length, c, c / length];
-        let mut all = fitted(robot, compliance.as_slice(), ElasticSizing::ByJoint, &[]);
+        let (compliance, drawing) = (compliance.as_slice(), &cell.known_elements);
+        let mut all = fitted(robot, compliance, ElasticSizing::ByJoint, drawing);
         for effect in &mut all {
             let class = effect.class as usize;
-            effect.scale *= factor * EXPECTED[class] * units[class];
+            if let (Some(expected), Some(unit)) = (EXPECTED.get(class), units.get(class)) {
+                effect.scale *= factor * expected * unit;
+            }
         }
         Ok((Prior::new(robot, &all, true), ElasticSource::Typical))
     }
 
-    /// Entries that scatter around zero with these sizes.
-    pub(super) fn alike(robot: &Robot, sizes: &ElasticSizes) -> Self {
+    /// Entries that scatter around zero with these sizes, and what a drawing says.
+    pub(super) fn alike(robot: &Robot, sizes: &ElasticSizes, drawing: &[KnownElement]) -> Self {
         let mut all = effects(robot.joint_count());
         for effect in &mut all {
             effect.scale *= sizes.of(effect.class);
         }
+        all.extend(drawing.iter().map(KnownElement::effect));
         Prior::new(robot, &all, false)
     }
 
-    /// Effects with their standard deviations as scale; with `means` those of a class that cannot be negative scatter
-    /// about a common mean, which is of their own size.
+    /// Effects with their standard deviations as scale, those of a drawing last; with `means` those of a class that cannot
+    /// be negative scatter about a common mean, which is of their own size.
     fn new(robot: &Robot, effects: &[Effect], means: bool) -> Self {
         let joints = robot.joint_count();
         let entries = all_entries(joints);
@@ -78,7 +84,9 @@ impl Prior {
             };
             entries.iter().map(of).collect()
         };
-        let mut columns: Vec<Vec<f64>> = effects.iter().map(column).collect();
+        let drawn = effects.iter().filter(|e| e.class == ElasticClass::Drawing);
+        let (expected, drawn) = effects.split_at(effects.len() - drawn.count());
+        let mut columns: Vec<Vec<f64>> = expected.iter().map(column).collect();
         if means {
             for class in ElasticClass::ALL {
                 let own = effects.iter().zip(&columns);
@@ -89,8 +97,10 @@ impl Prior {
                 columns.push(sum);
             }
         }
+        columns.extend(drawn.iter().map(column));
         columns.retain(|column| column.iter().any(|v| *v != 0.0));
         Prior {
+            drawn: drawn.len(),
             root: DMatrix::from_fn(entries.len(), columns.len(), |i, j| columns[j][i]),
             entries,
         }

@@ -35,12 +35,8 @@ const ROUGH: Exchange<'_> = Exchange {
     stop: &|| false,
 };
 
-/// Under the index prediction they are the start: no posture twice.
-const APART: Exchange<'_> = Exchange {
-    passes: 8,
-    repeats: false,
-    ..ROUGH
-};
+/// Under the index prediction they are the start.
+const START: Exchange<'_> = Exchange { passes: 8, ..ROUGH };
 
 /// What the index prediction needs.
 #[derive(Debug, Clone)]
@@ -81,7 +77,7 @@ impl Chain {
         let base = Base::new(index, local.given(), criterion.triangle());
         let predicting = local.prediction().zip(single);
         let predicting = predicting.map(|(own, single)| Predicting {
-            judge: pool.judge(own, local.known()),
+            judge: pool.judge(own, local.keeps_from()),
             given: own.given(),
             single,
         });
@@ -241,7 +237,8 @@ impl Chain {
             let stop = || control.stopped();
             let exchange = Exchange {
                 stop: &stop,
-                ..APART
+                repeats: self.local.keeps_from().is_none(),
+                ..START
             };
             exchange.run(judge, &mut chosen, &candidates);
         } else if by_exchange && self.is_known(pool) {

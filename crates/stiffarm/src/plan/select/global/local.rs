@@ -70,6 +70,8 @@ pub(super) struct Local {
     has_limits: bool,
     design: LoadDesign,
     accept: Option<Accept>,
+    /// Whether no two postures may be as good as the same.
+    apart: bool,
     joints: usize,
     /// Angles of the given postures.
     known: Vec<Vec<f64>>,
@@ -108,6 +110,7 @@ impl Local {
             function,
             design: design.clone(),
             accept: accept.cloned(),
+            apart: false,
             joints: n,
             known: given.iter().map(|q| q.as_ref().to_vec()).collect(),
             angles: n * count,
@@ -117,6 +120,17 @@ impl Local {
             evaluations: 0,
             searches: 0,
         })
+    }
+
+    /// The same; with `apart` no two postures may be as good as the same.
+    pub fn with_apart(mut self, apart: bool) -> Self {
+        self.apart = apart;
+        self
+    }
+
+    /// Angles of the given postures \[rad\], from which others keep apart where they have to.
+    pub fn keeps_from(&self) -> Option<&[Vec<f64>]> {
+        self.apart.then_some(self.known.as_slice())
     }
 
     /// Angles of the given postures \[rad\].
@@ -145,7 +159,7 @@ impl Local {
         self.design.apply(&x[self.angles..], &mut self.function);
         let value = self.function.value(&x[..self.angles]);
         let met = !self.has_limits || self.function.kernel().violation() <= 0.0;
-        let met = met && (self.function.prediction().is_none() || self.are_apart(&x));
+        let met = met && (!self.apart || self.are_apart(&x));
         // Asked last: it may be slow.
         let met = met && value.is_finite() && self.accepts(&x);
         Plan {

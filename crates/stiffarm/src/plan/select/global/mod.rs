@@ -24,7 +24,7 @@ mod polish;
 mod pool;
 
 use super::selection::{
-    RoundReport, Selection, check_bounds, limits_of, no_result, smallest_length,
+    RoundReport, Selection, check_bounds, limits_of, no_result, smallest_length, too_near,
 };
 use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
@@ -170,21 +170,19 @@ impl<'a> Global<'a> {
             &options.given,
             &options.load,
             options.accept.as_ref(),
-        )?;
+        )?
+        .with_apart(options.apart(index));
         let inputs = Inputs::new(cell, index)?;
         let wanted = inputs.wanted(true);
         let criterion = criterion(cell, index)?;
         let n = cell.setup.robot.joint_count();
         let accept = options.accept.as_ref();
         let single = match index {
-            Index::Prediction => Some(Local::new::<Vec<f64>>(
-                cell,
-                index,
-                1,
-                &[],
-                &LoadDesign::default(),
-                accept,
-            )?),
+            Index::Prediction => {
+                let (none, design): ([Vec<f64>; 0], _) = ([], LoadDesign::default());
+                let one = Local::new(cell, index, 1, &none, &design, accept)?;
+                Some(one.with_apart(options.apart(index)))
+            }
             _ => None,
         };
         let schedule = Schedule::new(index, count, !cell.scene.is_empty());
@@ -422,7 +420,15 @@ impl<'a> Global<'a> {
         };
         let all: Vec<&Vec<f64>> = self.options.given.iter().chain(&random).collect();
         match evaluate(self.cell, "start", &all) {
-            Ok(evaluation) => no_result(self.cell, self.index, &evaluation, termination),
+            Ok(evaluation) => {
+                let error = no_result(self.cell, self.index, &evaluation, termination);
+                let apart = all.len() > 1 && self.options.apart(self.index);
+                if apart && error.code() == Code::InvalidValue {
+                    too_near(all.len())
+                } else {
+                    error
+                }
+            }
             Err(error) => error,
         }
     }

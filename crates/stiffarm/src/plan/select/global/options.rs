@@ -24,6 +24,16 @@ pub struct GlobalOptions {
     pub load: LoadDesign,
     /// A constraint of the caller's own on the postures that are chosen; `None` for none.
     pub accept: Option<Accept>,
+    /// Whether the index `prediction` may choose a posture within 15° in every joint of another, a given one included; the
+    /// others may in any case.
+    pub repeats: bool,
+}
+
+impl GlobalOptions {
+    /// Whether no two postures of a plan by `index` may be alike.
+    pub(crate) fn apart(&self, index: Index) -> bool {
+        index == Index::Prediction && !self.repeats
+    }
 }
 
 impl Default for GlobalOptions {
@@ -35,6 +45,7 @@ impl Default for GlobalOptions {
             given: Vec::new(),
             load: LoadDesign::default(),
             accept: None,
+            repeats: false,
         }
     }
 }

@@ -129,8 +129,13 @@ impl Pool {
         self.log_dexterity.get(at).copied().unwrap_or(0.0)
     }
 
-    /// The first candidates as the index prediction judges them, in their order.
-    pub fn judge(&self, function: &PredictionFunction, given: &[Vec<f64>]) -> PredictionJudge {
+    /// The first candidates as the index prediction judges them, in their order; where `given` postures are to be kept
+    /// away from, no two of a group may be alike either.
+    pub fn judge(
+        &self,
+        function: &PredictionFunction,
+        given: Option<&[Vec<f64>]>,
+    ) -> PredictionJudge {
         let angles: Vec<Vec<f64>> = (0..self.len().min(PREDICTING))
             .map(|at| self.angles(at).to_vec())
             .collect();
@@ -138,7 +143,11 @@ impl Pool {
         let none = function.model().stacked(&[]).all;
         let readings = |q: &Vec<f64>| function.readings(&[q]).unwrap_or_else(|| none.clone());
         let each: Vec<_> = angles.iter().map(readings).collect();
-        PredictionJudge::new(function.model(), &each, Some(function.given())).apart(angles, given)
+        let judge = PredictionJudge::new(function.model(), &each, Some(function.given()));
+        match given {
+            Some(given) => judge.apart(angles, given),
+            None => judge,
+        }
     }
 
     /// Keeps those of a chunk of postures, or of fewer, that are inside the limits and accepted; how many are inside.
