@@ -184,7 +184,7 @@ def test_deflection_has_every_point_and_its_band(cell: Any, found: Any) -> None:
 
 
 def test_curve_with_its_bound(cell: Any) -> None:
-    result = stiffarm.select(cell, curve=True, count=3, rounds=1)
+    result = stiffarm.select(cell, curve=True, count=3, rounds=1, index="expected-error")
     ax = plot.number_of_postures(result)
     best, bound = ax.lines
     assert list(best.get_xdata()) == [1, 2, 3]
