@@ -234,7 +234,7 @@ pub(crate) mod internals {
     /// Both of every quantity that changes the cell.
     ///
     /// # Errors
-    /// As [`Answers::new`].
+    /// As `Answers::new`.
     pub fn both_ways(fit: &Fit) -> Result<Vec<Way>> {
         let stated = Stated::of(fit);
         let (system, values) = (fit.system(), &fit.solution().values);
