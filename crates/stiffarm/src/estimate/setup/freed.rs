@@ -70,6 +70,14 @@ impl Step {
 }
 
 impl At {
+    /// How many numbers are free.
+    pub(super) fn numbers(&self) -> usize {
+        self.values
+            .iter()
+            .map(|(_, place)| place.values.len())
+            .sum()
+    }
+
     /// The fit as it is, with springs beyond the axes where the readings carry these and `is_mixed` grants them, looked for
     /// near those of `near`.
     pub(super) fn new(
@@ -226,8 +234,7 @@ impl Stated<'_> {
         let step = self.step_of(at);
         let errors = step.map(|step| step.errors);
         let one = |i: usize| Some(errors.as_ref()?[i]).filter(|error| error.is_finite());
-        let count: usize = at.values.iter().map(|(_, place)| place.values.len()).sum();
-        (0..count).map(one).collect()
+        (0..at.numbers()).map(one).collect()
     }
 }
 

@@ -123,7 +123,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
         Ok(freed_alone(&stated, &linear, *quantity, is_more))
     })?;
     let mut alone: Vec<At> = alone.into_iter().flatten().collect();
-    let price = |at: &At| at.value + EACH * numbers(at) as f64;
+    let price = |at: &At| at.value + EACH * at.numbers() as f64;
     sort_by_number(&mut alone, price);
     alone.truncate(TRIED);
     // Springs beyond the axes granted on both sides.
@@ -150,7 +150,7 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
     let freed: Vec<Freed> = described.collect();
     let (best, first) = (&beside[0], &freed[0]);
-    let least = REJECTED + EACH * numbers(best) as f64;
+    let least = REJECTED + EACH * best.numbers() as f64;
     let [all, left] = first.residual_rms_m;
     let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
     let is_likelier = first.likelihood_ratio > least
@@ -163,11 +163,6 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let finding = (is_likelier && (is_clear || is_doubtful))
         .then(|| words::finding(fit.cell(), best.values[0].0, first, &alike, is_clear));
     Ok(Some(SetUp { freed, finding }))
-}
-
-/// How many numbers are free.
-fn numbers(at: &At) -> usize {
-    at.values.iter().map(|(_, place)| place.values.len()).sum()
 }
 
 /// What the readings ask for of each quantity at `at`, where −2 ln L was `before` with all as stated.
