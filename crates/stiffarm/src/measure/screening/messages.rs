@@ -1,37 +1,25 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
-use super::severity::{code, severity};
-use super::sizes::{degrees, mm, times};
-use super::slip::slip;
-use super::{Cause, Suspicion, tool};
+use super::facts::{facts, severity};
+use super::sizes::{degrees, mistyped, mm, times};
+use super::{Cause, Suspicion};
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
+use crate::model::load::Load;
 
 /// The finding of one suspicion.
 pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
-    let sentence = sentence(cell, s);
-    Finding::new(code(s.cause), severity(s), subject(s), sentence)
+    let (code, of_all, _) = facts(s.cause);
+    let subject = if s.postures.is_empty() {
+        of_all.to_string()
+    } else {
+        subject(s)
+    };
+    Finding::new(code, severity(s), subject, sentence(cell, s))
 }
 
-/// What a finding is about: posture and state, or the whole table.
+/// Posture and state, and the point where it is one reading.
 fn subject(s: &Suspicion) -> String {
-    if s.postures.is_empty() {
-        return match s.cause {
-            Cause::ToolUnits | Cause::Drawing | Cause::ToolPlace => "tool.measuring_point",
-            Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
-            Cause::DhConvention => "robot.dh",
-            Cause::GivenTransform => "tracker",
-            Cause::LoadUnits | Cause::LoadEntry | Cause::MomentUnits => "load",
-            Cause::ExchangedLoadCases => "load.case",
-            Cause::DisplacementUnits => "measurements",
-            Cause::PriorUnits => "stiffness.prior_nm_per_rad",
-            Cause::AnchorUnits => "load.anchor_mm",
-            Cause::LoadingPointUnits => "tool.loading_point_mm",
-            Cause::RobotUnits => "robot.dh",
-            _ => "readings",
-        }
-        .to_string();
-    }
     let mut out = place(s);
     if s.certain && matches!(s.cause, Cause::StrayReading | Cause::StrayRepeat) {
         out += &format!(", point {}", list(&s.points));
@@ -63,10 +51,10 @@ fn opening(s: &Suspicion) -> String {
 
 fn lines(s: &Suspicion) -> String {
     let numbers: Vec<String> = s.lines.iter().map(usize::to_string).collect();
-    match numbers.len() {
-        0 => String::new(),
-        1 => format!(" (line {})", numbers[0]),
-        _ => format!(" (lines {})", list(&numbers)),
+    match &numbers[..] {
+        [] => String::new(),
+        [one] => format!(" (line {one})"),
+        more => format!(" (lines {})", list(more)),
     }
 }
 
@@ -75,13 +63,6 @@ fn fall(s: &Suspicion) -> String {
     match (s.before_m, s.after_m) {
         (Some(before), Some(after)) => format!("from {} to {}", mm(before), mm(after)),
         _ => "clearly".to_string(),
-    }
-}
-
-fn copied(s: &Suspicion) -> String {
-    match s.alternatives.as_slice() {
-        [] => String::new(),
-        same => format!(" Its angles equal those of posture {}: copied?", list(same)),
     }
 }
 
@@ -151,8 +132,24 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             Some(other) => format!("the angles of posture {other}"),
             None => "the angles of another posture".to_string(),
         },
-        _ => code(s.cause).replace('-', " "),
+        Cause::ToolPlace => tool_place(s),
+        _ => super::scale::messages::phrase(s),
     }
+}
+
+/// How all measuring points sit elsewhere: `moved by (0.0, 0.0, 100.0) mm and turned by 90.0° about (0.00, 0.00, 1.00)`.
+fn tool_place(s: &Suspicion) -> String {
+    let vector = |of: &[f64], digits: usize| {
+        let all = of.iter().map(|v| format!("{:.digits$}", v + 0.0));
+        all.collect::<Vec<_>>().join(", ")
+    };
+    let size = s.angles_deg.iter().map(|a| a * a).sum::<f64>().sqrt();
+    let axis: Vec<f64> = s.angles_deg.iter().map(|a| a / size).collect();
+    let mut out = format!("moved by ({}) mm", vector(&s.tool_shift_mm, 1));
+    if size > 0.05 {
+        out += &format!(" and turned by {size:.1}° about ({})", vector(&axis, 2));
+    }
+    out
 }
 
 /// True where the last joint alone is meant.
@@ -168,18 +165,19 @@ fn angle(s: &Suspicion, i: usize) -> String {
 }
 
 fn sentence(cell: &Cell, s: &Suspicion) -> String {
-    let opening = opening(s);
-    let place = place(s);
-    let cause = cause(cell, s);
-    let off = s.off_m.map_or_else(String::new, mm);
-    let joints = list(&s.joints);
+    let (opening, place, cause) = (opening(s), place(s), cause(cell, s));
+    let (fall, also, lines) = (fall(s), alternatives(s), lines(s));
+    let (joints, points) = (list(&s.joints), list(&s.points));
+    let [off, before, after] =
+        [s.off_m, s.before_m, s.after_m].map(|l| l.map_or_else(String::new, mm));
+    let [written, likely] = [0, 1].map(|i| angle(s, i));
+    let (times, size) = times(s.factor);
     let state = match &s.states[..] {
         [] => String::new(),
         states => format!(" in state {}", list(states)),
     };
     match s.cause {
         Cause::Units => {
-            let (times, size) = times(s.factor);
             let typed = match s.factor {
                 Some(f) if f < 0.002 => "metres under a heading in millimetres, or millimetres under one in micrometres",
                 Some(f) if f > 900.0 => "micrometres under a heading in millimetres, or millimetres under one in metres",
@@ -194,57 +192,50 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 _ => "distances between the measuring points are",
             };
             format!(
-                "In {where_} the {what} {times} times too {size}: the coordinates \
-                 seem to be {typed}. Correct the heading's unit or the numbers."
+                "In {where_} the {what} {times} times too {size}: the coordinates seem to be {typed}. Correct the \
+                 heading's unit or the numbers."
             )
         }
         Cause::ToolUnits => {
-            let (times, size) = times(s.factor.map(|f| 1.0 / f));
+            let (times, size) = super::sizes::times(s.factor.map(|f| 1.0 / f));
+            let size = if size == "large" { "far" } else { "close" };
             format!(
-                "The tool's measuring points lie {times} times too {} apart in the cell, while the arm's reach is \
-                 right: check the unit of tool.measuring_point.",
-                if size == "large" { "far" } else { "close" }
+                "The tool's measuring points lie {times} times too {size} apart in the cell, while the arm's reach is \
+                 right: check the unit of tool.measuring_point."
             )
         }
         Cause::ExchangedPoints if place.is_empty() => format!(
-            "In all postures {cause}: with that undone the misfit falls {}.{} Correct the names in the readings or \
-             the positions in the cell.",
-            fall(s),
-            alternatives(s)
+            "In all postures {cause}: with that undone the misfit falls {fall}.{also} Correct the names in the readings \
+             or the positions in the cell."
         ),
-        Cause::ExchangedPoints => format!(
-            "{opening}: {cause}{}; with that undone the misfit falls {}.{} Correct the names of the points.",
-            if s.states.len() > 1 { " in one of the two states" } else { "" },
-            fall(s),
-            alternatives(s)
-        ),
+        Cause::ExchangedPoints => {
+            let one = if s.states.len() > 1 { " in one of the two states" } else { "" };
+            format!(
+                "{opening}: {cause}{one}; with that undone the misfit falls {fall}.{also} Correct the names of the points."
+            )
+        }
         Cause::StrayRepeat => match s.repeat {
             Some(number) => format!(
-                "{opening}: reading {number} of point {} lies {off} from the others{}. Remove it or measure again.",
-                list(&s.points),
-                lines(s)
+                "{opening}: reading {number} of point {points} lies {off} from the others{lines}. Remove it or measure again."
             ),
             None => format!(
-                "{opening}: readings of point {} lie {off} apart{}, and nothing tells which is right. Measure again.",
-                list(&s.points),
-                lines(s)
+                "{opening}: readings of point {points} lie {off} apart{lines}, and nothing tells which is right. Measure again."
             ),
         },
         Cause::StrayReading if s.certain => format!(
-            "{opening}: point {} is read {off} from where the other points have it{}. Check that reading (reflector \
-             not seated, typing slip), remove it or measure it again.",
-            list(&s.points),
-            lines(s)
+            "{opening}: point {points} is read {off} from where the other points have it{lines}. Check that reading \
+             (reflector not seated, typing slip), remove it or measure it again."
         ),
-        Cause::StrayReading => format!(
-            "{opening}: one of the points {} is read about {off} off; the readings do not tell which. Measure this \
-             state again or leave it out.",
-            either(&s.points)
-        ),
+        Cause::StrayReading => {
+            let either = points.replace(" and ", " or ");
+            format!(
+                "{opening}: one of the points {either} is read about {off} off; the readings do not tell which. Measure \
+                 this state again or leave it out."
+            )
+        }
         Cause::MovedReflector => format!(
-            "{opening}: point {} lies up to {off} elsewhere than in the other postures. Its reflector was moved or \
-             badly seated: leave the point out there or measure again.",
-            list(&s.points)
+            "{opening}: point {points} lies up to {off} elsewhere than in the other postures. Its reflector was moved or \
+             badly seated: leave the point out there or measure again."
         ),
         Cause::UnsteadyShape if place.is_empty() => format!(
             "The measuring points do not keep their distances (up to {off}): the tool yields or reflectors are loose. \
@@ -255,8 +246,8 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
              explains it. Measure again or leave it out."
         ),
         Cause::Drawing => {
-            let what = match &s.points[..] {
-                [one] => format!("Point {one} lies {off} from where the cell has it"),
+            let what = match s.points.len() {
+                1 => format!("Point {points} lies {off} from where the cell has it"),
                 _ => format!("The points lie up to {off} from where the cell has them"),
             };
             if s.certain {
@@ -265,158 +256,127 @@ fn sentence(cell: &Cell, s: &Suspicion) -> String {
                 format!("{what}: check tool.measuring_point in the cell.")
             }
         }
-        Cause::MirroredFrame => format!(
-            "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls {}.{} {}",
-            fall(s),
-            alternatives(s),
-            match s.axis_slips.join(" or ").as_str() {
+        Cause::MirroredFrame => {
+            let which = match s.axis_slips.join(" or ").as_str() {
                 "" => "Which it is the readings cannot tell: look at the export.".to_string(),
                 slips => format!("First check {slips}: so the tracker stands as given, or parallel to the base."),
-            }
+            };
+            format!(
+                "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls {fall}.{also} \
+                 {which}"
+            )
+        }
+        Cause::ToolPlace => format!(
+            "The unloaded points fit the robot if all measuring points are {cause} in flange axes: the misfit falls {fall}. \
+             Check origin and axes of tool.measuring_point, and of tool.loading_point_mm with them."
         ),
-        Cause::ToolPlace => tool::sentence(s, &fall(s)),
         // The tool is all that hangs on the last joint.
         Cause::JointOffset if is_last(cell, s) => format!(
-            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {}.{} Check the turn of \
-             tool.measuring_point first, then robot.dh (offset) against the pendant.",
-            fall(s),
-            alternatives(s)
+            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {fall}.{also} Check the \
+             turn of tool.measuring_point first, then robot.dh (offset) against the pendant."
         ),
-        Cause::JointSign | Cause::Coupling | Cause::JointOffset | Cause::DhConvention => format!(
-            "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
-             {}.{} {}.",
-            fall(s),
-            alternatives(s),
-            match s.cause {
-                Cause::JointOffset => "Check robot.dh (offset) against the pendant".to_string(),
-                Cause::DhConvention => {
-                    let own = cell.setup.robot.convention();
-                    format!("Name the rows robot.dh_{}, not robot.dh_{}", own.other().name(), own.name())
-                }
-                _ => "Check robot.theta_from_q against the pendant".to_string(),
-            }
-        ),
-        Cause::Radians if s.misfits.is_some() => super::scale::messages::sentence(cell, s, &opening),
-        Cause::Radians => format!(
-            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded \
-             points falls {}.{} Convert them.",
-            fall(s),
-            alternatives(s)
+        Cause::JointSign | Cause::Coupling | Cause::JointOffset | Cause::DhConvention => {
+            let own = cell.setup.robot.convention();
+            let rows = format!("Name the rows robot.dh_{}, not robot.dh_{}", own.other().name(), own.name());
+            let check = match s.cause {
+                Cause::JointOffset => "Check robot.dh (offset) against the pendant",
+                Cause::DhConvention => &rows,
+                _ => "Check robot.theta_from_q against the pendant",
+            };
+            format!(
+                "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
+                 {fall}.{also} {check}."
+            )
+        }
+        Cause::Radians if s.misfits.is_none() => format!(
+            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded points \
+             falls {fall}.{also} Convert them."
         ),
         Cause::GivenTransform => format!(
-            "The given transform from tracker to base leaves the unloaded points {} from the kinematic model, the best \
-             one {}; they differ by a turn of {}. Was the tracker moved after registration?",
-            s.before_m.map_or_else(String::new, mm),
-            s.after_m.map_or_else(String::new, mm),
-            angle(s, 0)
+            "The given transform from tracker to base leaves the unloaded points {before} from the kinematic model, the \
+             best one {after}; they differ by a turn of {written}. Was the tracker moved after registration?"
         ),
-        Cause::MovedTracker => super::moved::sentence(s, mm),
+        Cause::MovedTracker => super::moved::sentence(s, [&before, &after, &off]),
         Cause::AngleSign => format!(
-            "{opening}: the readings fit if {joints} is {}, not {} (sign?); the misfit falls {}.{} Correct the angle.",
-            angle(s, 1),
-            angle(s, 0),
-            fall(s),
-            alternatives(s)
+            "{opening}: the readings fit if {cause} (sign?); the misfit falls {fall}.{also} Correct the angle."
         ),
-        Cause::MistypedAngle => format!(
-            "{opening}: the readings fit if {joints} is {}, not {}{}; the misfit falls {}.{} Compare with the \
-             controller's log.",
-            angle(s, 1),
-            angle(s, 0),
-            match s.angles_deg[..] {
-                [written, likely] => slip(crate::units::rad_to_shortest_deg(written.to_radians()), likely),
+        Cause::MistypedAngle => {
+            let how = match s.angles_deg[..] {
+                [written, likely] => mistyped(crate::units::rad_to_shortest_deg(written.to_radians()), likely),
                 _ => "",
-            },
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::ExchangedPostures => {
+            };
             format!(
-                "The readings of postures {}{state} are exchanged: with that undone the misfit falls {}.{} Exchange \
-                 the rows.",
-                list(&s.postures),
-                fall(s),
-                alternatives(s)
+                "{opening}: the readings fit if {joints} is {likely}, not {written}{how}; the misfit falls {fall}.{also} \
+                 Compare with the controller's log."
+            )
+        }
+        Cause::ExchangedPostures => {
+            let both = list(&s.postures);
+            format!(
+                "The readings of postures {both}{state} are exchanged: with that undone the misfit falls {fall}.{also} \
+                 Exchange the rows."
             )
         }
         Cause::OtherPosture => {
             let [first, second] = [0, 1].map(|i| s.postures.get(i).map_or("", String::as_str));
             format!(
                 "The readings of posture {first}{state} were taken at the angles of posture {second}: the misfit falls \
-                 {}.{} Copied rows, or the robot was not moved?",
-                fall(s),
-                alternatives(s)
+                 {fall}.{also} Copied rows, or the robot was not moved?"
             )
         }
         Cause::UnexplainedPosture if s.states.len() > 1 => format!(
-            "{opening}: the points of these states lie up to {} apart, more than any load moves them. Check the rows, \
-             or leave the posture out.",
-            s.before_m.map_or_else(String::new, mm)
+            "{opening}: the points of these states lie up to {before} apart, more than any load moves them. Check the \
+             rows, or leave the posture out."
         ),
-        Cause::UnexplainedPosture => format!(
-            "{opening}: the points lie {} from the kinematic model, in the other postures {}.{} No single slip of an \
-             angle or a name explains it: check its angles and readings, and that the tracker stood still, or leave it \
-             out.",
-            s.before_m.map_or_else(String::new, mm),
-            s.after_m.map_or_else(String::new, mm),
-            copied(s)
-        ),
+        Cause::UnexplainedPosture => {
+            let copied = match &s.alternatives[..] {
+                [] => String::new(),
+                same => format!(" Its angles equal those of posture {}: copied?", list(same)),
+            };
+            format!(
+                "{opening}: the points lie {before} from the kinematic model, in the other postures {after}.{copied} No \
+                 single slip of an angle or a name explains it: check its angles and readings, and that the tracker stood \
+                 still, or leave it out."
+            )
+        }
         Cause::UnexplainedModel => format!(
             "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \
              coupling, offsets, names of points, mirrored axes) explains it. Check the robot and the tool in the cell."
         ),
         Cause::NoDisplacement => format!(
-            "{}: the points do not move under the load. Are the loaded rows copies of the unloaded ones, or was the \
-             load not applied?",
-            opening
+            "{opening}: the points do not move under the load. Are the loaded rows copies of the unloaded ones, or was the \
+             load not applied?"
         ),
-        Cause::ReversedForce => format!(
-            "The points move against the force in every posture. Either {}, or loaded and unloaded rows are exchanged.",
-            match (&cell.sensor, &cell.setup.load) {
-                (Some(_), _) =>
+        Cause::ReversedForce => {
+            let either = match (&cell.sensor, &cell.setup.load) {
+                (Some(_), _) => {
                     "the sensor reports the force by the robot where the cell says on it, or the other way round \
-                     (sensor.reports), or its axes are turned",
-                (None, crate::model::load::Load::Measured) =>
-                    "the forces are those by the robot instead of those on it",
+                     (sensor.reports), or its axes are turned"
+                }
+                (None, Load::Measured) => "the forces are those by the robot instead of those on it",
                 _ => "the load's direction in the cell is wrong",
-            }
-        ),
+            };
+            format!(
+                "The points move against the force in every posture. Either {either}, or loaded and unloaded rows are \
+                 exchanged."
+            )
+        }
         Cause::ExchangedStates => format!(
             "{opening}: the points move against the force, in the other postures along it. The loaded and the unloaded \
              rows are exchanged there, or the force has the wrong sign."
         ),
-        Cause::DisplacementSize => {
-            let (times, size) = times(s.factor);
-            format!(
-                "The displacements are {times} times too {size} for the prior stiffness. Check the unit of the force \
-                 (N, not kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
-            )
-        }
-        Cause::OtherLoad => {
-            let (times, size) = times(s.factor);
-            format!(
-                "{opening}: the displacements are {times} times too {size} compared with the other states. Was the \
-                 load another one?"
-            )
-        }
-        Cause::LoadUnits
-        | Cause::LoadEntry
-        | Cause::MomentUnits
-        | Cause::DisplacementUnits
-        | Cause::PriorUnits
-        | Cause::AnchorUnits
-        | Cause::LoadingPointUnits
-        | Cause::RobotUnits
-        | Cause::ExchangedLoadCases
-        | Cause::Degrees => super::scale::messages::sentence(cell, s, &opening),
+        Cause::DisplacementSize => format!(
+            "The displacements are {times} times too {size} for the prior stiffness. Check the unit of the force (N, not \
+             kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
+        ),
+        Cause::OtherLoad => format!(
+            "{opening}: the displacements are {times} times too {size} compared with the other states. Was the load \
+             another one?"
+        ),
         Cause::NotChecked => {
             "Too few unloaded readings to register the tracker: the checks against the kinematic model were left out."
                 .to_string()
         }
+        _ => super::scale::messages::sentence(cell, s, &opening),
     }
-}
-
-/// `1, 2 or 3`.
-fn either(names: &[String]) -> String {
-    list(names).replace(" and ", " or ")
 }

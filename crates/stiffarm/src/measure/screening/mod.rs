@@ -18,6 +18,7 @@
 //! goes on with the corrected readings, so that one fault does not hide
 //! another, and corrects nothing for the user.
 
+mod facts;
 mod frame;
 mod gross_error;
 mod mean_shape;
@@ -29,13 +30,13 @@ mod moved;
 mod posture;
 mod rigid;
 mod scale;
-mod severity;
 mod shape;
 mod sheet;
 mod sizes;
 mod slip;
 mod states;
 mod tool;
+mod units;
 
 use super::series::PostureSeries;
 use super::stations;
@@ -48,6 +49,7 @@ use crate::model::observation::Setup;
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 use sheet::Sheet;
+use slip::Slip;
 
 /// A correction is believed when it divides the misfit by at least this.
 const BELIEVED: f64 = 5.0;
@@ -58,7 +60,7 @@ const ALIKE: f64 = 2.0;
 const FITTED: f64 = 3.0;
 
 /// What is likely wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
@@ -140,6 +142,7 @@ pub enum Cause {
     /// Joint angles in degrees under a heading in radians.
     Degrees,
     /// Too few readings for the checks against the kinematic model.
+    #[default]
     NotChecked,
 }
 
@@ -157,7 +160,7 @@ pub enum Evidence {
 }
 
 /// One suspicion with its numbers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Suspicion {
     /// What is likely wrong.
@@ -222,28 +225,8 @@ impl Suspicion {
     fn new(cause: Cause) -> Self {
         Suspicion {
             cause,
-            postures: Vec::new(),
-            states: Vec::new(),
-            points: Vec::new(),
-            joints: Vec::new(),
-            lines: Vec::new(),
-            repeat: None,
-            before_m: None,
-            after_m: None,
-            off_m: None,
-            factor: None,
-            ratio: None,
-            misfits: None,
-            axis_slips: Vec::new(),
-            confirmed_by: Vec::new(),
-            evidence: None,
-            angles_deg: Vec::new(),
-            tool_shift_mm: Vec::new(),
-            divided: Vec::new(),
-            station: None,
-            likely_station: None,
-            alternatives: Vec::new(),
             certain: true,
+            ..Suspicion::default()
         }
     }
 
@@ -339,6 +322,35 @@ impl Work {
         }
     }
 
+    /// Cell and readings with a slip undone, to see what is left.
+    fn without(&self, slip: &Slip) -> Self {
+        let mut out = self.to_try();
+        slip.undo(&mut out);
+        out
+    }
+
+    /// Notes a slip and goes on without it.
+    fn undo(&mut self, slip: &Slip) {
+        self.found.push(slip.suspicion(self));
+        slip.undo(self);
+    }
+
+    /// All that was found, by what `cell` and readings say as they stand.
+    fn screening(self, cell: &Cell, as_read: &Sheet) -> Screening {
+        let mut suspicions = self.found;
+        let findings = suspicions.iter().map(|s| messages::finding(cell, s));
+        let findings = findings.collect();
+        suspicions
+            .iter_mut()
+            .for_each(|s| as_read.add_lines(cell, s));
+        Screening {
+            findings,
+            suspicions,
+            unloaded_rms_m: None,
+            states_checked: 0,
+        }
+    }
+
     fn setup(&self) -> &Setup {
         &self.cell.setup
     }
@@ -390,16 +402,7 @@ pub(super) fn screen_series(
     shape::units(&mut work);
     if work.found.iter().any(|s| s.cause == Cause::RobotUnits) {
         // Nothing can be held against such a robot.
-        return Ok(Screening {
-            findings: work
-                .found
-                .iter()
-                .map(|s| messages::finding(cell, s))
-                .collect(),
-            suspicions: work.found,
-            unloaded_rms_m: None,
-            states_checked: 0,
-        });
+        return Ok(work.screening(cell, &as_read));
     }
     // Strays first, so that they are not taken for faults of a posture; what
     // the shape alone cannot tell is settled once the frame is known.
@@ -414,16 +417,10 @@ pub(super) fn screen_series(
         scale::check(&mut work, &frame.base_from_tracker);
     }
     motion::check(&mut work, frame.as_ref());
-    let mut found = work.found;
-    let findings = found.iter().map(|s| messages::finding(cell, s)).collect();
-    for suspicion in &mut found {
-        as_read.add_lines(cell, suspicion);
-    }
     Ok(Screening {
-        findings,
-        suspicions: found,
         unloaded_rms_m: frame.map(|f| f.level),
         states_checked,
+        ..work.screening(cell, &as_read)
     })
 }
 
@@ -435,16 +432,11 @@ pub(super) fn screen_series(
 /// A posture with a wrong number of angles, or a number that is not finite.
 pub fn screen_displacements(cell: &Cell, measured: &[MeasuredPosture]) -> Result<Screening> {
     let sheet = Sheet::of_displacements(cell, measured)?;
+    let as_read = sheet.clone();
     let mut work = Work::new(cell, sheet, Vec::new());
     // The wrenches of such a table are in base axes, whoever measured them.
     work.cell.sensor = None;
     work.is_displacements = true;
     scale::check(&mut work, &Isometry3::identity());
-    let found = work.found;
-    Ok(Screening {
-        findings: found.iter().map(|s| messages::finding(cell, s)).collect(),
-        suspicions: found,
-        unloaded_rms_m: None,
-        states_checked: 0,
-    })
+    Ok(work.screening(cell, &as_read))
 }

@@ -2,7 +2,7 @@
 //! along the load: the work F·δ + M·φ at the loading point is never negative.
 
 use super::rigid::is_spread;
-use super::shape::name_states;
+use super::slip::name_states;
 use super::{Cause, Suspicion, Work};
 use crate::measure::reduction::Motion;
 use crate::model::kinematics::Frames;

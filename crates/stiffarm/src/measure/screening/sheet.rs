@@ -271,11 +271,20 @@ impl Sheet {
         &mut self.postures[p].states[s]
     }
 
-    /// Every position, to turn all readings.
-    pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
-        for state in self.postures.iter_mut().flat_map(|p| &mut p.states) {
-            state.each_position(&mut change);
+    /// Exchanges the positions of two states.
+    pub fn exchange_positions(&mut self, one: (usize, usize), other: (usize, usize)) {
+        let (mine, theirs) = (self.at(one).clone(), self.at(other).clone());
+        for (at, from) in [(one, theirs), (other, mine)] {
+            let state = self.at_mut(at);
+            (state.points, state.base) = (from.points, from.base);
         }
+    }
+
+    /// The largest angle without its sign \[rad\].
+    pub fn largest_angle(&self) -> f64 {
+        let states = self.postures.iter().flat_map(|p| &p.states);
+        let angles = states.flat_map(|s| &s.q);
+        angles.fold(0.0_f64, |most, q| most.max(q.abs()))
     }
 
     /// Typical standard deviation of a mean \[m\].
@@ -293,9 +302,6 @@ impl Sheet {
     }
 }
 
-/// Positions of one state: by measuring point, and by name of the base reflector.
-type Positions = (Vec<Option<Mean>>, BTreeMap<String, Vector3<f64>>);
-
 impl State {
     /// Every position of the state, those of base reflectors included.
     pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
@@ -303,17 +309,6 @@ impl State {
             change(&mut mean.position);
         }
         self.base.values_mut().for_each(change);
-    }
-
-    /// All positions, to be read as those of another state.
-    pub fn positions(&self) -> Positions {
-        (self.points.clone(), self.base.clone())
-    }
-
-    /// Takes positions that were written elsewhere.
-    pub fn set_positions(&mut self, (points, base): Positions) {
-        self.points = points;
-        self.base = base;
     }
 
     /// Puts the readings at the points where they were really taken.

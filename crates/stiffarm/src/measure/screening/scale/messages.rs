@@ -1,7 +1,7 @@
 //! The suspicions about scales in words: what it looks like, the factor, where to look.
 
+use super::super::units::{DISPLACEMENTS, ENTRIES, FORCES, MOMENTS, PRIORS, Unit};
 use super::super::{Cause, Evidence, Suspicion};
-use super::units::{DISPLACEMENTS, ENTRIES, FORCES, MOMENTS, PRIORS, Unit};
 use crate::findings::list;
 use crate::model::cell::Cell;
 use crate::units::m_to_mm;
@@ -32,13 +32,31 @@ fn times(ratio: f64) -> String {
     format!("{size:.digits$} times {word}")
 }
 
-/// What is typed, of the table of units it stands in.
-fn typed(units: &[Unit], s: &Suspicion) -> &'static str {
+/// What is typed, and the factor on it: `kilograms (kgf), factor 9.81`.
+fn typed(s: &Suspicion) -> String {
+    let units: &[Unit] = match s.cause {
+        Cause::LoadUnits => &FORCES,
+        Cause::LoadEntry => &ENTRIES,
+        Cause::MomentUnits => &MOMENTS,
+        Cause::PriorUnits => &PRIORS,
+        _ => &DISPLACEMENTS,
+    };
     let factor = s.factor.unwrap_or(1.0);
-    let found = units
-        .iter()
-        .find(|u| (u.factor / factor - 1.0).abs() < 1e-6);
-    found.map_or("another unit", |u| u.typed)
+    let mut units = units.iter();
+    let found = units.find(|u| (u.factor / factor - 1.0).abs() < 1e-6);
+    found.map_or("another unit", |u| u.typed).to_string()
+}
+
+/// A scale beside others that explain alike.
+pub(in super::super) fn phrase(s: &Suspicion) -> String {
+    let (typed, factor) = (typed(s), number(s.factor.unwrap_or(1.0)));
+    let what = match s.cause {
+        Cause::LoadUnits => "loads typed in ",
+        Cause::PriorUnits => "a prior stiffness ",
+        Cause::DisplacementUnits if s.postures.is_empty() => "displacements in ",
+        _ => "",
+    };
+    format!("{what}{typed}, factor {factor}")
 }
 
 /// What says where loads stand.
@@ -50,43 +68,21 @@ fn where_loads_stand(cell: &Cell) -> &'static str {
     }
 }
 
-fn also(s: &Suspicion) -> String {
-    match s.alternatives.len() {
-        0 => String::new(),
-        _ => format!(
-            " It would also be explained by {}.",
-            s.alternatives.join("; or by ")
-        ),
-    }
-}
-
-fn misfits(s: &Suspicion) -> String {
-    let Some([before, after]) = s.misfits else {
-        return String::new();
+/// The sentence of a suspicion about a scale; `opening` is its place at the beginning of a sentence.
+pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> String {
+    let factor = number(s.factor.unwrap_or(1.0));
+    let (typed, where_loads_stand) = (typed(s), where_loads_stand(cell));
+    let percent = |i: usize| s.misfits.map_or(0.0, |misfits| 100.0 * misfits[i]);
+    let misfits = format!(
+        "{:.0} % of the displacement is left unexplained, as it stands {:.0} %",
+        percent(1),
+        percent(0)
+    );
+    let also = match s.alternatives.join("; or by ") {
+        none if none.is_empty() => none,
+        others => format!(" It would also be explained by {others}."),
     };
-    let percent = |f: f64| format!("{:.0} %", 100.0 * f);
-    format!(
-        "{} of the displacement is left unexplained, as it stands {}",
-        percent(after),
-        percent(before)
-    )
-}
-
-/// The stiffness beside what is known beforehand.
-fn beside(cell: &Cell, s: &Suspicion) -> String {
-    let what = match cell.prior {
-        Some(_) => "the prior",
-        None => "what robots of this class have",
-    };
-    let ratio = s.ratio.unwrap_or(1.0);
-    format!(
-        "As typed, the joint stiffness comes out {} {what}, all joints alike",
-        times(ratio)
-    )
-}
-
-fn rests_on(s: &Suspicion) -> String {
-    match s.evidence {
+    let rests_on = match s.evidence {
         Some(Evidence::Prior) => {
             " Only this comparison speaks for it: look at the numbers before relying on the result."
                 .to_string()
@@ -95,108 +91,85 @@ fn rests_on(s: &Suspicion) -> String {
             format!(" The file itself says so too: {}.", list(&s.confirmed_by))
         }
         _ => String::new(),
-    }
-}
-
-/// The sentence of a suspicion about a scale; `opening` is its place at the
-/// beginning of a sentence.
-pub(in super::super) fn sentence(cell: &Cell, s: &Suspicion, opening: &str) -> String {
-    let factor = number(s.factor.unwrap_or(1.0));
+    };
+    // The stiffness beside what is known beforehand, for what is on everything.
+    let beside = match cell.prior {
+        Some(_) => "the prior",
+        None => "what robots of this class have",
+    };
+    let beside = format!(
+        "factor {factor}. As typed, the joint stiffness comes out {} {beside}, all joints alike.{rests_on}{also}",
+        times(s.ratio.unwrap_or(1.0))
+    );
     match s.cause {
         Cause::LoadUnits if s.evidence == Some(Evidence::Readings) => format!(
             "The forces are {factor} times too small for the moments, by the stated loading point: they seem to be in \
-             {}. Give {}.",
-            typed(&FORCES, s),
-            where_loads_stand(cell)
+             {typed}. Give {where_loads_stand}."
         ),
-        Cause::LoadUnits => format!(
-            "The loads look like {}: factor {factor}. {}.{}{} Check {}{}.",
-            typed(&FORCES, s),
-            beside(cell, s),
-            rests_on(s),
-            also(s),
-            where_loads_stand(cell),
-            match factor.as_str() {
-                // The heading says kilonewtons, or the cell's load is a thousand times too large.
+        Cause::LoadUnits => {
+            // The heading says kilonewtons, or the cell's load is a thousand times too large.
+            let heading = match factor.as_str() {
                 "1/1000" => ", and whether a heading says kn (load_kn, fx_kn) above numbers in newtons",
                 _ => "",
-            }
-        ),
+            };
+            format!("The loads look like {typed}: {beside} Check {where_loads_stand}{heading}.")
+        }
         Cause::LoadEntry => {
-            let place = if s.postures.is_empty() {
-                format!("State {}, in every posture", list(&s.states))
-            } else {
-                opening.to_string()
+            let place = match s.postures.len() {
+                0 => format!("State {}, in every posture", list(&s.states)),
+                _ => opening.to_string(),
             };
             format!(
-                "{place}: what is typed as load looks like {}: factor {factor}. With it {}.{} Check {} there.",
-                typed(&ENTRIES, s),
-                misfits(s),
-                also(s),
-                where_loads_stand(cell)
+                "{place}: what is typed as load looks like {typed}: factor {factor}. With it {misfits}.{also} Check \
+                 {where_loads_stand} there."
             )
         }
         Cause::MomentUnits => format!(
-            "The moments seem to be {}: with {factor} times what is typed they are the forces times their lever about \
-             the sensor. Give mx_nm, my_nm, mz_nm in N·m, or name the columns mx_nmm, my_nmm, mz_nmm.",
-            typed(&MOMENTS, s)
+            "The moments seem to be {typed}: with {factor} times what is typed they are the forces times their lever about \
+             the sensor. Give mx_nm, my_nm, mz_nm in N·m, or name the columns mx_nmm, my_nmm, mz_nmm."
         ),
         Cause::DisplacementUnits if s.evidence == Some(Evidence::Readings) => format!(
-            "{opening}: the displacements look like {}: factor {factor}. With it {}.{} Correct the rows.",
-            typed(&DISPLACEMENTS, s),
-            misfits(s),
-            also(s)
+            "{opening}: the displacements look like {typed}: factor {factor}. With it {misfits}.{also} Correct the rows."
         ),
-        Cause::DisplacementUnits => format!(
-            "The displacements look like {}: factor {factor}. {}.{}{} Check dx_mm, dy_mm, dz_mm.",
-            typed(&DISPLACEMENTS, s),
-            beside(cell, s),
-            rests_on(s),
-            also(s)
-        ),
+        Cause::DisplacementUnits => {
+            format!("The displacements look like {typed}: {beside} Check dx_mm, dy_mm, dz_mm.")
+        }
         Cause::PriorUnits => format!(
-            "The prior stiffness looks like it is {}: factor {factor}. {}.{}{} Check stiffness.prior_nm_per_rad.",
-            typed(&PRIORS, s),
-            beside(cell, s),
-            rests_on(s),
-            also(s)
+            "The prior stiffness looks like it is {typed}: {beside} Check stiffness.prior_nm_per_rad."
         ),
         Cause::AnchorUnits => format!(
-            "The displacements point to another direction of the load: with load.anchor_mm times {factor}, {}. Check \
-             the unit of load.anchor_mm (mm).",
-            misfits(s)
+            "The displacements point to another direction of the load: with load.anchor_mm times {factor}, {misfits}. Check \
+             the unit of load.anchor_mm (mm)."
         ),
-        Cause::LoadingPointUnits if s.evidence == Some(Evidence::File) => format!(
-            "The loading point lies {:.2} mm from the flange's origin, and no measuring point is near: it looks like \
-             metres typed as millimetres, factor {factor}. Check tool.loading_point_mm (mm).",
-            m_to_mm(s.off_m.unwrap_or_default())
-        ),
+        Cause::LoadingPointUnits if s.evidence == Some(Evidence::File) => {
+            let away = m_to_mm(s.off_m.unwrap_or_default());
+            format!(
+                "The loading point lies {away:.2} mm from the flange's origin, and no measuring point is near: it looks \
+                 like metres typed as millimetres, factor {factor}. Check tool.loading_point_mm (mm)."
+            )
+        }
         Cause::LoadingPointUnits => format!(
-            "The displacements point to another loading point: with tool.loading_point_mm times {factor}, {}. Check the \
-             unit of tool.loading_point_mm (mm).",
-            misfits(s)
+            "The displacements point to another loading point: with tool.loading_point_mm times {factor}, {misfits}. Check \
+             the unit of tool.loading_point_mm (mm)."
         ),
         Cause::RobotUnits => format!(
-            "The robot's reach is {} times that of the readings, while the tool is right: check the unit of the \
-             robot's lengths (robot.dh rows in mm).",
+            "The robot's reach is {} times that of the readings, while the tool is right: check the unit of the robot's \
+             lengths (robot.dh rows in mm).",
             number(1.0 / s.factor.unwrap_or(1.0))
         ),
         Cause::ExchangedLoadCases => {
-            let place = if s.postures.is_empty() {
-                "In the whole table".to_string()
-            } else {
-                format!("In posture {}", list(&s.postures))
+            let place = match s.postures.len() {
+                0 => "In the whole table".to_string(),
+                _ => format!("In posture {}", list(&s.postures)),
             };
+            let cases = list(&s.states);
             format!(
-                "{place} the load cases {} are exchanged: with the names the other way {}. Correct the names in the \
-                 column state, or the loads of [load].",
-                list(&s.states),
-                misfits(s)
+                "{place} the load cases {cases} are exchanged: with the names the other way {misfits}. Correct the names in \
+                 the column state, or the loads of [load]."
             )
         }
         Cause::Radians => format!(
-            "The joint angles seem to be radians under a heading in degrees: with them converted {}. Convert them.",
-            misfits(s)
+            "The joint angles seem to be radians under a heading in degrees: with them converted {misfits}. Convert them."
         ),
         Cause::Degrees => "The joint angles seem to be degrees under a heading in radians: read so, the arm is where \
                            the readings have it. Name the columns q1_deg and so on, or convert them."

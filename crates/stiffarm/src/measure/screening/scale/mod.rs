@@ -16,7 +16,6 @@ mod evidence;
 mod fit;
 pub(super) mod messages;
 mod moments;
-mod units;
 
 use super::motion::{Move, is_reversed};
 use super::{Cause, Work};
