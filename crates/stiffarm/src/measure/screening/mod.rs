@@ -18,7 +18,7 @@
 //! goes on with the corrected readings, so that one fault does not hide
 //! another, and corrects nothing for the user.
 
-mod facts;
+mod cause;
 mod frame;
 mod gross_error;
 mod mean_shape;
@@ -32,11 +32,15 @@ mod rigid;
 mod scale;
 mod shape;
 mod sheet;
-mod sizes;
 mod slip;
 mod states;
+mod suspicion;
 mod tool;
 mod units;
+mod words;
+
+pub use cause::Cause;
+pub use suspicion::{Evidence, Suspicion};
 
 use super::series::PostureSeries;
 use super::stations;
@@ -58,211 +62,6 @@ const ALIKE: f64 = 2.0;
 /// A number that was fitted to the readings must divide the misfit by this much
 /// more than a cause that leaves nothing to fit.
 const FITTED: f64 = 3.0;
-
-/// What is likely wrong.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum Cause {
-    /// Coordinates in another unit than stated.
-    Units,
-    /// The tool's points in the cell in another unit than stated.
-    ToolUnits,
-    /// Measuring points exchanged.
-    ExchangedPoints,
-    /// One repeat far from the others.
-    StrayRepeat,
-    /// One reading far from where the rigid tool has its point.
-    StrayReading,
-    /// A reflector that sits elsewhere in several states.
-    MovedReflector,
-    /// The measuring points do not keep their distances.
-    UnsteadyShape,
-    /// Measuring points that lie elsewhere than the cell says.
-    Drawing,
-    /// The tracker's axes are left-handed, or one is flipped.
-    MirroredFrame,
-    /// Joints that turn the other way than the cell says.
-    JointSign,
-    /// Axis 3 coupled to axis 2 differently than the cell says.
-    Coupling,
-    /// Denavit–Hartenberg rows meant in the other convention.
-    DhConvention,
-    /// A constant offset of a joint angle.
-    JointOffset,
-    /// All measuring points, and the tool with them, sit elsewhere on the flange than the cell says.
-    ToolPlace,
-    /// Joint angles in radians under a heading in degrees.
-    Radians,
-    /// The transform that is given for the tracker does not fit the readings.
-    GivenTransform,
-    /// The tracker, or the robot, stands elsewhere from a posture on.
-    MovedTracker,
-    /// One joint angle with the wrong sign.
-    AngleSign,
-    /// One joint angle mistyped.
-    MistypedAngle,
-    /// Rows of two postures exchanged.
-    ExchangedPostures,
-    /// Readings that belong to another posture.
-    OtherPosture,
-    /// A posture that the kinematic model does not explain.
-    UnexplainedPosture,
-    /// A robot that the kinematic model does not explain.
-    UnexplainedModel,
-    /// No displacement under load.
-    NoDisplacement,
-    /// Displacements against the force.
-    ReversedForce,
-    /// Loaded and unloaded rows exchanged.
-    ExchangedStates,
-    /// Displacements of another size than the prior stiffness lets expect.
-    DisplacementSize,
-    /// One state with displacements of another size than the others.
-    OtherLoad,
-    /// Loads or forces of the whole table, or of the cell, in another unit.
-    LoadUnits,
-    /// The load of single states typed in another unit or with a slipped decimal point.
-    LoadEntry,
-    /// Moments in another unit than the forces.
-    MomentUnits,
-    /// Displacements in another unit than stated.
-    DisplacementUnits,
-    /// The prior stiffness in another unit than stated.
-    PriorUnits,
-    /// The anchor of rope or cylinder in another unit than stated.
-    AnchorUnits,
-    /// The loading point in another unit than stated.
-    LoadingPointUnits,
-    /// The robot's own lengths in another unit than stated.
-    RobotUnits,
-    /// States filed under another load case than they were taken under.
-    ExchangedLoadCases,
-    /// Joint angles in degrees under a heading in radians.
-    Degrees,
-    /// Too few readings for the checks against the kinematic model.
-    #[default]
-    NotChecked,
-}
-
-/// What a suspicion about a scale rests on, the strongest first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Evidence {
-    /// Readings against readings.
-    Readings,
-    /// The file against itself: names of states, nominal load, what can be meant at all.
-    File,
-    /// The prior stiffness, or that of robots of the class, alone.
-    Prior,
-}
-
-/// One suspicion with its numbers.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Suspicion {
-    /// What is likely wrong.
-    pub cause: Cause,
-    /// Postures it concerns; none: all of them.
-    pub postures: Vec<String>,
-    /// Load states it concerns; none: all of them.
-    pub states: Vec<String>,
-    /// Measuring points; several where one of them it is, or they are exchanged.
-    pub points: Vec<String>,
-    /// Joints.
-    pub joints: Vec<String>,
-    /// Lines of the table, where there is one.
-    pub lines: Vec<usize>,
-    /// Number of the repeat, counted from 1.
-    pub repeat: Option<usize>,
-    /// Misfit as read: RMS distance from where the points should be \[m\].
-    pub before_m: Option<f64>,
-    /// Misfit with the likely fault undone \[m\].
-    pub after_m: Option<f64>,
-    /// How far the reading or point is off \[m\].
-    pub off_m: Option<f64>,
-    /// Ratio of what is read to what is expected.
-    pub factor: Option<f64>,
-    /// Identified over prior stiffness, or that of the robot's class, where a scale is suspected.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ratio: Option<f64>,
-    /// Misfit of the states under load with and without the fault, over the larger of what is
-    /// read and what is expected, where a scale is suspected by readings.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub misfits: Option<[f64; 2]>,
-    /// Slips of the tracker's axes with which it stands as it is given, or parallel to the base.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub axis_slips: Vec<String>,
-    /// What in the file itself says the same of a scale.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub confirmed_by: Vec<String>,
-    /// What a suspicion about a scale rests on.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub evidence: Option<Evidence>,
-    /// Angle as written and as the readings have it, or offset of a joint \[deg\].
-    pub angles_deg: Vec<f64>,
-    /// Shift of all measuring points, flange axes \[mm\]; `angles_deg` then holds their turn vector.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub tool_shift_mm: Vec<f64>,
-    /// Postures that were read partly before the tracker was moved and partly after.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub divided: Vec<String>,
-    /// The station that the table names for postures before which the tracker was moved.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub station: Option<String>,
-    /// A name for the station that these postures were read from instead.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub likely_station: Option<String>,
-    /// Other explanations that fit as well.
-    pub alternatives: Vec<String>,
-    /// False where the points named are candidates for one fault.
-    pub certain: bool,
-}
-
-impl Suspicion {
-    fn new(cause: Cause) -> Self {
-        Suspicion {
-            cause,
-            certain: true,
-            ..Suspicion::default()
-        }
-    }
-
-    fn posture(mut self, name: &str) -> Self {
-        self.postures.push(name.to_string());
-        self
-    }
-
-    fn state(mut self, name: &str) -> Self {
-        self.states.push(name.to_string());
-        self
-    }
-
-    fn points<'a>(mut self, names: impl IntoIterator<Item = &'a String>) -> Self {
-        self.points.extend(names.into_iter().cloned());
-        self
-    }
-
-    fn joints(mut self, cell: &Cell, joints: &[usize]) -> Self {
-        let all = cell.setup.robot.joints();
-        self.joints
-            .extend(joints.iter().map(|j| all[*j].name.clone()));
-        self
-    }
-
-    fn off(mut self, off: f64) -> Self {
-        self.off_m = Some(off);
-        self
-    }
-
-    fn misfit(mut self, before: f64, after: f64) -> Self {
-        self.before_m = Some(before);
-        self.after_m = Some(after);
-        self
-    }
-}
 
 /// Result of [`screen`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 
 use super::frame::{self, Frame, PLAUSIBLE, fitted, item_pairs, items};
 use super::misfit::best_around;
-use super::slip::{Of, Rule, Slip, Undo, settle};
+use super::slip::{Rule, Slip, Undo, settle};
 use super::units::of_angles;
 use super::{BELIEVED, Cause, Suspicion, Work, moved, tool};
 use crate::measure::registration::axis_slips;
@@ -165,7 +165,7 @@ fn slips(work: &Work) -> Vec<Slip> {
     let mirror = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, 1.0));
     let mut out = vec![Undo::Mirror(mirror), Undo::Convention];
     let unit = of_angles(work.sheet.largest_angle());
-    out.extend(unit.map(|unit| Undo::Times(Of::Angles, unit)));
+    out.extend(unit.map(|(cause, unit)| Undo::Times(cause, unit)));
     let points = work.setup().tool.point_count();
     out.extend(exchanges_first(points).into_iter().map(Undo::Order));
     let mut couplings = vec![None];

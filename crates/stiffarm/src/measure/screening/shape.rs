@@ -5,7 +5,7 @@
 use super::mean_shape::{mean_shape, pairs};
 use super::rigid::{Pair, fit, is_spread, moved};
 use super::sheet::State;
-use super::slip::{Of, Slip, Undo, name_states};
+use super::slip::{Slip, Undo, name_states};
 use super::units::{CENTIMETRES, LENGTHS, LIKE_RADIANS, Unit};
 use super::{Cause, Suspicion, Work};
 use crate::numerics::arrangements::exchanges_first;
@@ -62,14 +62,14 @@ pub(super) fn units(work: &mut Work) {
     let all = off.len() == states.len() && off.iter().all(|(_, u)| *u == first);
     if all && spread_agrees(work) {
         // The arm's reach has the right size: the tool in the cell has not.
-        work.undo(&Slip::new(Undo::Times(Of::ToolPoints, first)));
+        work.undo(&Slip::new(Undo::Times(Cause::ToolUnits, first)));
         return;
     }
     for unit in LENGTHS.into_iter().chain(CENTIMETRES) {
         let of_unit = off.iter().filter(|(_, u)| *u == unit);
         let of_unit: Vec<_> = of_unit.map(|(at, _)| *at).collect();
         if !of_unit.is_empty() {
-            let slip = Slip::new(Undo::Times(Of::Coordinates, unit));
+            let slip = Slip::new(Undo::Times(Cause::Units, unit));
             work.undo(&if all { slip } else { slip.at(&of_unit) });
         }
     }
@@ -90,7 +90,7 @@ fn reach(work: &mut Work, states: &[(usize, usize)]) {
         return;
     };
     if work.setup().tool.point_count() == 1 {
-        work.undo(&Slip::new(Undo::Times(Of::Coordinates, unit)));
+        work.undo(&Slip::new(Undo::Times(Cause::Units, unit)));
     } else {
         let mut suspicion = Suspicion::new(Cause::RobotUnits);
         suspicion.factor = Some(unit.factor);
@@ -170,12 +170,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
     // Sum of squares of each state in units of its noise.
     let misfit = |state: &State, without: Option<usize>, scale: f64| -> (f64, f64) {
         let pairs = pairs(state, &shape, without);
-        let std = state
-            .points
-            .iter()
-            .flatten()
-            .map(|m| m.std)
-            .fold(0.0, f64::max);
+        let std = state.std();
         let Some(pose) = fit(&pairs) else {
             return (0.0, 0.0);
         };
@@ -208,12 +203,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         }
         let seen = state.seen();
         let (squares, off) = misfit(state, None, scale);
-        let std = state
-            .points
-            .iter()
-            .flatten()
-            .map(|m| m.std)
-            .fold(0.0, f64::max);
+        let std = state.std();
         let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * own;
         if squares <= limit || off < WORTH * std * scale / 2.0 {
             continue;

@@ -4,7 +4,7 @@
 use super::frame::{rms, state_pairs};
 use super::sheet::State;
 use super::units::Unit;
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool};
+use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::numerics::order::sort_by_number;
@@ -31,33 +31,16 @@ pub(super) enum Undo {
     AnglesOf(usize, Vec<f64>),
     /// Load cases named in another order.
     Cases(Vec<usize>),
-    /// A number is this many times what is typed.
-    Times(Of, Unit),
+    /// Forces alone are this many times what is typed.
+    Forces(f64),
+    /// What the cause says is in another unit, in rows or in the cell.
+    Times(Cause, Unit),
     /// These joints turn the other way, and perhaps axis 3 follows axis 2 by another factor.
     Chain(Vec<usize>, Option<f64>),
     /// The Denavit–Hartenberg rows are meant in the other convention.
     Convention,
     /// The measuring points sit elsewhere on the flange.
     Tool(Isometry3<f64>),
-}
-
-/// What is in another unit: in rows of the table, then in the cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Of {
-    Angles,
-    /// Load, or force and moment.
-    Loads,
-    Forces,
-    Moments,
-    /// Displacements, which are positions from an origin.
-    Displacements,
-    /// Coordinates, whose factor is that of what is read to what is meant.
-    Coordinates,
-    ToolPoints,
-    Anchor,
-    LoadingPoint,
-    /// The prior stiffness.
-    Prior,
 }
 
 /// One slip.
@@ -80,9 +63,9 @@ impl Slip {
             // A number is fitted, but where it is the one written with the other sign.
             Undo::Angle(_, [written, likely]) if *likely == -written => 1.0,
             Undo::Angle(..) | Undo::Offset(..) => 2.0,
-            Undo::Cases(_) | Undo::Stray(_) => 1.0,
+            Undo::Cases(_) | Undo::Stray(_) | Undo::Forces(_) => 1.0,
             Undo::Tool(_) => 6.0,
-            Undo::Times(Of::Angles, _) => 1.0,
+            Undo::Times(Cause::Radians | Cause::Degrees, _) => 1.0,
             Undo::Times(_, unit) => unit.rare,
         };
         let at = None;
@@ -129,14 +112,14 @@ impl Slip {
                     point.position = rigid::moved(motion, &point.position);
                 }
             }
-            Undo::Times(Of::ToolPoints, unit) => {
+            Undo::Times(Cause::ToolUnits, unit) => {
                 for point in &mut setup.tool.measuring_points {
                     point.position *= unit.factor;
                 }
             }
-            Undo::Times(Of::Anchor, unit) => scale_anchors(&mut setup.load, unit.factor),
-            Undo::Times(Of::LoadingPoint, unit) => setup.tool.loading_point *= unit.factor,
-            Undo::Times(Of::Prior, unit) => {
+            Undo::Times(Cause::AnchorUnits, unit) => scale_anchors(&mut setup.load, unit.factor),
+            Undo::Times(Cause::LoadingPointUnits, unit) => setup.tool.loading_point *= unit.factor,
+            Undo::Times(Cause::PriorUnits, unit) => {
                 for k in work.cell.prior.iter_mut().flatten() {
                     *k *= unit.factor;
                 }
@@ -178,20 +161,22 @@ impl Slip {
                     state.name = format!("{}{rest}", cases[order[c]].name);
                 }
             }
-            Undo::Times(of, Unit { factor, .. }) => match of {
-                Of::Angles => state.q.iter_mut().for_each(|q| *q *= factor),
-                Of::Loads => {
+            Undo::Forces(factor) => state.wrench.iter_mut().for_each(|w| w.force *= *factor),
+            Undo::Times(cause, Unit { factor, .. }) => match cause {
+                Cause::Radians | Cause::Degrees => state.q.iter_mut().for_each(|q| *q *= factor),
+                Cause::LoadUnits | Cause::LoadEntry => {
                     state.load = state.load.map(|l| l * factor);
                     if let Some(wrench) = &mut state.wrench {
                         wrench.force *= *factor;
                         wrench.moment *= *factor;
                     }
                 }
-                Of::Forces => state.wrench.iter_mut().for_each(|w| w.force *= *factor),
-                Of::Moments => state.wrench.iter_mut().for_each(|w| w.moment *= *factor),
-                Of::Displacements => state.each_position(|p| *p *= *factor),
-                Of::Coordinates => state.each_position(|p| *p /= *factor),
-                Of::ToolPoints | Of::Anchor | Of::LoadingPoint | Of::Prior => {}
+                Cause::MomentUnits => state.wrench.iter_mut().for_each(|w| w.moment *= *factor),
+                // Displacements are positions from an origin.
+                Cause::DisplacementUnits => state.each_position(|p| *p *= *factor),
+                // The factor is that of what is read to what is meant.
+                Cause::Units => state.each_position(|p| *p /= *factor),
+                _ => {}
             },
             Undo::Chain(..) | Undo::Convention | Undo::Tool(_) => {}
         }
@@ -243,24 +228,18 @@ impl Slip {
                 out.states = moved(order).map(|c| cases[c].name.clone()).collect();
                 out
             }
-            Undo::Times(of, unit) => {
-                let mut out = Suspicion::new(match of {
-                    Of::Angles if unit.factor > 1.0 => Cause::Radians,
-                    Of::Angles => Cause::Degrees,
-                    Of::Loads if self.at.is_some() => Cause::LoadEntry,
-                    Of::Loads | Of::Forces => Cause::LoadUnits,
-                    Of::Moments => Cause::MomentUnits,
-                    Of::Displacements => Cause::DisplacementUnits,
-                    Of::Coordinates => Cause::Units,
-                    Of::ToolPoints => Cause::ToolUnits,
-                    Of::Anchor => Cause::AnchorUnits,
-                    Of::LoadingPoint => Cause::LoadingPointUnits,
-                    Of::Prior => Cause::PriorUnits,
-                });
-                // The place of the arm says it without a factor.
-                let has_factor = *of != Of::Angles || work.is_displacements;
-                out.factor = has_factor.then_some(unit.factor);
-                out
+            Undo::Forces(factor) => Suspicion {
+                factor: Some(*factor),
+                ..Suspicion::new(Cause::LoadUnits)
+            },
+            Undo::Times(cause, unit) => {
+                // The place of the arm says angles without a factor.
+                let has_factor =
+                    work.is_displacements || !matches!(cause, Cause::Radians | Cause::Degrees);
+                Suspicion {
+                    factor: has_factor.then_some(unit.factor),
+                    ..Suspicion::new(*cause)
+                }
             }
         };
         if let Some(at) = &self.at {
@@ -369,7 +348,7 @@ pub(super) fn settle(
 impl Settled {
     /// What is said of it: the likeliest slip, and the others in words.
     pub fn suspicion(&self, work: &Work) -> Suspicion {
-        let phrase = |slip: &Slip| super::messages::cause(&work.cell, &slip.suspicion(work));
+        let phrase = |slip: &Slip| words::cause(&work.cell, &slip.suspicion(work));
         let mut out = self.slip.suspicion(work);
         let own = phrase(&self.slip);
         let others = self.others.iter().map(phrase);

@@ -1,5 +1,6 @@
 //! Units that people mix up, by the factor that undoes it.
 
+use super::Cause;
 use crate::units::STANDARD_GRAVITY;
 
 /// Newtons in a pound-force: 0.453 592 37 kg (international yard and pound
@@ -79,10 +80,10 @@ pub(super) const LIKE_RADIANS: f64 = 0.122;
 const LIKE_DEGREES: f64 = 14.0;
 
 /// The unit that angles may be in, by the largest of them \[rad\].
-pub(super) fn of_angles(largest: f64) -> Option<Unit> {
+pub(super) fn of_angles(largest: f64) -> Option<(Cause, Unit)> {
     match largest {
-        ..LIKE_RADIANS => Some(unit(RADIAN, "", 0.0)),
-        LIKE_DEGREES.. => Some(unit(1.0 / RADIAN, "", 0.0)),
+        ..LIKE_RADIANS => Some((Cause::Radians, unit(RADIAN, "", 0.0))),
+        LIKE_DEGREES.. => Some((Cause::Degrees, unit(1.0 / RADIAN, "", 0.0))),
         _ => None,
     }
 }

@@ -3,9 +3,10 @@
 //! What speaks are the prior, robots of the class, and what the file says twice.
 
 use super::super::motion::Move;
-use super::super::slip::{Of, Slip, Undo};
+use super::super::slip::{Slip, Undo};
 use super::super::units::{DISPLACEMENTS, FORCES, PRIORS, Unit};
-use super::super::{Evidence, Suspicion, Work};
+use super::super::words::phrase;
+use super::super::{Cause, Evidence, Suspicion, Work};
 use super::class::{CLASS_SPREAD, expected_stiffness};
 use super::evidence::Sizes;
 use super::fit::Fitted;
@@ -30,7 +31,7 @@ const POOR: f64 = 0.5;
 
 /// A factor on everything, or none.
 struct Explanation {
-    slip: Option<(Of, Unit)>,
+    slip: Option<(Cause, Unit)>,
     /// Logarithm of the likelihood: of all, and of what the file itself says.
     all: f64,
     file: f64,
@@ -40,15 +41,15 @@ impl Explanation {
     /// Factors of loads and of displacements.
     fn factors(&self) -> [f64; 2] {
         match self.slip {
-            Some((Of::Loads, unit)) => [unit.factor, 1.0],
-            Some((Of::Displacements, unit)) => [1.0, unit.factor],
+            Some((Cause::LoadUnits, unit)) => [unit.factor, 1.0],
+            Some((Cause::DisplacementUnits, unit)) => [1.0, unit.factor],
             _ => [1.0; 2],
         }
     }
 
     fn suspicion(&self, work: &Work) -> Option<Suspicion> {
-        let (of, unit) = self.slip?;
-        Some(Slip::new(Undo::Times(of, unit)).suspicion(work))
+        let (cause, unit) = self.slip?;
+        Some(Slip::new(Undo::Times(cause, unit)).suspicion(work))
     }
 }
 
@@ -71,7 +72,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     let normal = |value: f64, spread: f64| -(value / spread).powi(2) / 2.0;
     // The cell's own load may be typed in the same unit as the table's.
     let stated = |load: f64| sizes.stated(load).max(sizes.stated(1.0) - BOTH);
-    let judge = |slip: Option<(Of, Unit)>| {
+    let judge = |slip: Option<(Cause, Unit)>| {
         let mut out = Explanation {
             slip,
             all: 0.0,
@@ -80,7 +81,7 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
         let [load, displacement] = out.factors();
         let of_class = load.ln() - displacement.ln();
         let expected = match slip {
-            Some((Of::Prior, unit)) => -unit.factor.ln(),
+            Some((Cause::PriorUnits, unit)) => -unit.factor.ln(),
             _ => of_class,
         };
         out.all = normal(beside_class - of_class, CLASS_SPREAD);
@@ -93,12 +94,12 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
         out
     };
     let sound = judge(None);
-    let mut all: Vec<(Of, Unit)> = FORCES.map(|unit| (Of::Loads, unit)).to_vec();
+    let mut all: Vec<(Cause, Unit)> = FORCES.map(|unit| (Cause::LoadUnits, unit)).to_vec();
     if work.is_displacements {
-        all.extend(DISPLACEMENTS.map(|unit| (Of::Displacements, unit)));
+        all.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
     if beside_prior.is_some() {
-        all.extend(PRIORS.map(|unit| (Of::Prior, unit)));
+        all.extend(PRIORS.map(|unit| (Cause::PriorUnits, unit)));
     }
     let mut all: Vec<Explanation> = all.into_iter().map(|slip| judge(Some(slip))).collect();
     all.retain(|e| e.all > sound.all);
@@ -119,6 +120,6 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
         out.confirmed_by = sizes.reasons(load, displacement);
     }
     let others = all.iter().filter_map(|e| e.suspicion(work));
-    out.alternatives = others.map(|s| super::messages::phrase(&s)).collect();
+    out.alternatives = others.map(|s| phrase(&s)).collect();
     Some(out)
 }

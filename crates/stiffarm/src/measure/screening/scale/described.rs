@@ -3,9 +3,10 @@
 //! of a table of displacements in radians. Each is tried; it is believed where
 //! everything fits with it and little fits without.
 
-use super::super::slip::{Of, Place, Rule, Settled, Slip, Undo, settle};
+use super::super::motion::Move;
+use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
 use super::super::units::{LENGTHS, of_angles};
-use super::super::{Evidence, Work};
+use super::super::{Cause, Evidence, Work};
 use super::fit::{Fitted, clear_moves, fit, misfit_of};
 use crate::numerics::arrangements::orders;
 use nalgebra::Isometry3;
@@ -36,28 +37,33 @@ fn slips(work: &Work) -> Vec<Slip> {
     let mut states = work.sheet.postures.iter().flat_map(|p| &p.states);
     // A measured wrench knows no anchor.
     if load.has_rope() && states.all(|s| s.wrench.is_none()) {
-        out.extend(LENGTHS.map(|unit| Undo::Times(Of::Anchor, unit)));
+        out.extend(LENGTHS.map(|unit| Undo::Times(Cause::AnchorUnits, unit)));
     }
     if work.setup().tool.loading_point.norm() > 0.0 {
-        out.extend(LENGTHS.map(|unit| Undo::Times(Of::LoadingPoint, unit)));
+        out.extend(LENGTHS.map(|unit| Undo::Times(Cause::LoadingPointUnits, unit)));
     }
     if work.is_displacements {
         let unit = of_angles(work.sheet.largest_angle());
-        out.extend(unit.map(|unit| Undo::Times(Of::Angles, unit)));
+        out.extend(unit.map(|(cause, unit)| Undo::Times(cause, unit)));
     }
     out.into_iter().map(Slip::new).collect()
 }
 
 /// Tries the slips and undoes the one that is believed.
-pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, fitted: &Fitted) {
+pub(super) fn check(
+    work: &mut Work,
+    base_from_tracker: &Isometry3<f64>,
+    _: &[Move],
+    fitted: &Fitted,
+) {
     let told = best_of(work, base_from_tracker, fitted, slips(work), f64::MAX);
-    let is_told = matches!(told, Some(Undo::Times(Of::LoadingPoint, _)));
+    let is_told = matches!(told, Some(Undo::Times(Cause::LoadingPointUnits, _)));
     let distance = work.setup().tool.loading_point.norm();
     let nearest = work.setup().tool.measuring_points.iter();
     let nearest = nearest.map(|p| p.position.norm()).fold(f64::MAX, f64::min);
     if !is_told && distance > 0.0 && distance < BESIDE && nearest > 10.0 * BESIDE {
         // The joints take up what little such a slip changes: the number itself tells.
-        let slip = Slip::new(Undo::Times(Of::LoadingPoint, LENGTHS[0]));
+        let slip = Slip::new(Undo::Times(Cause::LoadingPointUnits, LENGTHS[0]));
         let mut out = slip.suspicion(work).off(distance);
         out.evidence = Some(Evidence::File);
         out.certain = false;
@@ -118,6 +124,7 @@ fn note(work: &mut Work, settled: Settled, before: f64) -> Undo {
 pub(super) fn cases_of_postures(
     work: &mut Work,
     base_from_tracker: &Isometry3<f64>,
+    _: &[Move],
     fitted: &Fitted,
 ) {
     let cases = work.setup().load.cases().len();

@@ -4,9 +4,9 @@
 
 use super::super::motion::{Move, load_of};
 use super::super::sheet::{Posture, Sheet};
-use super::super::slip::{Of, Place, Rule, Settled, Slip, Undo, settle};
+use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
 use super::super::units::{DISPLACEMENTS, ENTRIES, Unit};
-use super::super::{Evidence, Work};
+use super::super::{Cause, Evidence, Work};
 use super::evidence::number_in;
 use super::fit::{Fitted, misfit_of};
 use crate::numerics::sample::median;
@@ -41,7 +41,7 @@ enum Pattern {
 /// An entry, what it is multiplied by, and the misfit as typed.
 #[derive(Debug, Clone)]
 struct Entry {
-    of: Of,
+    cause: Cause,
     unit: Unit,
     settled: Settled,
     before: f64,
@@ -134,12 +134,12 @@ fn mended(
     };
     let left = |work: &Work| misfit_of(work, base_from_tracker, touched, fitted);
     let before = left(work)?;
-    let mut units: Vec<(Of, Unit)> = Vec::new();
+    let mut units: Vec<(Cause, Unit)> = Vec::new();
     if group.iter().any(has_load) && pattern != Pattern::Same {
-        units.extend(ENTRIES.map(|unit| (Of::Loads, unit)));
+        units.extend(ENTRIES.map(|unit| (Cause::LoadEntry, unit)));
     }
     if work.is_displacements && group.len() == 1 {
-        units.extend(DISPLACEMENTS.map(|unit| (Of::Displacements, unit)));
+        units.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
     let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
     let mut rule = Rule {
@@ -149,13 +149,15 @@ fn mended(
     };
     // What states of this name have elsewhere, or the name itself says, decides.
     if let Pattern::Times(factor) = pattern {
-        units.retain(|(of, u)| *of == Of::Loads && (u.factor / factor - 1.0).abs() < SAME);
+        units.retain(|(cause, u)| {
+            *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME
+        });
         rule.most = 0.9 * before;
     }
     // Numbers of a sensor, and all of a posture, are not typed one by one.
     let typed = group.len() == 1 && work.sheet.at(group[0]).wrench.is_none();
-    let tried = units.into_iter().map(|(of, unit)| {
-        let mut slip = Slip::new(Undo::Times(of, unit)).at(group);
+    let tried = units.into_iter().map(|(cause, unit)| {
+        let mut slip = Slip::new(Undo::Times(cause, unit)).at(group);
         if unit.is_decimal() && !typed {
             slip.cost += 2.0;
         }
@@ -163,11 +165,11 @@ fn mended(
         (slip, after)
     });
     let settled = settle(tried, &rule)?;
-    let Undo::Times(of, unit) = settled.slip.undo else {
+    let Undo::Times(cause, unit) = settled.slip.undo else {
         return None;
     };
     Some(Entry {
-        of,
+        cause,
         unit,
         settled,
         before,
@@ -211,7 +213,7 @@ fn pattern(sheet: &Sheet, at: Place) -> Pattern {
 fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>) -> Vec<Entry> {
     let flagged: Vec<Place> = entries.iter().flat_map(Entry::at).collect();
     let unit = entries[0].unit;
-    let alike = |e: &Entry| e.unit == unit && e.of == Of::Loads;
+    let alike = |e: &Entry| e.unit == unit && e.cause == Cause::LoadEntry;
     let all = moves.iter().map(|m| (m.posture, m.state));
     let others: Vec<Place> = all.filter(|at| !flagged.contains(at)).collect();
     let is_most = flagged.len() as f64 >= MANY * moves.len() as f64;
@@ -246,7 +248,7 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
     let turned = |at: Place| {
         let mut out = entries[0].clone();
         out.unit = *inverse;
-        out.settled.slip = Slip::new(Undo::Times(Of::Loads, *inverse)).at(&[at]);
+        out.settled.slip = Slip::new(Undo::Times(Cause::LoadEntry, *inverse)).at(&[at]);
         out
     };
     others.into_iter().map(turned).collect()
@@ -255,14 +257,14 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
 /// One finding for each factor.
 fn report(work: &mut Work, entries: &[Entry]) {
     let postures = work.sheet.postures.len();
-    let mut done: Vec<(Of, f64)> = Vec::new();
+    let mut done: Vec<(Cause, f64)> = Vec::new();
     for entry in entries {
-        let key = (entry.of, entry.unit.factor);
+        let key = (entry.cause, entry.unit.factor);
         if done.contains(&key) {
             continue;
         }
         done.push(key);
-        let alike = entries.iter().filter(|e| (e.of, e.unit.factor) == key);
+        let alike = entries.iter().filter(|e| (e.cause, e.unit.factor) == key);
         let at: Vec<Place> = alike.clone().flat_map(Entry::at).collect();
         let after = alike.map(|e| e.settled.after).fold(0.0, f64::max);
         let mut all = entry.settled.clone();

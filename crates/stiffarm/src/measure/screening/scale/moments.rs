@@ -2,9 +2,9 @@
 //! lever × force about the sensor's origin.
 
 use super::super::motion::Move;
-use super::super::slip::{Of, Slip, Undo};
-use super::super::units::{MOMENTS, Unit};
-use super::super::{Evidence, Work};
+use super::super::slip::{Slip, Undo};
+use super::super::units::MOMENTS;
+use super::super::{Cause, Evidence, Work};
 use crate::model::instruments::Mount;
 use crate::model::kinematics::Frames;
 use crate::model::load::Load;
@@ -55,11 +55,9 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) {
         return;
     };
     // Forces a factor too small make moments as much too large for them.
-    let slip = Slip::new(if unit.typed.is_empty() {
-        let factor = 1.0 / unit.factor;
-        Undo::Times(Of::Forces, Unit { factor, ..unit })
-    } else {
-        Undo::Times(Of::Moments, unit)
+    let slip = Slip::new(match unit.typed {
+        "" => Undo::Forces(1.0 / unit.factor),
+        _ => Undo::Times(Cause::MomentUnits, unit),
     });
     let mut out = slip.suspicion(work);
     out.evidence = Some(Evidence::Readings);
