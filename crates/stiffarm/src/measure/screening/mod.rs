@@ -1,22 +1,15 @@
 //! Screening before statistics: what is wrong with a table of raw readings, by
 //! posture, state and point, with the likely cause.
 //!
-//! A fault is named when correcting it makes everything else fit: for each
-//! suspect the checks try what people get wrong (two points exchanged, a sign,
-//! a mistyped angle, exchanged rows, a mirrored frame, …) and accept a cause
-//! only where the misfit falls to less than a fifth and to what the other
-//! postures have. Where several causes explain a fault alike, all are named.
-//! Checks go on with the corrected readings; nothing is corrected for the user.
+//! Suspects are tried, not guessed: what people get wrong (two points exchanged, a sign, a mistyped angle, exchanged
+//! rows, a mirrored frame, a unit, …) are slips, each with what undoes it. One is named when undoing it
+//! divides the misfit by five and brings it to what the other postures have; a slip with a fitted number must do
+//! three times better than one without. Where several explain a fault alike, all are named. Checks go on with the
+//! corrected readings, so that one fault does not hide another; nothing is corrected for the user.
 //!
 //! What cannot be seen: a fault that a rigid motion of the tracker explains
 //! (an offset of joint 1 of a standing robot), and with a flat tool a reading
 //! that strays across its plane, unless the motion under load tells.
-//!
-//! Suspects are tried, not guessed. Screening names a fault when undoing it
-//! divides the misfit by five and brings it to what the other postures have; a
-//! cause with a fitted number must do three times better than one without. It
-//! goes on with the corrected readings, so that one fault does not hide
-//! another, and corrects nothing for the user.
 
 mod cause;
 mod frame;
@@ -129,8 +122,8 @@ impl Work {
     }
 
     /// Notes a slip and goes on without it.
-    fn undo(&mut self, slip: &Slip) {
-        self.found.push(slip.suspicion(self));
+    fn undo(&mut self, slip: &Slip, suspicion: Suspicion) {
+        self.found.push(suspicion);
         slip.undo(self);
     }
 

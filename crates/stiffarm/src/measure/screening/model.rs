@@ -137,9 +137,8 @@ fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Opti
     }
     let mut suspicion = settled.suspicion(work);
     suspicion.axis_slips = slips.into_iter().map(|(said, _)| said).collect();
-    work.found
-        .push(suspicion.misfit(before.trimmed.max(before.level), frame.trimmed));
-    settled.slip.undo(work);
+    let before = before.trimmed.max(before.level);
+    work.undo(&settled.slip, suspicion.misfit(before, frame.trimmed));
     Some(frame)
 }
 

@@ -130,14 +130,10 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
     if another_state_fits(work, frame, reference) {
         return None;
     }
-    let rows = |p: usize| -> Vec<Place> {
-        let states = 0..work.sheet.postures[p].states.len();
-        states.map(|s| (p, s)).collect()
-    };
-    let own = rows(p);
-    let slip = |undo: Undo| Slip::new(undo).at(&own);
-    let tried = |undo: Undo| {
-        let slip = slip(undo);
+    let states = 0..work.sheet.postures[p].states.len();
+    let own: Vec<Place> = states.map(|s| (p, s)).collect();
+    let most = frame.limit();
+    let with = |slip: Slip| {
         let after = slip.left(work, transform, reference);
         (slip, after)
     };
@@ -155,29 +151,19 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
         } else {
             customary(work, j, angle)
         };
-        let fitted = (slip(Undo::Angle(j, [q[j], likely])), Some(after));
-        [tried(Undo::Angle(j, [q[j], -q[j]])), fitted]
+        let [sign, fitted] =
+            [-q[j], likely].map(|likely| Slip::new(Undo::Angle(j, [q[j], likely])).at(&own));
+        [with(sign), (fitted, Some(after))]
     });
-    let all = angles.chain(mix_ups(work, p).map(tried));
-    let settled = settle(all, &Rule::of_places(work, before, frame.limit()))?;
-    let mut suspicion = settled.suspicion(work).misfit(before, settled.after);
-    let mut undone = vec![settled.slip];
-    let mut partner = p;
-    if let Undo::AnglesOf(k, _) = undone[0].undo {
-        let back = work.sheet.postures[k].references().first().map(|s| (k, *s));
-        let fits = back.and_then(|back| state_rms(work, transform, back, &q));
-        if suspects.contains(&k) && fits.is_some_and(|r| r <= frame.limit()) {
-            partner = k;
-            if k < p {
-                suspicion.postures.reverse();
-            }
-            suspicion.cause = Cause::ExchangedPostures;
-            undone.push(Slip::new(Undo::AnglesOf(p, q)).at(&rows(k)));
-        }
+    let mixed = mix_ups(work, transform, &own, reference, most, suspects);
+    let all = angles.chain(mixed.into_iter().map(with));
+    let settled = settle(all, &Rule::of_places(work, before, most))?;
+    let suspicion = settled.suspicion(work).misfit(before, settled.after);
+    work.undo(&settled.slip, suspicion);
+    match settled.slip.undo {
+        Undo::Exchange((k, _), _) => Some(k),
+        _ => Some(p),
     }
-    undone.iter().for_each(|slip| slip.undo(work));
-    work.found.push(suspicion);
-    Some(partner)
 }
 
 /// An angle without full turns, −π to π.

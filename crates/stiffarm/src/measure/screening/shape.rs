@@ -62,7 +62,8 @@ pub(super) fn units(work: &mut Work) {
     let all = off.len() == states.len() && off.iter().all(|(_, u)| *u == first);
     if all && spread_agrees(work) {
         // The arm's reach has the right size: the tool in the cell has not.
-        work.undo(&Slip::new(Undo::Times(Cause::ToolUnits, first)));
+        let slip = Slip::new(Undo::Times(Cause::ToolUnits, first));
+        work.undo(&slip, slip.suspicion(work));
         return;
     }
     for unit in LENGTHS.into_iter().chain(CENTIMETRES) {
@@ -70,7 +71,8 @@ pub(super) fn units(work: &mut Work) {
         let of_unit: Vec<_> = of_unit.map(|(at, _)| *at).collect();
         if !of_unit.is_empty() {
             let slip = Slip::new(Undo::Times(Cause::Units, unit));
-            work.undo(&if all { slip } else { slip.at(&of_unit) });
+            let slip = if all { slip } else { slip.at(&of_unit) };
+            work.undo(&slip, slip.suspicion(work));
         }
     }
 }
@@ -90,7 +92,8 @@ fn reach(work: &mut Work, states: &[(usize, usize)]) {
         return;
     };
     if work.setup().tool.point_count() == 1 {
-        work.undo(&Slip::new(Undo::Times(Cause::Units, unit)));
+        let slip = Slip::new(Undo::Times(Cause::Units, unit));
+        work.undo(&slip, slip.suspicion(work));
     } else {
         let mut suspicion = Suspicion::new(Cause::RobotUnits);
         suspicion.factor = Some(unit.factor);
@@ -250,9 +253,7 @@ fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bo
                 .map(|at| stray_distance(work.sheet.at(*at), shape, a));
             let off = off.fold(0.0, f64::max);
             let stray = Slip::new(Undo::Stray(a)).at(&named);
-            let suspicion = stray.suspicion(work).off(off);
-            stray.undo(work);
-            work.found.push(suspicion);
+            work.undo(&stray, stray.suspicion(work).off(off));
         }
     }
     for one in odd.iter().filter(|o| o.candidates.len() > 1) {

@@ -2,7 +2,7 @@
 //! beforehand and what it is called. Checks propose slips and say what undoing each leaves; [`settle`] decides.
 
 use super::frame::{rms, state_pairs};
-use super::sheet::State;
+use super::sheet::{Sheet, State};
 use super::units::Unit;
 use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, rigid, tool, words};
 use crate::model::cell::Cell;
@@ -27,8 +27,10 @@ pub(super) enum Undo {
     Offset(usize, f64),
     /// A joint's angle as written, and as it is \[rad\].
     Angle(usize, [f64; 2]),
-    /// The angles of another posture \[rad\].
-    AnglesOf(usize, Vec<f64>),
+    /// Taken at the angles of another posture, by the row that stands for it \[rad\].
+    AnglesOf(Place, Vec<f64>),
+    /// Likewise, and the other's rows belong here.
+    Exchange(Place, Vec<f64>),
     /// Load cases named in another order.
     Cases(Vec<usize>),
     /// Forces alone are this many times what is typed.
@@ -57,16 +59,18 @@ impl Slip {
     /// A slip throughout.
     pub fn new(undo: Undo) -> Self {
         let cost = match &undo {
-            Undo::Mirror(_) | Undo::Convention | Undo::AnglesOf(..) => 1.0,
+            // It explains two postures.
+            Undo::Exchange(..) => 0.0,
             Undo::Order(order) => moved(order).count() as f64 - 1.0,
             Undo::Chain(signs, coupling) => signs.len() as f64 + f64::from(coupling.is_some()),
             // A number is fitted, but where it is the one written with the other sign.
             Undo::Angle(_, [written, likely]) if *likely == -written => 1.0,
             Undo::Angle(..) | Undo::Offset(..) => 2.0,
-            Undo::Cases(_) | Undo::Stray(_) | Undo::Forces(_) => 1.0,
             Undo::Tool(_) => 6.0,
-            Undo::Times(Cause::Radians | Cause::Degrees, _) => 1.0,
-            Undo::Times(_, unit) => unit.rare,
+            Undo::Times(cause, unit) if !matches!(cause, Cause::Radians | Cause::Degrees) => {
+                unit.rare
+            }
+            _ => 1.0,
         };
         let at = None;
         Slip { undo, at, cost }
@@ -124,22 +128,40 @@ impl Slip {
                     *k *= unit.factor;
                 }
             }
+            Undo::AnglesOf(of, _) | Undo::Exchange(of, _) if !self.is_whole(&work.sheet) => {
+                // The row is not at home among these angles: positions change place, or nothing is known of them.
+                for at in self.at.iter().flatten() {
+                    if let Undo::Exchange(..) = self.undo {
+                        work.sheet.exchange_positions(*at, *of);
+                    } else {
+                        work.sheet.at_mut(*at).points.fill(None);
+                    }
+                }
+            }
             _ => {
                 let Work { cell, sheet, .. } = work;
-                match &self.at {
-                    Some(at) => {
-                        for at in at {
-                            self.undo_in(sheet.at_mut(*at), cell);
-                        }
+                if let (Undo::Exchange(of, _), Some([own, ..])) = (&self.undo, self.at.as_deref()) {
+                    let q = sheet.at(*own).q.clone();
+                    for state in &mut sheet.postures[of.0].states {
+                        state.q.clone_from(&q);
                     }
-                    None => {
-                        for state in sheet.postures.iter_mut().flat_map(|p| &mut p.states) {
+                }
+                for (p, posture) in sheet.postures.iter_mut().enumerate() {
+                    for (s, state) in posture.states.iter_mut().enumerate() {
+                        if self.at.as_ref().is_none_or(|at| at.contains(&(p, s))) {
                             self.undo_in(state, cell);
                         }
                     }
                 }
             }
         }
+    }
+
+    /// True where it is in all rows of its posture.
+    fn is_whole(&self, sheet: &Sheet) -> bool {
+        let at = self.at.as_deref().unwrap_or_default();
+        at.first()
+            .is_some_and(|(p, _)| at.len() == sheet.postures[*p].states.len())
     }
 
     /// Undoes the slip in one row.
@@ -153,7 +175,7 @@ impl Slip {
             }
             Undo::Offset(j, offset) => state.q[*j] += offset,
             Undo::Angle(j, [written, likely]) => state.q[*j] += likely - written,
-            Undo::AnglesOf(_, q) => state.q.clone_from(q),
+            Undo::AnglesOf(_, q) | Undo::Exchange(_, q) => state.q.clone_from(q),
             Undo::Cases(order) => {
                 let cases = cell.setup.load.cases();
                 if let Some(c) = cases.iter().position(|case| case.is_of(&state.name)) {
@@ -222,6 +244,7 @@ impl Slip {
             Undo::Angle(j, angles) if self.is_fitted() => with(Cause::MistypedAngle, &[*j], angles),
             Undo::Angle(j, angles) => with(Cause::AngleSign, &[*j], angles),
             Undo::AnglesOf(..) => Suspicion::new(Cause::OtherPosture),
+            Undo::Exchange(..) => Suspicion::new(Cause::ExchangedPostures),
             Undo::Cases(order) => {
                 let cases = work.setup().load.cases();
                 let mut out = Suspicion::new(Cause::ExchangedLoadCases);
@@ -245,8 +268,12 @@ impl Slip {
         if let Some(at) = &self.at {
             out = name_states(work, out, at);
         }
-        if let Undo::AnglesOf(k, _) = self.undo {
+        if let Undo::AnglesOf((k, _), _) | Undo::Exchange((k, _), _) = self.undo {
             out = out.posture(&work.sheet.postures[k].name);
+            let is_before = self.at.iter().flatten().all(|(p, _)| k < *p);
+            if is_before && out.cause == Cause::ExchangedPostures {
+                out.postures.reverse();
+            }
         }
         out
     }

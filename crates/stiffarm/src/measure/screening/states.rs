@@ -4,17 +4,40 @@
 use super::frame::Frame;
 use super::misfit::{first_angles, gap, give, state_rms};
 use super::rigid::moved;
-use super::slip::{Rule, Slip, Undo, name_states, settle};
+use super::slip::{Place, Rule, Slip, Undo, name_states, settle};
 use super::{Cause, Suspicion, Work};
 use crate::numerics::arrangements::exchanges_first;
 use nalgebra::Isometry3;
 
-/// What may be mixed up in rows of posture `p`: the names of points, and with another posture.
-pub(super) fn mix_ups(work: &Work, p: usize) -> impl Iterator<Item = Undo> {
-    let orders = exchanges_first(work.setup().tool.point_count()).into_iter();
-    let others = (0..work.sheet.postures.len()).filter(move |k| *k != p);
-    let others = others.filter_map(|k| Some(Undo::AnglesOf(k, first_angles(work, k)?)));
-    orders.map(Undo::Order).chain(others)
+/// What may be mixed up in the rows `at` of a posture, by the row `own` of them: the names of points, and with another
+/// posture. Exchanged are the rows where those of a suspect belong here as well.
+pub(super) fn mix_ups(
+    work: &Work,
+    transform: &Isometry3<f64>,
+    at: &[Place],
+    own: Place,
+    most: f64,
+    suspects: &[usize],
+) -> Vec<Slip> {
+    let state = work.sheet.at(own);
+    let orders = exchanges_first(state.points.len()).into_iter();
+    let others = (0..work.sheet.postures.len()).filter(|k| *k != own.0);
+    let others = others.filter_map(|k| {
+        let q = first_angles(work, k)?;
+        let first = *work.sheet.postures[k].references().first()?;
+        let mut names = work.sheet.postures[k].states.iter().map(|s| &s.name);
+        let twin = names.position(|name| *name == state.name);
+        let back = if at.len() > 1 { Some(first) } else { twin };
+        let left = |s: usize| state_rms(work, transform, (k, s), &state.q);
+        let belongs = |s: &usize| left(*s).is_some_and(|left| left <= most);
+        let back = back.filter(|_| suspects.contains(&k));
+        Some(match back.filter(belongs) {
+            Some(back) => Undo::Exchange((k, back), q),
+            None => Undo::AnglesOf((k, first), q),
+        })
+    });
+    let all = orders.map(Undo::Order).chain(others);
+    all.map(|undo| Slip::new(undo).at(at)).collect()
 }
 
 /// A posture whose states lie apart: which of them disagree with the model, and why.
@@ -26,49 +49,26 @@ pub(super) fn explain(work: &mut Work, frame: &Frame, p: usize, suspects: &[usiz
         let Some(before) = state_rms(work, transform, at, &q).filter(|r| *r > most) else {
             continue;
         };
-        let tried = mix_ups(work, p).map(|undo| {
-            let slip = Slip::new(undo).at(&[at]);
+        let mixed = mix_ups(work, transform, &[at], at, most, suspects);
+        let tried = mixed.into_iter().map(|slip| {
             let after = slip.left(work, transform, at);
             (slip, after)
         });
-        let settled = settle(tried, &Rule::of_places(work, before, most));
-        let suspicion = match settled {
-            Some(settled) => {
-                let mut out = settled.suspicion(work).misfit(before, settled.after);
-                if let Undo::AnglesOf(k, _) = settled.slip.undo {
-                    out.after_m = Some(frame.level);
-                    // Exchanged where the other's row of that name belongs here.
-                    let mut names = work.sheet.postures[k].states.iter().map(|s| &s.name);
-                    let twin = names.position(|name| *name == work.sheet.at(at).name);
-                    let back = twin.filter(|_| suspects.contains(&k)).map(|t| (k, t));
-                    let fits =
-                        |back: &_| state_rms(work, transform, *back, &q).is_some_and(|r| r <= most);
-                    if let Some(back) = back.filter(fits) {
-                        out.cause = Cause::ExchangedPostures;
-                        work.sheet.exchange_positions(at, back);
-                    } else {
-                        work.sheet.at_mut(at).points.fill(None);
-                    }
-                } else {
-                    settled.slip.undo(work);
-                }
-                out
-            }
-            None => match stray_point(work, transform, at, &q, most) {
-                Some((a, off)) => {
-                    let stray = Slip::new(Undo::Stray(a)).at(&[at]);
-                    let out = stray.suspicion(work).off(off);
-                    stray.undo(work);
-                    out
-                }
-                None => {
-                    work.sheet.at_mut(at).points.fill(None);
-                    let out = Suspicion::new(Cause::UnexplainedPosture).misfit(before, frame.level);
-                    name_states(work, out, &[at])
-                }
-            },
-        };
-        work.found.push(suspicion);
+        if let Some(settled) = settle(tried, &Rule::of_places(work, before, most)) {
+            let after = match settled.slip.undo {
+                Undo::Order(_) => settled.after,
+                _ => frame.level,
+            };
+            let suspicion = settled.suspicion(work).misfit(before, after);
+            work.undo(&settled.slip, suspicion);
+        } else if let Some((a, off)) = stray_point(work, transform, at, &q, most) {
+            let stray = Slip::new(Undo::Stray(a)).at(&[at]);
+            work.undo(&stray, stray.suspicion(work).off(off));
+        } else {
+            let out = Suspicion::new(Cause::UnexplainedPosture).misfit(before, frame.level);
+            work.found.push(name_states(work, out, &[at]));
+            work.sheet.at_mut(at).points.fill(None);
+        }
     }
 }
 

@@ -174,7 +174,8 @@ pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
             let other = cell.setup.robot.convention().other().name();
             format!("its rows were {other} ones")
         }
-        Cause::OtherPosture | Cause::ExchangedPostures => match s.postures.get(1) {
+        Cause::ExchangedPostures => format!("postures {} are exchanged", list(&s.postures)),
+        Cause::OtherPosture => match s.postures.get(1) {
             Some(other) => format!("the angles of posture {other}"),
             None => "the angles of another posture".to_string(),
         },

@@ -115,8 +115,7 @@ fn note(work: &mut Work, settled: Settled, before: f64) -> Undo {
     let mut out = settled.slip.suspicion(work);
     out.misfits = Some([before, settled.after]);
     out.evidence = Some(Evidence::Readings);
-    settled.slip.undo(work);
-    work.found.push(out);
+    work.undo(&settled.slip, out);
     settled.slip.undo
 }
 

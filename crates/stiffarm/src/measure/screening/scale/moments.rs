@@ -61,6 +61,5 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) {
     });
     let mut out = slip.suspicion(work);
     out.evidence = Some(Evidence::Readings);
-    slip.undo(work);
-    work.found.push(out);
+    work.undo(&slip, out);
 }
