@@ -255,12 +255,18 @@ impl Sheet {
         &mut self.postures[p].states[s]
     }
 
-    /// Exchanges the positions of two states.
-    pub fn exchange_positions(&mut self, one: (usize, usize), other: (usize, usize)) {
+    /// Exchanges all that was read in two states.
+    pub fn exchange(&mut self, one: (usize, usize), other: (usize, usize)) {
         let (mine, theirs) = (self.at(one).clone(), self.at(other).clone());
         for (at, from) in [(one, theirs), (other, mine)] {
             let state = self.at_mut(at);
-            (state.points, state.base) = (from.points, from.base);
+            let (name, role, q) = (state.name.clone(), state.role, state.q.clone());
+            *state = State {
+                name,
+                role,
+                q,
+                ..from
+            };
         }
     }
 

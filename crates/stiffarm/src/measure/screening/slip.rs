@@ -129,10 +129,10 @@ impl Slip {
                 }
             }
             Undo::AnglesOf(of, _) | Undo::Exchange(of, _) if !self.is_whole(&work.sheet) => {
-                // The row is not at home among these angles: positions change place, or nothing is known of them.
+                // A row is not at home among other angles than its posture's: it changes place, or nothing is known of it.
                 for at in self.at.iter().flatten() {
                     if let Undo::Exchange(..) = self.undo {
-                        work.sheet.exchange_positions(*at, *of);
+                        work.sheet.exchange(*at, *of);
                     } else {
                         work.sheet.at_mut(*at).points.fill(None);
                     }

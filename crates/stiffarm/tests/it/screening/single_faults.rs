@@ -328,3 +328,19 @@ fn a_row_copied_from_a_posture_that_was_measured_twice_names_both() {
     assert!(both == ["1", "7"] || both == ["7", "1"], "{said}");
     assert!(said.contains("Explains it as well"), "{said}");
 }
+
+/// Rows that are exchanged have their forces with them: nothing is said of these.
+#[test]
+fn rows_are_exchanged_with_their_forces() {
+    for seed in 0..runs(12) {
+        let cell = kuka();
+        let mut table = random_table(&cell, Arm::Rough, 9, seed);
+        let p = seed as usize % 8;
+        let (before, after) = table.postures.split_at_mut(8);
+        std::mem::swap(&mut before[p].states[0], &mut after[0].states[0]);
+        let (screening, found) = alone(&cell, &table);
+        assert_eq!(found.cause, Cause::ExchangedPostures);
+        assert_eq!(found.postures, [(p + 1).to_string(), "9".to_string()]);
+        assert_eq!(found.states, ["unloaded"], "{}", sentences(&screening));
+    }
+}
