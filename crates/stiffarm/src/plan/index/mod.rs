@@ -22,5 +22,5 @@ pub(crate) use evaluate::{evaluate_for, evaluate_terms, posture_terms};
 pub use evaluated::{Evaluated, EvaluatedGroup, EvaluatedOptions};
 pub use function::IndexFunction;
 pub use groups::evaluate_groups;
-pub use kinds::Index;
+pub use kinds::{Index, Origin};
 pub use minimax::Smoothed;
