@@ -105,18 +105,13 @@ impl Work {
         }
     }
 
-    /// Cell and readings to try a correction on.
-    fn to_try(&self) -> Self {
-        Work {
+    /// Cell and readings with a slip undone, to see what is left.
+    fn without(&self, slip: &Slip) -> Self {
+        let mut out = Work {
             reversed: self.reversed,
             is_displacements: self.is_displacements,
             ..Work::new(&self.cell, self.sheet.clone(), Vec::new())
-        }
-    }
-
-    /// Cell and readings with a slip undone, to see what is left.
-    fn without(&self, slip: &Slip) -> Self {
-        let mut out = self.to_try();
+        };
         slip.undo(&mut out);
         out
     }

@@ -121,60 +121,48 @@ pub(super) fn alternatives(s: &Suspicion) -> String {
 
 /// The cause as half a sentence, for lists of alternatives.
 pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
-    let joints = list(&s.joints);
+    let [joints, points, postures] = [&s.joints, &s.points, &s.postures].map(|of| list(of));
+    let [written, likely] = [0, 1].map(|i| angle(s, i));
+    let turn = if s.joints.len() == 1 { "turns" } else { "turn" };
     match s.cause {
-        Cause::ExchangedPoints if s.points.len() == 2 => {
-            format!("points {} are exchanged", list(&s.points))
-        }
-        Cause::ExchangedPoints => format!("points {} are mixed up", list(&s.points)),
+        Cause::ExchangedPoints if s.points.len() == 2 => format!("points {points} are exchanged"),
+        Cause::ExchangedPoints => format!("points {points} are mixed up"),
         Cause::MirroredFrame => {
             "an axis has the wrong sign, or two columns are exchanged".to_string()
         }
-        Cause::JointSign if s.joints.len() == 1 => format!("{joints} turns the other way"),
-        Cause::JointSign => format!("{joints} turn the other way"),
+        Cause::JointSign => format!("{joints} {turn} the other way"),
         Cause::Coupling => {
-            let axis = |j: usize| cell.setup.robot.joints().get(j).map_or("", |j| &j.name);
-            let stated = cell.setup.robot.coupling()[(2, 1)];
-            let mut out = match (stated, s.factor.unwrap_or(0.0)) {
+            let names = cell.setup.robot.joints().iter().map(|j| j.name.as_str());
+            let names: Vec<&str> = names.collect();
+            let [two, three] = [1, 2].map(|j| names.get(j).copied().unwrap_or_default());
+            let mut out = match (cell.setup.robot.coupling()[(2, 1)], s.factor.unwrap_or(0.0)) {
                 (0.0, likely) => format!(
-                    "{} were coupled to {} (its serial angle contains {likely:+} times the other's; in the cell it does not)",
-                    axis(2),
-                    axis(1)
+                    "{three} were coupled to {two} (its serial angle contains {likely:+} times the other's; in the cell it does not)"
                 ),
                 (stated, 0.0) => format!(
-                    "{} were not coupled to {} (in the cell its serial angle contains {stated:+} times the other's)",
-                    axis(2),
-                    axis(1)
+                    "{three} were not coupled to {two} (in the cell its serial angle contains {stated:+} times the other's)"
                 ),
                 (stated, likely) => format!(
-                    "the serial angle of {} contained {likely:+} times that of {}, not {stated:+} times",
-                    axis(2),
-                    axis(1)
+                    "the serial angle of {three} contained {likely:+} times that of {two}, not {stated:+} times"
                 ),
             };
             if !s.joints.is_empty() {
-                let turn = if s.joints.len() == 1 { "turns" } else { "turn" };
                 out += &format!(" and {joints} {turn} the other way");
             }
             out
         }
         Cause::JointOffset if is_last(cell, s) => format!(
-            "the tool sat turned by {} about the axis of {joints} on the flange, or {joints} were off by that throughout",
-            angle(s, 0)
+            "the tool sat turned by {written} about the axis of {joints} on the flange, or {joints} were off by that throughout"
         ),
-        Cause::JointOffset => {
-            format!("{joints} is off by {} throughout", angle(s, 0))
-        }
+        Cause::JointOffset => format!("{joints} is off by {written} throughout"),
         Cause::Radians => "the angles are in radians".to_string(),
         Cause::Degrees => "the angles are in degrees".to_string(),
-        Cause::AngleSign | Cause::MistypedAngle => {
-            format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0))
-        }
+        Cause::AngleSign | Cause::MistypedAngle => format!("{joints} is {likely}, not {written}"),
         Cause::DhConvention => {
             let other = cell.setup.robot.convention().other().name();
             format!("its rows were {other} ones")
         }
-        Cause::ExchangedPostures => format!("postures {} are exchanged", list(&s.postures)),
+        Cause::ExchangedPostures => format!("postures {postures} are exchanged"),
         Cause::OtherPosture => match s.postures.get(1) {
             Some(other) => format!("the angles of posture {other}"),
             None => "the angles of another posture".to_string(),
