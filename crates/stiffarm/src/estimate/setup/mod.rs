@@ -276,8 +276,11 @@ fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {
-        // Derivatives at the stated value know nothing of an exchange of axes or a sign.
-        if before - at.value > ANYHOW {
+        // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off and
+        // leaves clearly less.
+        let [all, left] = [stated.fit, &at.fit].map(|fit| rms(fit.residual().as_slice()));
+        let is_far = left < CLEAR * all || at.values[0].1.turn != Matrix3::identity();
+        if before - at.value > ANYHOW && is_far {
             return true;
         }
         let quantity = at.values[0].0;
