@@ -90,6 +90,8 @@ pub(crate) struct Facts {
     pub check: &'static str,
     /// What would make its uncertainty smaller.
     pub better: &'static str,
+    /// What would tell it from others that explain the readings as well.
+    pub apart: &'static str,
 }
 
 const fn row(name: &'static str, numbers: Numbers, unit: &'static str) -> Facts {
@@ -104,6 +106,7 @@ const fn row(name: &'static str, numbers: Numbers, unit: &'static str) -> Facts 
         declared: |_| None,
         check: "",
         better: "",
+        apart: "",
     }
 }
 
@@ -167,6 +170,7 @@ impl Quantity {
                 declared: |given| given.anchor,
                 check: "Measure the rope's fixed end with the tracker (where a pulley deflects it: the point where it leaves the pulley)",
                 better: "measure the anchor with the tracker and declare how well",
+                apart: "a second anchor, or the tracker on this one",
                 ..row("anchor", Numbers::Axes, "m")
             },
             // By its drawing.
@@ -181,6 +185,7 @@ impl Quantity {
                 declared: |given| given.loading_point,
                 check: "Measure where the load acts on the tool",
                 better: "measure the loading point with the tracker and declare how well",
+                apart: "a pull about other axes",
                 ..row("loading-point", Numbers::Axes, "m")
             },
             Quantity::Gravity => Facts {
@@ -189,6 +194,7 @@ impl Quantity {
                 key: "robot.down",
                 check: "Give the direction of gravity as the base stands",
                 better: "level the base, or measure how it stands",
+                apart: "a spirit level on the base",
                 ..row("gravity", Numbers::Direction, "rad")
             },
             Quantity::Registration => Facts {
@@ -199,6 +205,7 @@ impl Quantity {
                 declared: |given| given.registration,
                 check: "Check in which axes the displacements were exported; they must be those of the base",
                 better: "register with more points, farther apart, and declare how well",
+                apart: "the positions behind the displacements",
                 ..row("registration", Numbers::Axes, "rad")
             },
             // A well-anchored base.
@@ -209,6 +216,7 @@ impl Quantity {
                 assumed: 1e-8,
                 declared: |given| given.base_tilt_compliance,
                 better: "measure a reflector on the base and subtract its motion",
+                apart: "reflectors on the base",
                 ..row("base-tilt", Numbers::One, "rad/(N·m)")
             },
             // A force sensor that is there and that nobody models.
@@ -225,6 +233,7 @@ impl Quantity {
                 declared: |given| given.force_beside,
                 check: "Weigh what hangs on the rope (hook, shackle, load cell), or take differences against a preload that has it too",
                 better: "weigh what hangs on the rope and add it to the load",
+                apart: "a preload, which has it too",
                 ..row("force-beside", Numbers::Axes, "N")
             },
             Quantity::Offset => Facts {
@@ -232,6 +241,7 @@ impl Quantity {
                 other: "a force along the load in every loaded state",
                 check: "The rope was not slack in the unloaded readings, or the load cell does not read zero without load",
                 better: "take the load cell to zero without load",
+                apart: "a third load state",
                 ..row("force-offset", Numbers::One, "N")
             },
             Quantity::Sign => Facts {
@@ -247,6 +257,7 @@ impl Quantity {
                 check: "The tracker, its stand or the base moved between the unloaded and the loaded readings: read each posture unloaded, \
                         loaded and unloaded again",
                 better: "read each posture unloaded, loaded and unloaded again",
+                apart: "unloaded readings after the loaded ones",
                 ..row("common-shift", Numbers::Axes, "m")
             },
             Quantity::SensorAxes => Facts {
@@ -263,6 +274,7 @@ impl Quantity {
                 key: "sensor.xyz_mm",
                 check: "Look up to which point the sensor refers its moments",
                 better: "look up to which point the sensor refers its moments",
+                apart: "a pull about other axes",
                 ..row("sensor-origin", Numbers::Axes, "m")
             },
             Quantity::SensorInBase => Facts {
@@ -277,6 +289,7 @@ impl Quantity {
                 key: "tool.measuring_point",
                 check: "Check the origin and the axes in which tool.measuring_point is given: those of the flange",
                 better: "measure the points from the flange",
+                apart: "the tracker on the flange",
                 ..row("measuring-points", Numbers::Body, "m, rad")
             },
             Quantity::Angle(_) => Facts {
@@ -285,6 +298,7 @@ impl Quantity {
                 key: "robot.theta_from_q",
                 check: "Check robot.theta_from_q and the offsets of robot.dh against the pendant",
                 better: "calibrate the robot",
+                apart: "the positions behind the displacements",
                 ..row("joint-angle", Numbers::One, "rad")
             },
             Quantity::Coupling => Facts {
@@ -308,6 +322,7 @@ impl Quantity {
                 declared: |given| given.lost_motion,
                 check: "Take differences against a light preload",
                 better: "measure against a light preload, or in more postures, which bound it",
+                apart: "a light preload",
                 ..row("lost-motion", Numbers::Joints, "rad")
             },
         }

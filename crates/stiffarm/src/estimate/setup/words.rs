@@ -272,7 +272,12 @@ pub(super) fn finding(
     };
     let names: Vec<String> = alike
         .iter()
-        .map(|quantity| other(cell, *quantity))
+        .map(
+            |quantity| match (other(cell, *quantity), quantity.facts().apart) {
+                (name, "") => name,
+                (name, apart) => format!("{name} (told apart by {apart})"),
+            },
+        )
         .collect();
     let others = match names.as_slice() {
         [] => String::new(),
