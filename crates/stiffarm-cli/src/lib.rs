@@ -11,6 +11,7 @@ mod error;
 mod examples;
 mod excerpt;
 mod files;
+mod finding;
 mod host;
 mod identity;
 mod input;
@@ -19,11 +20,13 @@ mod numbers;
 mod output;
 mod page;
 mod path;
+mod picture;
 mod progress;
 mod saved;
 mod screen;
 mod session;
 mod table;
+mod target;
 mod text;
 
 #[cfg(feature = "schema")]

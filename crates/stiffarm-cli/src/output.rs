@@ -1,10 +1,11 @@
 //! Printing: tables for people, one JSON object for machines.
 
-use crate::commands::finding_line;
-use crate::files::{Target, write_all};
+use crate::files::write_all;
+use crate::finding::finding_line;
 use crate::input::Line;
 use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
+use crate::target::Target;
 use crate::text;
 use serde::Serialize;
 use std::any::Any;

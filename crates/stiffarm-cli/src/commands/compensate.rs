@@ -18,7 +18,7 @@ use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::program::Language;
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_path;
 use stiffarm_files::table::{PathFormat, PathKind, PathTable, write_path};
 use stiffarm_files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm_report::{compensation_figure, render_svg};
@@ -42,7 +42,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .and_then(|()| options.path.posture_options(cell))
         .map_err(of_path_usage)?;
     let (axes, log) = (options.path.axes, args.along.log.as_deref());
-    let path = session.read_path(&args.path, cell, args.along.language, axes, log)?;
+    let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {

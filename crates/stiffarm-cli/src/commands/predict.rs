@@ -10,7 +10,7 @@ use crate::session::Session;
 use std::io::Write;
 use stiffarm::work::predicted::Request;
 use stiffarm::{Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
@@ -41,7 +41,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     let path = args.path.as_ref();
     let (axes, log) = (request.path.axes, args.along.log.as_deref());
     let path = path
-        .map(|path| session.read_path(path, &named.cell, args.along.language, axes, log))
+        .map(|path| read_path(session, path, &named.cell, args.along.language, axes, log))
         .transpose()?;
     let points = path.as_ref().map(|path| path.table.points.as_slice());
     let in_file = |e: Error| match &path {

@@ -13,7 +13,7 @@ use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::forbidden;
 use stiffarm::plan::route::{Route, RouteOptions, rounded, route, route_findings};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 use stiffarm_files::table::write_postures;
 
 /// Options of the result.
@@ -51,7 +51,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     if args.equivalents {
         cell.setup.robot.known_controller()?;
     }
-    let plan = session.read_postures("plan", &args.plan, &cell.setup.robot)?;
+    let plan = read_postures(session, "plan", &args.plan, &cell.setup.robot)?;
     let step_deg = (args.angle_step_deg > 0.0).then_some(args.angle_step_deg);
     let mut options = RouteOptions::default();
     options.keep_order = args.keep_order;

@@ -14,7 +14,7 @@ use stiffarm::findings::Severity;
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, read_measurements, read_registration, read_stiffness};
 
 /// Validates.
 pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
@@ -65,7 +65,7 @@ fn held_out(
         .hint("a saved stiffness brings its own estimator, terms and confidence"));
     }
     let named = session.read_cell(&args.cell)?;
-    let saved = session.read_stiffness(stiffness, &named.cell)?;
+    let saved = read_stiffness(session, stiffness, &named.cell)?;
     let measured = measured(session, args, request, &args.measurements, &named.cell)?;
     let hash = session.last_hash("cell");
     let result = request.held_out(&named.cell, hash.as_deref(), &saved, measured)?;
@@ -129,8 +129,8 @@ fn measured(
     from: &[String],
     cell: &Cell,
 ) -> Result<Measured> {
-    let measurements = session.read_measurements(from, args.postures.as_deref(), cell)?;
-    let reduce = session.read_registration(args.registration.as_deref())?;
+    let measurements = read_measurements(session, from, args.postures.as_deref(), cell)?;
+    let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(cell, measurements, &reduce)?;
     request
         .keep_only(&mut measured)

@@ -6,7 +6,7 @@ use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::LEFT_OUT;
-use stiffarm::plan::index::{Evaluated, EvaluatedGroup};
+use stiffarm::plan::evaluated::{Evaluated, EvaluatedGroup};
 
 /// What a result says of `evaluate`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {

@@ -38,7 +38,6 @@ pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity, significant};
 pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
-pub(crate) use text::level;
 pub use text::{Piece, Text, counted};
 pub use worth::index_quantity;
 

@@ -5,10 +5,11 @@ use super::points::{
     KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found,
     largest_first,
 };
+use crate::level::level;
 use crate::path::{along, norm, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, level};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::mixed::NEVER_LOADED;
 use stiffarm::findings::visible;

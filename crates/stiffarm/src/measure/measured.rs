@@ -3,13 +3,13 @@
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::measure::pending::{not_measured_yet, nothing_measured};
+use crate::measure::reduction::stations;
 use crate::measure::reduction::{IDENTICAL_READINGS, ReduceOptions, Reduction, reduce_series};
 use crate::measure::resolution::Resolution;
 use crate::measure::screening::{
     Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
 };
 use crate::measure::series::PostureSeries;
-use crate::measure::stations;
 use crate::model::cell::{Cell, Noise};
 use crate::model::measurement::{
     MeasuredPosture, Measurements, ReadingScatter, ReadingTable, Role,

@@ -10,7 +10,6 @@ pub mod registration;
 mod resolution;
 pub mod screening;
 mod series;
-mod stations;
 
 pub use measured::{Measured, prepare};
 pub(crate) use measured::{all_excluded, check_names};
@@ -18,4 +17,4 @@ pub use pending::{
     CARRIED_DOWN, HIDDEN_CELLS, LOADS_FROM_NAMES, MERGED_CELLS, NAMES_BY_SHEET, NOT_MEASURED_YET,
     READING_RESOLUTION, ROWS_LEFT_OUT, is_of_table, not_measured_yet,
 };
-pub use stations::StationRegistration;
+pub use reduction::StationRegistration;

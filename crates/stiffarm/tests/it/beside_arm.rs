@@ -3,7 +3,7 @@
 use crate::common::prelude::*;
 use stiffarm::model::robot::catalogue;
 use stiffarm::plan::check::{START_TOUCHES, check};
-use stiffarm::plan::index::Evaluated;
+use stiffarm::plan::evaluated::Evaluated;
 use stiffarm::plan::route::{MOVE_BLOCKED, RouteOptions, route, route_findings};
 use stiffarm_files::cell::template;
 

@@ -8,8 +8,8 @@ use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::elastic::ElasticSizes;
 use stiffarm::model::load::LoadCase;
 use stiffarm::plan::characteristic_length::with_length;
+use stiffarm::plan::evaluated::Evaluated;
 use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
-use stiffarm::plan::index::Evaluated;
 use stiffarm::plan::planned::{
     CandidateRequest, CurveRequest, CurveSize, DropRequest, Mode, PlanRequest, SpaceFillingRequest,
     Stage, plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,

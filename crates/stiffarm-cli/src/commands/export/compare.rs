@@ -2,7 +2,7 @@
 
 use super::Task;
 use crate::args::ExportArgs;
-use crate::commands::wrapped_line;
+use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};

@@ -4,8 +4,8 @@ pub mod compare;
 mod moves;
 
 use crate::args::{ControllerArgs, ExportArgs};
-use crate::commands::wrapped_line;
 use crate::files::{check_folder, write_folder};
+use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::numbers::counted;
 use crate::output::Exit;
@@ -29,7 +29,7 @@ use stiffarm_files::program::{
     Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
     write_program,
 };
-use stiffarm_files::source::{NamedCell, Source, group_name};
+use stiffarm_files::source::{NamedCell, group_name, read_postures};
 use stiffarm_files::table::{SheetOptions, sha256_hex};
 
 /// Name of the start that the cell gives.
@@ -135,7 +135,7 @@ impl Task {
             .language
             .map_or_else(|| language_of(robot, asked), Ok)?;
         language.check_robot(robot, asked).map_err(as_option)?;
-        let plan = session.read_postures("plan", &args.plan, robot)?;
+        let plan = read_postures(session, "plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
             Some(from) => Some(only_posture(session, from, &cell)?),
             None => cell.cell.route.start.clone().map(|q| Posture {
@@ -251,7 +251,7 @@ fn program_options(args: &ControllerArgs) -> ProgramOptions {
 }
 
 fn only_posture(session: &Session, from: &str, cell: &NamedCell) -> Result<Posture> {
-    let mut postures = session.read_postures("start", from, &cell.cell.setup.robot)?;
+    let mut postures = read_postures(session, "start", from, &cell.cell.setup.robot)?;
     match (postures.pop(), postures.len()) {
         (Some(only), 0) => Ok(only),
         (_, more) => Err(Error::new(

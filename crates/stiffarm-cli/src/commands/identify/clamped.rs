@@ -11,7 +11,7 @@ use stiffarm::estimate::identify::NoiseSource;
 use stiffarm::findings::Severity;
 use stiffarm::units::deg_to_rad;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::read_clamped;
 
 /// Identifies the joint stiffness from clamped postures.
@@ -57,7 +57,7 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
     let postures = args
         .postures
         .as_deref()
-        .map(|from| session.read_postures("postures", from, robot))
+        .map(|from| read_postures(session, "postures", from, robot))
         .transpose()?;
     let [measurements] = args.measurements.as_slice() else {
         let error = Error::new(Code::Usage, "--clamped reads one table.").key("--clamped");

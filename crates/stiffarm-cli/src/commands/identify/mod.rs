@@ -13,7 +13,7 @@ use stiffarm::estimate::identified::{Identified, Options, Wanted};
 use stiffarm::estimate::identify::{Fit, implausible_scale};
 use stiffarm::findings::Severity;
 use stiffarm::measure::prepare;
-use stiffarm_files::source::Source;
+use stiffarm_files::source::{read_measurements, read_registration};
 
 /// Identifies the joint stiffness.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
@@ -24,9 +24,13 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let mut options = args.fit.options(&named.cell.setup.robot)?;
     options.free.clone_from(&args.free);
-    let measurements =
-        session.read_measurements(&args.measurements, args.postures.as_deref(), &named.cell)?;
-    let reduce = session.read_registration(args.registration.as_deref())?;
+    let measurements = read_measurements(
+        session,
+        &args.measurements,
+        args.postures.as_deref(),
+        &named.cell,
+    )?;
+    let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(&named.cell, measurements, &reduce)?;
     measured
         .exclude(&args.exclude)

@@ -11,7 +11,7 @@ use crate::session::Session;
 use stiffarm::work::map::{MapOptions, place};
 use stiffarm::work::placed::Request;
 use stiffarm::{Error, Result};
-use stiffarm_files::source::{NamedPath, Source};
+use stiffarm_files::source::{NamedPath, read_path};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
 /// Files of the folder.
@@ -41,7 +41,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         name,
         findings,
         ..
-    } = session.read_path(path, cell, args.place.language, axes, None)?;
+    } = read_path(session, path, cell, args.place.language, axes, None)?;
     let options = request.place_options(cell).map_err(usage)?;
     let places = options
         .steps

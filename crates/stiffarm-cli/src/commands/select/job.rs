@@ -1,12 +1,13 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::files::picture::check_picture_name;
-use crate::files::{Contents, Target, check_targets, write_all};
+use crate::files::{Contents, check_targets, write_all};
 use crate::numbers::to_usize;
 use crate::output::Exit;
+use crate::picture::check_picture_name;
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::findings::Finding;

@@ -5,10 +5,11 @@ mod slowly;
 
 use crate::args::SimulateArgs;
 use crate::error::of_usage;
-use crate::files::{Target, check_targets, write_all};
+use crate::files::{check_targets, write_all};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::target::Target;
 use slowly::write_slowly;
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
@@ -16,7 +17,7 @@ use stiffarm::estimate::simulate::simulate;
 use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::measure::experiment::{Experiment, experiment};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_groups;
 use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// What is asked for that has a size.
@@ -48,7 +49,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         .map_err(|e| of_usage(e, &SIZES))?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
-    let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
+    let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
     let result = Progress::new(session, "simulating")
         .watch(|control| simulate(cell, &groups, &options, control))?;
 

@@ -19,7 +19,7 @@ use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::envelope::write_result;
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, read_postures};
 use stiffarm_report::study::{cell_picture, figures, tables};
 use stiffarm_report::{render_drawing, render_svg};
 
@@ -158,7 +158,7 @@ fn initial_group(
     };
     if let Some(from) = &args.initial {
         return Ok((
-            named(session.read_postures("initial", from, robot)?),
+            named(read_postures(session, "initial", from, robot)?),
             "given",
         ));
     }
@@ -171,7 +171,7 @@ fn initial_group(
         let same_robot = builtin::cell("comau").is_ok_and(|c| c.setup.robot == *robot);
         if same_robot && inside && smallest_margin(cell, &postures)?.is_none_or(|m| m >= 0.0) {
             return Ok((
-                named(session.read_postures("initial", GROUP_1, robot)?),
+                named(read_postures(session, "initial", GROUP_1, robot)?),
                 GROUP_1,
             ));
         }

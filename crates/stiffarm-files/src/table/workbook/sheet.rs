@@ -3,10 +3,10 @@
 use super::HINT;
 use super::parts::{self, Hidden};
 use super::unpacked;
-use crate::table::foreign::{DATED, find, of_own_sheet};
+use crate::table::foreign::DATED;
 use crate::table::grid::{Field, OPEN_FORMULA, Rows, Style, Table};
-use crate::table::rows::in_words;
-use crate::table::text::named;
+use crate::table::heading_row::{find, of_own_sheet};
+use crate::table::rows::{in_words, named};
 use calamine::{DataRef, Dimensions, ExcelDateTime, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
 use std::io::Cursor;

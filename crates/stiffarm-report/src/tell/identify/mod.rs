@@ -12,7 +12,7 @@ mod story;
 
 pub(super) use story::MORE_THAN_NOISE;
 
-use super::{Given, Outcome, Told, arrows, counted, level, shown};
+use super::{Given, Outcome, Told, arrows, counted, shown};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;

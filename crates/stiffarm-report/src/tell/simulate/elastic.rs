@@ -130,7 +130,7 @@ fn held(level: &ElasticLevel) -> Text {
     let (Some(axes), Some(mixed)) = (share(&level.axes), mixed) else {
         return Text::default();
     };
-    let confidence = crate::tell::level(level.axes.confidence);
+    let confidence = crate::level::level(level.axes.confidence);
     Text::new(format!(
         " The {confidence} % intervals of joint stiffness hold the true one in "
     ))

@@ -37,8 +37,8 @@ mod slip;
 mod states;
 mod tool;
 
+use super::reduction::stations;
 use super::series::PostureSeries;
-use super::stations;
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
