@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._errors import StiffarmError
+from .._result import draws
 from ..results import Compensated, Curve, Predicted, StiffnessMap
 from . import _look
 
@@ -34,6 +35,7 @@ NODES = {
 }
 
 
+@draws(Curve)
 def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float = 3.5) -> Axes:
     """The best value found for each number of postures, and the bound below which no plan of as many can go.
 
@@ -68,6 +70,7 @@ def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float
     return into
 
 
+@draws(Predicted, Compensated)
 def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width_in: float = 3.5) -> Axes:
     """How far the loaded tool bends away along a path, with the band of its uncertainty.
 
@@ -113,6 +116,7 @@ def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width
     return into
 
 
+@draws(StiffnessMap)
 def stiffness_map(
     result: StiffnessMap,
     quantity: str = "stiffness_n_per_m",
