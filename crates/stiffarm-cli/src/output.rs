@@ -11,9 +11,8 @@ use serde::Serialize;
 use std::any::Any;
 use std::io::{ErrorKind, Write};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::{Finding, Severity, codes};
 use stiffarm::model::cell::Cell;
-use stiffarm::plan::check::LEFT_OUT;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::envelope::{Envelope, write_result};
 use stiffarm_files::result::SavedResult;
@@ -52,7 +51,7 @@ impl Exit {
 
     /// [`Exit::Finding`] if one of them is serious, or names a joint that cannot be determined.
     pub fn of_findings(findings: &[Finding]) -> Self {
-        let ends = |f: &Finding| f.severity == Severity::Serious || f.code == LEFT_OUT;
+        let ends = |f: &Finding| f.severity == Severity::Serious || f.code == codes::JOINT_LEFT_OUT;
         Exit::finding(findings.iter().any(ends))
     }
 }

@@ -1,7 +1,6 @@
 //! What the commands at work share: the stiffness, options of a path, its table and picture.
 
 use crate::args::PathArgs;
-use crate::error::of_usage;
 use crate::files::{Contents, check_targets, ends_in, write_all};
 use crate::picture::check_picture_name;
 use crate::session::Session;
@@ -27,19 +26,6 @@ impl PathArgs {
             tolerance_mm: self.tolerance_mm,
         }
     }
-}
-
-/// An error about [`PathOptions`] as one of the command line.
-pub fn of_path_usage(error: Error) -> Error {
-    let fields = [
-        "load_uncertainty_percent",
-        "force_n",
-        "axes",
-        "near_deg",
-        "max_step_deg",
-        "tolerance_mm",
-    ];
-    of_usage(error, &fields)
 }
 
 /// Reads a stiffness, with a caution among its doubts where it was identified with another version of the cell.

@@ -2,9 +2,8 @@
 //! the nominal one.
 
 use crate::args::{CompensateArgs, WriteChoice};
-use crate::error::of_usage;
 use crate::output::Exit;
-use crate::path::{Outputs, of_path_usage, read_stiffness};
+use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
@@ -38,9 +37,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         path: args.along.options(),
     };
     let wrong = options.compensate_options(&saved).map(|_| ());
-    wrong
-        .and_then(|()| options.path.posture_options(cell))
-        .map_err(of_path_usage)?;
+    wrong.and_then(|()| options.path.posture_options(cell))?;
     let (axes, log) = (options.path.axes, args.along.log.as_deref());
     let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
@@ -154,7 +151,6 @@ fn moves(
         base: args.base.clone(),
     };
     write_moves(language, cell, &poses, &options)
-        .map_err(|error| of_usage(error, &["speed_mm_s", "write"]))
 }
 
 /// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program

@@ -7,7 +7,7 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::findings::Finding;
+use stiffarm::findings::{Finding, codes};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
@@ -115,7 +115,11 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
         if let Some(why) = forbidden(cell, &stop.q)? {
             let subject = format!("posture {}", stop.name);
             let sentence = format!("posture {} {why}.", stop.name);
-            findings.push(Finding::serious("posture-forbidden", subject, sentence));
+            findings.push(Finding::serious(
+                codes::POSTURE_FORBIDDEN,
+                subject,
+                sentence,
+            ));
         }
     }
     Ok(findings)
@@ -126,7 +130,7 @@ fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>
     let mut findings = route_findings(cell, stops, route)?;
     if !route.checked.contains(&LimitKind::Shapes) {
         findings.push(Finding::caution(
-            "moves-not-checked",
+            codes::MOVES_NOT_CHECKED,
             "moves",
             "the cell has no shapes, so nothing says whether the arm touches something on the way. Give [[robot.shape]], \
              [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first time.",

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _checks, _inputs, _native_cell, _stiffarm
 from ._checks import number, text, texts, truth, whole
 from ._inputs import PosturesLike, Progress
-from ._result import Record
+from ._record import Record
 from ._table import Table
 from .cell import Cell
 from .postures import Postures, angles_of

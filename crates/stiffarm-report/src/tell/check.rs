@@ -5,11 +5,11 @@ use super::postures::coarse;
 use crate::cell::usual_posture;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity, list, minutes, visible};
+use stiffarm::findings::{Finding, Severity, codes, list, minutes, visible};
 use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, MeasuringTime, Noise, PointBound};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::check::{CellCheck, LEFT_OUT, ONE_LOAD};
+use stiffarm::plan::check::CellCheck;
 use stiffarm::units::rad_to_shortest_deg;
 
 /// What a result says of `check`.
@@ -27,7 +27,10 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
             .filter(move |f| f.severity == severity)
     };
     let cautions = of(Severity::Caution).count();
-    let left_out = check.findings.iter().filter(|f| f.code == LEFT_OUT);
+    let left_out = check
+        .findings
+        .iter()
+        .filter(|f| f.code == codes::JOINT_LEFT_OUT);
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let came = if check.is_serious() {
         Text::default().strong("The cell cannot be used as it is.")
@@ -39,12 +42,12 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
             format!(", but not for {}", list(&left_out))
         };
         Text::new(format!("The cell can be used{but}; {things} to look at."))
-    } else if check.findings.iter().all(|f| f.code == ONE_LOAD) {
+    } else if check.findings.iter().all(|f| f.code == codes::ONE_LOAD) {
         Text::default().strong("Nothing to complain about.")
     } else {
         Text::new("The cell can be used; see the notes.")
     };
-    let one_load = check.findings.iter().find(|f| f.code == ONE_LOAD);
+    let one_load = check.findings.iter().find(|f| f.code == codes::ONE_LOAD);
     let came = match one_load {
         Some(found) if !check.is_serious() => came.words(format!(" {}", visible(&found.sentence))),
         _ => came,
@@ -74,7 +77,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
         }
     }
     // It stands in the verdict.
-    let notes = of(Severity::Note).filter(|f| f.code != ONE_LOAD);
+    let notes = of(Severity::Note).filter(|f| f.code != codes::ONE_LOAD);
     let notes: Vec<Finding> = notes.cloned().collect();
     if !notes.is_empty() {
         let notes = vec![Block::Findings(notes)];

@@ -9,8 +9,7 @@ use std::any::Any;
 use std::borrow::Cow;
 use std::cmp::Reverse;
 use stiffarm::Result;
-use stiffarm::estimate::mixed::NEVER_LOADED;
-use stiffarm::findings::{Finding, Severity, list, visible};
+use stiffarm::findings::{Finding, Severity, codes, list, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm_files::result::SavedResult;
 
@@ -18,7 +17,7 @@ use stiffarm_files::result::SavedResult;
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
 
 /// Codes of findings that are the result, and not about its numbers.
-const NOWHERE: [&str; 2] = ["nothing-reachable", "nowhere"];
+const NOWHERE: [&str; 2] = [codes::NOTHING_REACHABLE, codes::NOWHERE];
 
 /// Codes of findings that a command was stopped.
 const STOPPED: [&str; 2] = ["interrupted", "stopped"];
@@ -59,7 +58,7 @@ impl<'a> Given<'a> {
     ) -> Told {
         let mut findings = self.saved.findings();
         let serious = |f: &&Finding| f.severity == Severity::Serious;
-        let doubtful = |f: &Finding| f.code == "stiffness-doubtful";
+        let doubtful = |f: &Finding| f.code == codes::STIFFNESS_DOUBTFUL;
         let [done, came, next] = verdict;
         // Whatever else could be done next would rest on it.
         let next = if findings.iter().filter(serious).any(doubtful) {
@@ -85,7 +84,9 @@ impl<'a> Given<'a> {
         findings.sort_by_key(|finding| Reverse(finding.severity));
         let outcome = Outcome::of(&findings);
         // What rules the ± belongs to what came out.
-        let (ruling, findings) = findings.into_iter().partition(|f| f.code == NEVER_LOADED);
+        let (ruling, findings) = findings
+            .into_iter()
+            .partition(|f| f.code == codes::NEVER_LOADED);
         let said = |came: Text, f: &Finding| came.words(format!(" {}", f.sentence));
         let ruling: Vec<Finding> = ruling;
         let came = ruling.iter().fold(came, said);

@@ -3,9 +3,8 @@
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
 use crate::tell::{DataTable, Depth, Form, Given, Quantity, Text, Told, counted, shown};
 use stiffarm::Result;
-use stiffarm::findings::{list, visible};
+use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::check::LEFT_OUT;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedGroup};
 
 /// What a result says of `evaluate`.
@@ -85,7 +84,9 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
 /// Whether some posture lies outside bounds or limits.
 fn is_outside(context: &Given<'_>) -> bool {
     let findings = context.saved.findings();
-    findings.iter().any(|found| found.code == "posture-outside")
+    findings
+        .iter()
+        .any(|found| found.code == codes::POSTURE_OUTSIDE)
 }
 
 /// The group with the smallest expected error, else with the smallest condition number.
@@ -159,7 +160,7 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
     let findings = context.saved.findings();
-    let left_out = findings.iter().filter(|f| f.code == LEFT_OUT);
+    let left_out = findings.iter().filter(|f| f.code == codes::JOINT_LEFT_OUT);
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let which = if left_out.is_empty() {
         "every joint".to_string()

@@ -11,8 +11,7 @@ use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
 use stiffarm::Result;
-use stiffarm::estimate::mixed::NEVER_LOADED;
-use stiffarm::findings::visible;
+use stiffarm::findings::{codes, visible};
 use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
 use stiffarm::work::predicted::Predicted;
 
@@ -132,7 +131,7 @@ fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> T
 /// True where directions that no reading has loaded rule the ±.
 fn is_untold(context: &Given<'_>) -> bool {
     let mut findings = context.saved.findings().into_iter();
-    findings.any(|finding| finding.code == NEVER_LOADED)
+    findings.any(|finding| finding.code == codes::NEVER_LOADED)
 }
 
 fn next(context: &Given<'_>, prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {

@@ -4,6 +4,7 @@ use super::postures::{posture_table, route_section};
 use crate::tell::{Given, Text, Told, counted};
 use serde::Deserialize;
 use stiffarm::Result;
+use stiffarm::findings::codes;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::route::Route;
 
@@ -31,7 +32,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     let blocked = route.moves.iter().filter(|one| !one.free).count();
     let moves = counted(route.moves.len(), "move");
     let findings = given.saved.findings();
-    let is_forbidden = findings.iter().any(|f| f.code == "posture-forbidden");
+    let is_forbidden = findings.iter().any(|f| f.code == codes::POSTURE_FORBIDDEN);
     let came = match blocked {
         _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
         0 if route.checked.is_empty() => {

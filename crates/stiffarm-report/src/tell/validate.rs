@@ -10,7 +10,7 @@ use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
 use stiffarm::estimate::validated::Validated;
-use stiffarm::findings::{Severity, list, visible};
+use stiffarm::findings::{Severity, codes, list, visible};
 use stiffarm::measure::is_of_table;
 use stiffarm::model::observation::ExtraTerm;
 
@@ -202,7 +202,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
                 ": {others} determine every joint that moves there."
             ));
     }
-    let outside = findings.iter().any(|f| f.code == "outside-bands");
+    let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
     if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
         let noise = context.number("/noise_expectation_m").mm().decimals(4);
@@ -224,7 +224,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
             "More is wrong there than estimate and noise explain: look at the postures at the top of the table.",
         );
     }
-    if findings.iter().any(|f| f.code == "seen-postures") {
+    if findings.iter().any(|f| f.code == codes::SEEN_POSTURES) {
         return Text::new("Validate on postures that took no part: ")
             .code("stiffarm identify --exclude")
             .words(" keeps some of those measured out, or ")

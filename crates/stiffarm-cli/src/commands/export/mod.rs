@@ -134,7 +134,7 @@ impl Task {
         let language = args
             .language
             .map_or_else(|| language_of(robot, asked), Ok)?;
-        language.check_robot(robot, asked).map_err(as_option)?;
+        language.check_robot(robot, asked)?;
         let plan = read_postures(session, "plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
             Some(from) => Some(only_posture(session, from, &cell)?),
@@ -199,8 +199,7 @@ impl Task {
     /// The files, and what is read from them again.
     fn written(&self) -> Result<(Vec<ProgramFile>, Program)> {
         let joints = self.cell.cell.setup.robot.joint_count();
-        let files =
-            write_program(&self.program, self.language, &self.options).map_err(as_option)?;
+        let files = write_program(&self.program, self.language, &self.options)?;
         let read = read_program(&files, self.language, &self.options, joints)?;
         Ok((files, read))
     }
@@ -228,16 +227,6 @@ impl Task {
             wrapped(&line, columns()) + "\n"
         });
         lines.collect()
-    }
-}
-
-/// Keys of options as the command line calls them; keys of the cell stay.
-fn as_option(error: Error) -> Error {
-    match error.place().key.clone() {
-        Some(key) if !key.starts_with("--") && !key.contains('.') => {
-            error.key(format!("--{}", key.replace('_', "-")))
-        }
-        _ => error,
     }
 }
 

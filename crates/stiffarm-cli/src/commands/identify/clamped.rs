@@ -1,7 +1,6 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
 use crate::args::IdentifyArgs;
-use crate::error::of_option;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
@@ -71,5 +70,5 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
             .file(file)
             .hint("add one row per posture and load state"));
     }
-    without(clamped, &args.exclude).map_err(|e| of_option(e, &["exclude"]))
+    without(clamped, &args.exclude)
 }

@@ -2,7 +2,6 @@
 //! joint axes, with the axes alone and with the mixed model.
 
 use crate::args::SimulateArgs;
-use crate::error::of_usage;
 use crate::files::{check_targets, write_all};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -21,10 +20,7 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         .map(|path| Target::new(path, args.force))
         .transpose()?;
     check_targets(session, &[target.as_ref()])?;
-    let options = args
-        .request()
-        .elastic_options(args.elastic())
-        .map_err(|e| of_usage(e, &super::SIZES))?;
+    let options = args.request().elastic_options(args.elastic())?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = read_groups(session, &args.postures, &cell.setup.robot)?;

@@ -16,7 +16,7 @@ use super::{Given, Outcome, Told, arrows, counted, shown};
 use joints::Joints;
 use stiffarm::Result;
 use stiffarm::estimate::identified::Identified;
-use stiffarm::findings::Severity;
+use stiffarm::findings::{Severity, codes};
 use stiffarm_files::result::SavedResult;
 
 /// Whether a result of `identify` comes from postures with the flange fixed.
@@ -87,7 +87,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     let mut all = joints.estimates.findings();
     // It follows from a set-up that is rejected.
     let is_rejected = found.rejected().is_some();
-    all.retain(|f| !(is_rejected && f.code == "negative-compliance"));
+    all.retain(|f| !(is_rejected && f.code == codes::NEGATIVE_COMPLIANCE));
     all.extend(findings.data);
     findings::sort(&mut all);
     Ok(Told {

@@ -24,8 +24,8 @@ pub use terms::{TermTrial, TermTrials, try_terms};
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
 use crate::estimate::mixed::MixedFit;
-use crate::estimate::setup::{REJECTS, SetUp};
-use crate::findings::{Finding, list};
+use crate::estimate::setup::SetUp;
+use crate::findings::{Finding, codes, list};
 use serde::{Deserialize, Serialize};
 
 /// A posture is named when the estimate of an unknown moves by more standard
@@ -66,7 +66,7 @@ impl Diagnosis {
     /// What the readings say against the set-up as the cell states it.
     pub fn rejected(&self) -> Option<&Finding> {
         let found = self.set_up.as_ref()?.finding.as_ref();
-        found.filter(|finding| finding.code == REJECTS)
+        found.filter(|finding| finding.code == codes::SET_UP)
     }
 }
 
@@ -162,7 +162,7 @@ fn influence_findings(influence: &LeaveOneOut, unknowns: &[String]) -> Vec<Findi
                 "Without posture {name} the others do not determine {}.",
                 list(&posture.lost)
             );
-            out.push(Finding::caution("posture-needed", name, message));
+            out.push(Finding::caution(codes::POSTURE_NEEDED, name, message));
         }
         let moved: Vec<String> = unknowns
             .iter()

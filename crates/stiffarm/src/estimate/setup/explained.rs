@@ -1,25 +1,25 @@
 //! Which other findings only follow from a set-up that is stated wrongly.
 
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, codes};
 use crate::measure::Measured;
 use crate::measure::screening::{Cause, Screening};
 
 /// What the checks of the raw readings say where the displacements are not those that the set-up lets expect.
 const BY_SCREENING: [(Cause, &str); 4] = [
-    (Cause::ReversedForce, "reversed-force"),
-    (Cause::ExchangedStates, "exchanged-states"),
-    (Cause::DisplacementSize, "displacement-size"),
-    (Cause::OtherLoad, "other-load"),
+    (Cause::ReversedForce, codes::REVERSED_FORCE),
+    (Cause::ExchangedStates, codes::EXCHANGED_STATES),
+    (Cause::DisplacementSize, codes::DISPLACEMENT_SIZE),
+    (Cause::OtherLoad, codes::OTHER_LOAD),
 ];
 /// What the residuals say.
 const BY_RESIDUALS: [&str; 7] = [
-    "residuals-above-noise",
-    "further-term",
-    "outlying-displacement",
-    "outlying-posture",
-    "outlying-point",
-    "more-outliers",
-    "load-offset",
+    codes::RESIDUALS_ABOVE_NOISE,
+    codes::FURTHER_TERM,
+    codes::OUTLYING_DISPLACEMENT,
+    codes::OUTLYING_POSTURE,
+    codes::OUTLYING_POINT,
+    codes::MORE_OUTLIERS,
+    codes::LOAD_OFFSET,
 ];
 
 /// Whether the readings have a fault of their own that must be settled before they say anything of the set-up.

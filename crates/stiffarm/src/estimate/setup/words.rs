@@ -1,10 +1,10 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{DOUBTS, Freed, REJECTS};
+use super::{DOUBTS, Freed};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
 use crate::estimate::quantity::place::{Place, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
-use crate::findings::{Finding, length, list};
+use crate::findings::{Finding, codes, length, list};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::units::{m_to_mm, rad_to_deg};
@@ -300,7 +300,7 @@ pub(super) fn finding(
         }
         Quantity::BaseTilt => Finding::caution("base-tilt-seen", own.key.as_str(), sentence + "."),
         _ => Finding::serious(
-            REJECTS,
+            codes::SET_UP,
             own.key.as_str(),
             sentence + "; until then no stiffness is known.",
         ),

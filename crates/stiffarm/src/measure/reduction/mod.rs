@@ -32,7 +32,6 @@ mod wrench_check;
 pub use super::series::Clock;
 pub use base_motion::BaseMotion;
 pub use drift::{Drift, PostureDrift};
-pub(super) use repeatability::IDENTICAL_READINGS;
 pub use repeatability::Repeatability;
 pub use stations::StationRegistration;
 pub use temperature::Temperatures;

@@ -1,7 +1,7 @@
 //! What a suspicion is called and how serious it is.
 
 use super::{Cause, Evidence, Suspicion};
-use crate::findings::Severity;
+use crate::findings::{Severity, codes};
 
 /// Misfit that a robot as delivered may have \[m\].
 const ROBOT_ACCURACY: f64 = 5e-3;
@@ -39,10 +39,10 @@ pub(super) fn code(cause: Cause) -> &'static str {
         Cause::UnexplainedPosture => "unexplained-posture",
         Cause::UnexplainedModel => "unexplained-model",
         Cause::NoDisplacement => "no-displacement",
-        Cause::ReversedForce => "reversed-force",
-        Cause::ExchangedStates => "exchanged-states",
-        Cause::DisplacementSize => "displacement-size",
-        Cause::OtherLoad => "other-load",
+        Cause::ReversedForce => codes::REVERSED_FORCE,
+        Cause::ExchangedStates => codes::EXCHANGED_STATES,
+        Cause::DisplacementSize => codes::DISPLACEMENT_SIZE,
+        Cause::OtherLoad => codes::OTHER_LOAD,
         Cause::LoadUnits => "load-units",
         Cause::LoadEntry => "load-entry",
         Cause::MomentUnits => "moment-units",
