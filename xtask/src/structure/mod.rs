@@ -50,6 +50,11 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
             if lines > LONGEST_FILE {
                 faults.push(format!("{name}/src/{path}: {lines} lines of code"));
             }
+            for number in compared_as_text(code) {
+                faults.push(format!(
+                    "{name}/src/{path}:{number}: the code of a finding is compared as text"
+                ));
+            }
             codes.push((path, code.to_string()));
         }
         let one = Crate::new(codes).graph();
@@ -73,8 +78,20 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
     Err(Failure::finding(
         format!("the structure of the code:\n  {}", faults.join("\n  ")),
         "move what is used upward or in a circle to a lower file or a file of its own; \
-         split a long file by what it holds",
+         split a long file by what it holds; codes that are looked for stand in findings/codes.rs",
     ))
+}
+
+/// The lines, from 1, in which the code of a finding is compared with a text that stands there.
+fn compared_as_text(code: &str) -> Vec<usize> {
+    let is_compared = |line: &str| {
+        [".code == \"", ".code != \""]
+            .iter()
+            .any(|own| line.contains(own))
+    };
+    let lines = (1..).zip(code.lines());
+    let found = lines.filter(|(_, line)| is_compared(line));
+    found.map(|(number, _)| number).collect()
 }
 
 /// The modules of the Python package, and what they import of each other.
@@ -241,6 +258,12 @@ mod tests {
             found(&files),
             ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]
         );
+    }
+
+    #[test]
+    fn a_code_that_is_compared_has_a_name() {
+        let code = "a\nlet x = f.code == \"no-name\";\nlet y = f.code == codes::NAME;\n";
+        assert_eq!(compared_as_text(code), [2]);
     }
 
     #[test]

@@ -15,6 +15,7 @@ use stiffarm::plan::feasibility::forbidden;
 use stiffarm::plan::route::{Route, RouteOptions, rounded, route, route_findings};
 use stiffarm_files::source::read_postures;
 use stiffarm_files::table::write_postures;
+use stiffarm_report::tell::{Given, Telling, Told, told_route};
 
 /// Options of the result.
 #[derive(Serialize)]
@@ -41,6 +42,12 @@ pub struct Routed {
     pub route: Route,
     /// What to know before driving it.
     pub findings: Vec<Finding>,
+}
+
+impl Telling for Routed {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        told_route(&self.posture_names, &self.route, given)
+    }
 }
 
 /// Finds the route of a plan.

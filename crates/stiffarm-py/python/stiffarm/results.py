@@ -166,7 +166,8 @@ class Identified(Result, _keys.IdentifiedKeys, command="identify"):
         readings = self._data.get("readings") or {}
         of_readings = [readings.get("reduction") or {}, readings.get("screening") or {}, self._data.get("screening") or {}]
         parts = [*of_readings, self._data.get("diagnosis") or {}, systematic, self._data]
-        return [Record(finding) for part in parts for finding in part.get("findings", [])]
+        implausible = [Record(own) for own in [self._data.get("implausible")] if own]
+        return implausible + [Record(finding) for part in parts for finding in part.get("findings", [])]
 
     def _estimates(self) -> dict[str, Any]:
         estimates: dict[str, Any] = self._data.get("estimates", self._data)

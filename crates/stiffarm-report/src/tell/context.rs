@@ -3,10 +3,7 @@
 use super::{Block, DataTable, Given, Outcome, Section, Text, Told};
 use crate::cell::{Full, cell_drawing};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
-use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::any::Any;
-use std::borrow::Cow;
 use std::cmp::Reverse;
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, codes, list, visible};
@@ -31,21 +28,6 @@ impl<'a> Given<'a> {
             visible(&cell.name),
             visible(cell.setup.robot.name())
         ))
-    }
-
-    /// What is told of the result: a part of what its command made, or as the file holds it.
-    ///
-    /// # Errors
-    /// As [`SavedResult::result`].
-    pub(super) fn result<R, T>(&self, part: impl Fn(&'a R) -> &'a T) -> Result<Cow<'a, T>>
-    where
-        R: Any,
-        T: DeserializeOwned + Clone,
-    {
-        match self.made.and_then(|made| made.downcast_ref()) {
-            Some(made) => Ok(Cow::Borrowed(part(made))),
-            None => self.saved.result().map(Cow::Owned),
-        }
     }
 
     /// What all results say, around what is their own.

@@ -1,27 +1,32 @@
 //! What `route` says: the order of a plan's postures, and the moves between them.
 
 use super::postures::{posture_table, route_section};
-use crate::tell::{Given, Text, Told, counted};
+use crate::tell::{Given, Telling, Text, Told, counted};
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::codes;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::route::Route;
 
-/// What `route` writes, beside its findings.
+/// A route with the names of its stops, as `route` writes it beside its findings.
 #[derive(Deserialize)]
-struct Routed {
+pub(super) struct Routed {
     posture_names: Vec<String>,
     #[serde(flatten)]
     route: Route,
 }
 
-/// What a result says of `route`.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    let Routed {
-        posture_names,
-        route,
-    } = given.saved.result()?;
+impl Telling for Routed {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        told_route(&self.posture_names, &self.route, given)
+    }
+}
+
+/// What a route says whose stops have these names.
+///
+/// # Errors
+/// A cell that cannot take its postures.
+pub fn told_route(posture_names: &[String], route: &Route, given: &Given<'_>) -> Result<Told> {
     let count = counted(route.postures.len(), "posture");
     let kept = given.saved.json["options"]["keep_order"] == true;
     let done = Text::new(if kept {

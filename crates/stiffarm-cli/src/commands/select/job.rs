@@ -23,7 +23,7 @@ use stiffarm_files::source::NamedCell;
 use stiffarm_files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
 };
-use stiffarm_report::tell::{Number, index_quantity};
+use stiffarm_report::tell::{Number, Telling, index_quantity};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
 /// What every way to work needs.
@@ -47,7 +47,7 @@ impl Job<'_> {
     }
 
     /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
-    pub fn deliver<R: Serialize, O: Serialize>(
+    pub fn deliver<R: Serialize + Telling, O: Serialize>(
         &self,
         planned: &Planned<R, O>,
         findings: &[Finding],
@@ -58,7 +58,7 @@ impl Job<'_> {
     }
 
     /// Tells the result, and how the command ends by its findings.
-    pub fn show<R: Serialize, O: Serialize>(
+    pub fn show<R: Serialize + Telling, O: Serialize>(
         &self,
         planned: &Planned<R, O>,
         findings: &[Finding],

@@ -15,6 +15,7 @@ use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
 use stiffarm_files::source::{read_measurements, read_registration};
 use stiffarm_report::render_svg;
 use stiffarm_report::study::{measured_figure, measured_table};
+use stiffarm_report::tell::{Given, Telling, Told};
 
 /// Figure and table of the study.
 const FILES: [&str; 2] = ["measured-choices.svg", "measured-choices.csv"];
@@ -36,6 +37,12 @@ pub struct Written {
     pub study: MeasuredStudy,
     /// Names of all files of this study, this one included.
     pub files: Vec<String>,
+}
+
+impl Telling for Written {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        self.study.told(given)
+    }
 }
 
 /// Runs the study and writes its folder.

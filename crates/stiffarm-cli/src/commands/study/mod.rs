@@ -18,9 +18,11 @@ use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
+use stiffarm_files::envelope::Envelope;
 use stiffarm_files::envelope::write_result;
 use stiffarm_files::source::{NamedCell, read_postures};
 use stiffarm_report::study::{cell_picture, figures, tables};
+use stiffarm_report::tell::{Given, Telling, Told};
 use stiffarm_report::{render_drawing, render_svg};
 
 /// Group 1 of the built-in COMAU cells.
@@ -51,6 +53,12 @@ pub struct Written {
     pub study: Study,
     /// Names of all files of this study, this one included.
     pub files: Vec<String>,
+}
+
+impl Telling for Written {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        self.study.told(given)
+    }
 }
 
 /// Runs the study and writes its folder.
@@ -117,10 +125,10 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
 }
 
 /// Writes the folder of a study, the result first and its page last, and says what the study says.
-fn finish(
+fn finish<O: Serialize, R: Serialize + Telling>(
     session: &Session,
     args: &StudyArgs,
-    (envelope, names): (&impl Serialize, &[String]),
+    (envelope, names): (&Envelope<O, R>, &[String]),
     named: &NamedCell,
     pictures: Vec<(String, String)>,
 ) -> Result<()> {
