@@ -111,9 +111,13 @@ pub fn indices<'py>(
     Ok(out)
 }
 
-/// Name, meaning, whether larger is better, of every index.
+/// Of every index: name, meaning, whether larger is better, the unit that people read it in, and the factor to that.
 #[pyfunction]
-pub fn index_names() -> Vec<(&'static str, &'static str, bool)> {
-    let described = |index: Index| (index.as_str(), index.meaning(), index.larger_is_better());
+pub fn index_names() -> Vec<(&'static str, &'static str, bool, &'static str, f64)> {
+    let described = |index: Index| {
+        let (unit, factor) = index.shown_in();
+        let larger = index.larger_is_better();
+        (index.as_str(), index.meaning(), larger, unit, factor)
+    };
     Index::ALL.into_iter().map(described).collect()
 }

@@ -51,8 +51,8 @@ pub use placement::{placement_figure, placement_table};
 pub use plan_page::plan_page;
 pub use point_deflection::{PointDeflection, point_deflection_figure};
 pub use selection::{
-    CountPoint, Deviations, IndexUnit, convergence_figure, correlation_figure, count_figure,
-    deviation_by_noise_figure, dexterity_figure, expected_deviation_figure, index_name,
-    price_figure, sensitivity_figure, singular_values_figure, worth_figure,
+    CountPoint, Deviations, convergence_figure, correlation_figure, count_figure,
+    deviation_by_noise_figure, dexterity_figure, expected_deviation_figure, price_figure,
+    sensitivity_figure, singular_values_figure, worth_figure,
 };
 pub use zones::{zones_figure, zones_table};

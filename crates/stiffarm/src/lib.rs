@@ -87,7 +87,7 @@ pub mod internals {
         Solution, Whitened, estimates, measured_system, quantile, solutions_without,
     };
     pub use crate::estimate::mixed::internals::MixedModel;
-    pub use crate::estimate::quantity::answer::internals::{Way, both_ways};
+    pub use crate::estimate::quantity::answer::internals::{Way, both_ways, quantities};
     pub use crate::estimate::systematic::posterior::{moments, noise, sizes};
     pub use crate::model::elastic::elastic_effects;
     pub use crate::model::observation::internals::link_axes;

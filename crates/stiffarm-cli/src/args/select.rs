@@ -4,10 +4,27 @@ use super::PageArgs;
 use super::values::{above_zero, angle_step, count, numbers, seed, within};
 use clap::{ArgGroup, Args, ValueEnum, ValueHint};
 use std::time::Duration;
+use stiffarm::plan::index::{Index, Origin};
 use stiffarm::plan::planned;
 
 /// Most postures of one plan.
 const MOST_POSTURES: u64 = planned::MOST_POSTURES as u64;
+
+/// The doc comment of `index`, with the names that there are.
+fn index_help() -> String {
+    let of = |origin: Origin| {
+        let all = Index::ALL.into_iter().filter(|own| own.origin() == origin);
+        let names: Vec<String> = all.map(|own| own.as_str().replace('_', "-")).collect();
+        names.join(", ")
+    };
+    format!(
+        "Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load parameters \
+         are chosen too]\n\n{}; of the paper: {}; of the literature: {}.",
+        of(Origin::Here),
+        of(Origin::Paper),
+        of(Origin::Literature)
+    )
+}
 
 #[derive(Debug, Args)]
 pub struct SelectArgs {
@@ -16,10 +33,7 @@ pub struct SelectArgs {
     pub cell: String,
     /// Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load parameters
     /// are chosen too]
-    ///
-    /// prediction, expected-error, worst-joint, drop-one, d, task, scaled, scaled-condition; of the paper: novel, classical,
-    /// condition; of the literature: o1 to o5.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", long_help = index_help())]
     pub index: Option<String>,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
     #[arg(long, short = 'n', value_name = "N", value_parser = within::<u64>(1..=MOST_POSTURES),

@@ -20,7 +20,7 @@ from .postures import Postures, angles_of
 
 #: Indices that :func:`indices` gives unless others are named: all but ``prediction``, which takes longer than all others
 #: together.
-USUAL = tuple(name for name, _, _ in _stiffarm.index_names() if name != "prediction")
+USUAL = tuple(name for name, *_ in _stiffarm.index_names() if name != "prediction")
 
 
 def _postures(cell: Cell, value: PosturesLike, degrees: bool) -> Postures:
@@ -141,7 +141,7 @@ def observation_matrix(
 
 def index_names() -> dict[str, str]:
     """Every index with what it is; lower is better unless it says otherwise."""
-    return {name: meaning for name, meaning, _ in _stiffarm.index_names()}
+    return {name: meaning for name, meaning, *_ in _stiffarm.index_names()}
 
 
 def simulate_measurements(

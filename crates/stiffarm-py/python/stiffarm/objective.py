@@ -16,7 +16,7 @@ from ._inputs import PosturesLike
 from .cell import Cell
 from .postures import Postures
 
-_LARGER_IS_BETTER = {name: larger for name, _, larger in _stiffarm.index_names()}
+_LARGER_IS_BETTER = {name: larger for name, _, larger, *_ in _stiffarm.index_names()}
 
 
 class Objective:

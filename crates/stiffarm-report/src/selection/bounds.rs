@@ -1,6 +1,5 @@
 //! How good plans of each size are and could be.
 
-use super::{IndexUnit, index_name};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::index::Index;
 
@@ -17,7 +16,7 @@ pub struct CountPoint {
 
 /// The best value of an index against the number of postures, with its bound.
 pub fn count_figure(index: Index, points: &[CountPoint]) -> Figure {
-    let IndexUnit { factor, unit } = IndexUnit::of(index);
+    let (unit, factor) = index.shown_in();
     let line = |label: &str, style, of: &dyn Fn(&CountPoint) -> Option<f64>| {
         let found = points
             .iter()
@@ -39,7 +38,7 @@ pub fn count_figure(index: Index, points: &[CountPoint]) -> Figure {
         Panel::new(
             "",
             Axis::linear("number of postures", ""),
-            Axis::linear(index_name(index), unit).from_zero(),
+            Axis::linear(index.in_words(), unit).from_zero(),
             series,
         ),
     )

@@ -1,6 +1,5 @@
 //! How a search came to its plan.
 
-use super::{IndexUnit, index_name};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use stiffarm::plan::select::Selection;
 
@@ -11,7 +10,7 @@ const FEW: u64 = 16;
 /// search of fewer than two rounds.
 pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<Figure> {
     let index = selection.index;
-    let IndexUnit { factor, unit } = IndexUnit::of(index);
+    let (unit, factor) = index.shown_in();
     let all = selection.rounds.filter(|rounds| *rounds > 1)?;
     // Category i lies at i, round 1 is the first.
     let (axis, before) = if all <= FEW {
@@ -51,6 +50,6 @@ pub fn convergence_figure(selection: &Selection, bound: Option<f64>) -> Option<F
         "How the search converged",
         "Best value of the index after each round of local searches. The plan itself is searched to the end once more, \
          and its angles are rounded. A line that is level for long says that more rounds would hardly help.",
-        Panel::new("", axis, Axis::linear(index_name(index), unit), series),
+        Panel::new("", axis, Axis::linear(index.in_words(), unit), series),
     ))
 }

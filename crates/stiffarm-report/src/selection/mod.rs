@@ -8,7 +8,6 @@ mod deviation;
 mod dexterity;
 mod noise;
 mod singular_values;
-mod unit;
 
 pub use bounds::{CountPoint, count_figure};
 pub use convergence::convergence_figure;
@@ -19,4 +18,3 @@ pub use deviation::{Deviations, expected_deviation_figure};
 pub use dexterity::dexterity_figure;
 pub use noise::deviation_by_noise_figure;
 pub use singular_values::singular_values_figure;
-pub use unit::{IndexUnit, index_name};

@@ -229,7 +229,7 @@ fn simulation(study: &Study) -> Table {
 
 /// Name of a row of the other initial groups.
 fn index_name(index: Option<Index>) -> String {
-    index.map_or("(start)".into(), |i| i.as_str().replace('_', " "))
+    index.map_or("(start)".into(), Index::in_words)
 }
 
 /// Every initial group with what each index makes of it.

@@ -3,8 +3,8 @@
 use super::postures::name_of;
 use crate::level::level;
 use crate::selection::{
-    Deviations, IndexUnit, correlation_figure, dexterity_figure, expected_deviation_figure,
-    index_name, singular_values_figure,
+    Deviations, correlation_figure, dexterity_figure, expected_deviation_figure,
+    singular_values_figure,
 };
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
@@ -27,7 +27,7 @@ pub(super) struct Worth<'a> {
 
 /// Unit and digits of an index.
 pub fn index_quantity(index: Index) -> Quantity {
-    let IndexUnit { unit, factor } = IndexUnit::of(index);
+    let (unit, factor) = index.shown_in();
     // No plan is better in practice by what a fourth digit of an error says, nor by a third of what stands on sizes that are
     // expected.
     let digits = match index {
@@ -41,39 +41,6 @@ pub fn index_quantity(index: Index) -> Quantity {
 /// The value of an index in its unit; `below` is its place below `/result`.
 pub(super) fn index_number(given: &Given<'_>, index: Index, below: &str) -> Number {
     given.number(below).of(index_quantity(index))
-}
-
-/// What an index says of a plan, as the beginning of a sentence that its value ends.
-pub(super) fn index_says(index: Index) -> &'static str {
-    match index {
-        Index::ExpectedError => {
-            "The joint stiffness can be expected with a relative standard error (RMS over the joints) of "
-        }
-        Index::WorstJoint => {
-            "The joint that comes out worst can be expected with a relative standard error of "
-        }
-        Index::DropOne => {
-            "With any one posture lost, the joint stiffness can still be expected with a relative standard error (RMS \
-             over the joints) of "
-        }
-        Index::D => {
-            "The relative errors of all joints together (geometric mean of their ellipsoid) can be expected as "
-        }
-        Index::Task => {
-            "The deflection at the cell's tasks can be expected to be predicted with an RMS error of "
-        }
-        Index::Prediction => {
-            "The deflection of the tip at work can be expected to be predicted with an RMS error of "
-        }
-        Index::Classical => "The classical index, max k(J_N), is ",
-        Index::Condition => "The condition number of the observation matrix is ",
-        Index::Novel => "The paper's novel index, max k(J_N) × cond(Ψ), is ",
-        Index::ScaledCondition => "The condition number scaled by the prior stiffness is ",
-        Index::Scaled => "The scaled index, max k(J_N) × cond(Ψ·diag(1/k)), is ",
-        Index::O1 | Index::O2 | Index::O3 | Index::O4 | Index::O5 => {
-            "The observability index (larger is better) is "
-        }
-    }
 }
 
 /// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
@@ -379,9 +346,9 @@ pub(super) fn indices(given: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
         values.any(|value| value.is_some())
     };
     let all: Vec<Index> = Index::ALL.into_iter().filter(|index| has(*index)).collect();
-    let names = all.iter().map(|index| match IndexUnit::of(*index).unit {
-        "" => index_name(*index),
-        unit => format!("{} [{unit}]", index_name(*index)),
+    let names = all.iter().map(|index| match index.shown_in().0 {
+        "" => index.in_words(),
+        unit => format!("{} [{unit}]", index.in_words()),
     });
     let caption =
         "All indices; the lower, the better, unless said otherwise; – where one does not exist";

@@ -13,7 +13,7 @@ use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
 use crate::estimate::setup::{self, Freed};
-use crate::estimate::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
+use crate::estimate::systematic::{SystematicErrors, systematic_errors_with};
 use crate::findings::{Finding, codes};
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
@@ -279,22 +279,28 @@ impl Identified {
         if out.freed.is_empty() {
             out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
         }
-        let found = match &mixed {
-            Some(mixed) => mixed_systematic_errors(mixed),
-            None => systematic_errors(fit),
-        };
+        let found = systematic_errors_with(fit, mixed.as_ref(), None);
         out.systematic_errors = unless_stopped("systematic_errors", &mut left_out, found)?;
+        let diagnosis = diagnosed(fit, mixed.as_ref());
+        out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnosis)?;
+        let off = out.diagnosis.as_ref().and_then(Diagnosis::off);
+        let errors_of = |mixed: Option<&MixedFit>| {
+            let found = systematic_errors_with(fit, mixed, off);
+            // What a stop leaves out is named already, or stands in `interval_holds` of the axes.
+            unless_stopped("systematic_errors", &mut Vec::new(), found)
+        };
+        if off.is_some()
+            && let Some(found) = errors_of(mixed.as_ref())?
+        {
+            out.systematic_errors = Some(found);
+        }
         if let Some(systematic) = &out.systematic_errors {
             systematic.widen(&mut out.identification.estimates.joints);
         }
-        // What a stop leaves out is named already, or stands in `interval_holds` of the axes.
         if let Some(elastic) = out.elastic.as_mut().filter(|e| e.mixed.is_some()) {
-            let of_axes =
-                unless_stopped("systematic_errors", &mut Vec::new(), systematic_errors(fit))?;
+            let of_axes = errors_of(None)?;
             of_axes.iter().for_each(|own| own.widen(&mut elastic.axes));
         }
-        let diagnosis = diagnosed(fit, mixed.as_ref());
-        out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnosis)?;
         if out.rejected().is_some() {
             let readings = out.readings.as_mut().map(|own| &mut own.screening);
             let screening = readings.or(out.screening.as_mut());
@@ -383,7 +389,10 @@ pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis
     out.findings
         .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
     if !setup::is_doubtful(fit.measured()) {
-        out.set_up = setup::set_up(fit, mixed)?;
+        let outlying: Vec<String> = (out.outliers.found.iter())
+            .filter_map(|outlier| outlier.posture.clone())
+            .collect();
+        out.set_up = setup::set_up(fit, mixed, &outlying)?;
     }
     if out.rejected().is_some() {
         out.findings.retain(|finding| !setup::follows(finding));

@@ -6,12 +6,14 @@
 //! it is, and no number of postures brings a joint below that.
 
 use super::compliance::IdentifiedCompliance;
+use super::diagnose::Diagnosis;
 use super::elastic::{ElasticChoice, FEWEST_POSTURES, carried};
 use super::forecast::forecast_with;
+use super::identified::diagnosed;
 use super::identify::{Fit, JointEstimate};
 use super::mixed::MixedFit;
 use super::next_posture::{NextPosture, PlannedErrors};
-use super::systematic::{SystematicErrors, mixed_systematic_errors, systematic_errors};
+use super::systematic::{SystematicErrors, systematic_errors_with};
 use crate::error::{Code, Result};
 use crate::findings::{Finding, percent};
 use crate::numerics::half_width::Level;
@@ -71,6 +73,8 @@ pub struct SoFar<'f> {
     axes: SystematicErrors,
     /// The mixed model with its systematic errors, where it predicts.
     mixed: Option<(MixedFit, SystematicErrors)>,
+    /// What the residuals say; `None` for too few.
+    pub(crate) diagnosis: Option<Diagnosis>,
     /// Half width of each joint if the axes alone gave way, where the mixed model predicts and something is foreseen.
     now: Option<Vec<Option<f64>>>,
 }
@@ -81,29 +85,32 @@ impl<'f> SoFar<'f> {
     /// # Errors
     /// As [`systematic_errors`] and [`MixedFit::new`].
     pub fn new(fit: &'f Fit) -> Result<Self> {
-        let axes = systematic_errors(fit)?;
         let is_mixed = ElasticChoice::or_default(None, fit.options()) == ElasticChoice::Mixed;
         let mixed = if is_mixed { carried(fit)?.ok() } else { None };
+        // What every ± holds may be in doubt.
+        let diagnosis = match diagnosed(fit, mixed.as_ref()) {
+            Ok(diagnosis) => Some(diagnosis),
+            Err(error) if error.code() == Code::Interrupted => return Err(error),
+            // Too few readings to look at residuals.
+            Err(_) => None,
+        };
+        let off = diagnosis.as_ref().and_then(Diagnosis::off);
+        let axes = systematic_errors_with(fit, None, off)?;
         let with_errors = |mixed: MixedFit| {
-            let errors = mixed_systematic_errors(&mixed)?;
+            let errors = systematic_errors_with(fit, Some(&mixed), off)?;
             Ok((mixed, errors))
         };
-        let mixed = mixed.map(with_errors).transpose()?;
         let mut out = SoFar {
             fit,
             axes,
-            mixed,
+            mixed: mixed.map(with_errors).transpose()?,
+            diagnosis,
             now: None,
         };
         if out.is_mixed() {
             out.now = out.of_axes::<Vec<f64>>(&[])?;
         }
         Ok(out)
-    }
-
-    /// The mixed model, where it predicts.
-    pub(crate) fn mixed(&self) -> Option<&MixedFit> {
-        self.mixed.as_ref().map(|(mixed, _)| mixed)
     }
 
     /// Whether the mixed model predicts.

@@ -87,8 +87,10 @@ pub const REVERSED_FORCE: &str = "reversed-force";
 pub const ROWS_LEFT_OUT: &str = "rows-left-out";
 /// Code of the finding about postures of a validation that the identification has seen.
 pub const SEEN_POSTURES: &str = "seen-postures";
-/// Code of the finding about a quantity that is rejected, and about one that springs beyond the axes may excuse.
+/// Code of the finding about a quantity of the set-up that is rejected.
 pub const SET_UP: &str = "set-up";
+/// Code of the finding about a quantity of the set-up that is in doubt.
+pub const SET_UP_DOUBTFUL: &str = "set-up-doubtful";
 /// Code of the finding about a start that touches something.
 pub const START_TOUCHES: &str = "start-touches";
 /// Code of the finding about a stiffness that cannot be right.

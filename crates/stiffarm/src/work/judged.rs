@@ -1,7 +1,7 @@
 //! All that `measure` says: what the readings so far are worth, and what to measure next.
 
 use crate::error::{Code, Result};
-use crate::estimate::identified::{diagnosed, doubts};
+use crate::estimate::identified::doubts;
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
@@ -220,21 +220,14 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     let mut estimates = fit.identification()?.estimates.clone();
     estimates.joints = so_far.joints()?;
     let joints = estimates.findings().into_iter();
-    let diagnosis = match diagnosed(fit, so_far.mixed()) {
-        Ok(diagnosis) => Some(diagnosis),
-        Err(error) if error.code() == Code::Interrupted => return Err(error),
-        // Too few readings to look at residuals.
-        Err(_) => None,
-    };
     let is_due = |f: &Finding| {
         f.severity > Severity::Note && (left == 0 || !MAY_COME.contains(&f.code.as_str()))
     };
     // A joint that yields against its torque follows from a set-up that is rejected.
-    let is_rejected = diagnosis
-        .as_ref()
-        .is_some_and(|own| own.rejected().is_some());
+    let diagnosis = so_far.diagnosis.as_ref();
+    let is_rejected = diagnosis.is_some_and(|own| own.rejected().is_some());
     let joints = joints.filter(|f| f.code == codes::NEGATIVE_COMPLIANCE && !is_rejected);
-    let of_fit = doubts(fit, diagnosis.as_ref())?;
+    let of_fit = doubts(fit, diagnosis)?;
     Ok(joints.chain(of_fit.into_iter().filter(is_due)).collect())
 }
 

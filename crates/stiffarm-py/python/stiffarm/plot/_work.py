@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import _stiffarm
 from .._errors import StiffarmError
 from .._result import draws
 from ..results import Compensated, Curve, Predicted, StiffnessMap
@@ -14,14 +15,10 @@ from . import _look
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: Heading and factor of the values of indices; others have no unit.
+#: Heading and factor of the values of indices.
 VALUES = {
-    "expected_error": ("expected error of k, RMS [%]", 100.0),
-    "worst_joint": ("error of k, worst joint [%]", 100.0),
-    "drop_one": ("error of k, one posture lost [%]", 100.0),
-    "d": ("error of k, geometric mean [%]", 100.0),
-    "task": ("deflection error at the tasks [µm]", 1e6),
-    "prediction": ("deflection error at work [µm]", 1e6),
+    name: (name.replace("_", " ") + (f" [{unit}]" if unit else ""), factor)
+    for name, _, _, unit, factor in _stiffarm.index_names()
 }
 
 #: Heading and factor of the values at the nodes of a map.
@@ -49,7 +46,7 @@ def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float
     """
     _look.check(result, Curve, "what select found with curve=True")
     data = result.to_dict()
-    heading, factor = VALUES.get(data["index"], (f"index {data['index']} [–]", 1.0))
+    heading, factor = VALUES[data["index"]]
     sizes = [size for size in data["sizes"] if size.get("value") is not None]
     with _look.axes(ax, width_in, 2.4) as into:
         _look.light_grid(into)

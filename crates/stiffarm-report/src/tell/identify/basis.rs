@@ -106,6 +106,8 @@ pub(super) fn size(source: &SystematicSource) -> Text {
     let quantity = match source.unit.as_str() {
         _ if source.free => return "identified".into(),
         "1" if source.name == "springs" => return "half".into(),
+        // Places and turns together have no one size.
+        "m, rad" => return "as asked".into(),
         "1" => Quantity::PERCENT,
         "N" => two("N", 1.0),
         "m" => two("mm", 1e3),

@@ -186,7 +186,7 @@ pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
     )
     .words("size", |row| source(row).map(size).unwrap_or_default())
     .words("known from", |row| match source(row) {
-        Some(source) if source.free => "these readings".into(),
+        Some(source) if source.free || source.doubtful => "these readings".into(),
         Some(source) if source.name == "springs" => "both models".into(),
         Some(source) if source.declared => "the cell".into(),
         Some(_) => "assumed *".into(),

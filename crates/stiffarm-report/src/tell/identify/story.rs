@@ -8,7 +8,7 @@ use super::readings::shortened;
 use crate::level::level;
 use crate::order::in_order;
 use crate::tell::{Given, Number, Quantity, Text};
-use stiffarm::estimate::diagnose::{Agreement, OutlierKind};
+use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
 use stiffarm::estimate::elastic::Elastic;
 use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
@@ -313,6 +313,12 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .words(" again, or leave it out with ")
             .code(format!("--exclude {}", visible(what)))
             .words(" and see what changes: it contradicts the others.");
+    }
+    let doubted = found.diagnosis.as_ref().and_then(Diagnosis::doubted);
+    if let Some(doubted) = doubted.filter(|_| blind.is_empty()) {
+        return Text::new("Settle the doubt about ")
+            .code(visible(&doubted.subject))
+            .words(": until then every ± holds what the readings ask for.");
     }
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     // Of those that another posture helps; what the load never turns stays open.

@@ -1,7 +1,7 @@
 //! `--candidates`: the best postures out of a list.
 
 use super::super::postures::{FEW, name_of, posture_table};
-use super::super::worth::{Worth, index_number, index_says, worth_sections};
+use super::super::worth::{Worth, index_number, worth_sections};
 use crate::tell::{Block, DataTable, Given, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -24,7 +24,7 @@ impl Telling for Chosen {
             "Of {} the best {count} were chosen{wrenches}.",
             counted(chosen.candidate_names.len(), "candidate")
         ));
-        let mut came = Text::new(index_says(index))
+        let mut came = Text::new(index.says())
             .number(index_number(context, index, "/value"))
             .words(".");
         if found.exact {

@@ -1,7 +1,7 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
 use super::super::worth::{index_number, index_quantity};
-use crate::selection::{CountPoint, count_figure, index_name};
+use crate::selection::{CountPoint, count_figure};
 use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -23,7 +23,7 @@ impl Telling for Curve {
         let ends = sizes.iter().position(|size| size.point.value.is_some());
         let came = match ends {
             None => Text::new("So few postures cannot determine every joint."),
-            Some(first) => Text::new(format!("The index {} goes from ", index_name(index)))
+            Some(first) => Text::new(format!("The index {} goes from ", index.in_words()))
                 .number(value(first))
                 .words(format!(
                     " with {} to ",
@@ -68,7 +68,7 @@ impl Telling for Curve {
             "postures",
             rows,
         )
-        .numbers(&index_name(index), index_quantity(index), |s| {
+        .numbers(&index.in_words(), index_quantity(index), |s| {
             number(s, "value")
         });
         if index != Index::ExpectedError {

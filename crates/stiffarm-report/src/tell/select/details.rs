@@ -2,7 +2,7 @@
 
 use super::super::postures::coarse;
 use super::super::worth::index_quantity;
-use crate::selection::{index_name, sensitivity_figure};
+use crate::selection::sensitivity_figure;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
 use stiffarm::findings::{list, visible};
@@ -62,7 +62,7 @@ pub(super) fn price_table(given: &Given<'_>, plan: &Plan, prices: &[LimitPrice])
     let kinds = prices.iter().map(|price| price.kind.describe());
     let rows = std::iter::once("nothing: all limits").chain(kinds);
     DataTable::of("The best plan found without each limit", "without", rows)
-        .numbers(&index_name(index), index_quantity(index), |row| {
+        .numbers(&index.in_words(), index_quantity(index), |row| {
             Some(match row.checked_sub(1) {
                 Some(p) => given.number(&format!("/prices/{p}/value")),
                 None => given.number("/value"),

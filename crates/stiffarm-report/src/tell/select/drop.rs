@@ -1,8 +1,8 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::super::postures::name_of;
-use super::super::worth::{index_number, index_quantity, index_says};
-use crate::selection::{index_name, worth_figure};
+use super::super::worth::{index_number, index_quantity};
+use crate::selection::worth_figure;
 use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, shown};
 use stiffarm::Result;
 use stiffarm::findings::list;
@@ -30,7 +30,7 @@ impl Telling for DropResult {
                 dropped.dropped.len()
             ))
         };
-        let came = Text::new(index_says(index))
+        let came = Text::new(index.says())
             .number(index_number(context, index, "/value"))
             .words(format!(
                 " without {}, against ",
@@ -46,7 +46,7 @@ impl Telling for DropResult {
         let rows = worth.iter();
         let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
         let number = |v: usize, key: &str| Some(context.number(&format!("/worth/{v}/{key}")));
-        let without = format!("{} without it", index_name(index));
+        let without = format!("{} without it", index.in_words());
         let loss = Quantity::new("%", 100.0, Form::Decimals(2));
         let key = DataTable::of(
             "What is lost without one posture, the least first",

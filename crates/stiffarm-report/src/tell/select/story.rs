@@ -1,6 +1,6 @@
 //! The story of a plan in three sentences.
 
-use super::super::worth::{index_number, index_says, is_beyond_first_order, least_sure};
+use super::super::worth::{index_number, is_beyond_first_order, least_sure};
 use crate::tell::Given;
 use crate::tell::Text;
 use stiffarm::Termination;
@@ -140,7 +140,7 @@ fn under(loads: &[String]) -> String {
 
 fn came(context: &Given<'_>, plan: &Plan) -> Text {
     let index = plan.selection.index;
-    let mut text = Text::new(index_says(index)).number(index_number(context, index, "/value"));
+    let mut text = Text::new(index.says()).number(index_number(context, index, "/value"));
     if index == Index::Prediction && plan.evaluation.indices.prediction_range.is_some() {
         let end = |side: usize| {
             let below = format!("/evaluation/indices/prediction_range/{side}");

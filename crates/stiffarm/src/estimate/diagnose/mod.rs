@@ -24,6 +24,7 @@ pub use terms::{TermTrial, TermTrials, try_terms};
 use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
 use crate::estimate::mixed::MixedFit;
+use crate::estimate::quantity::facts::Quantity;
 use crate::estimate::setup::SetUp;
 use crate::findings::{Finding, codes, list};
 use serde::{Deserialize, Serialize};
@@ -65,8 +66,22 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// What the readings say against the set-up as the cell states it.
     pub fn rejected(&self) -> Option<&Finding> {
+        self.of_set_up(codes::SET_UP)
+    }
+
+    /// What they say of it that is not sure.
+    pub fn doubted(&self) -> Option<&Finding> {
+        self.of_set_up(codes::SET_UP_DOUBTFUL)
+    }
+
+    fn of_set_up(&self, code: &str) -> Option<&Finding> {
         let found = self.set_up.as_ref()?.finding.as_ref();
-        found.filter(|finding| finding.code == codes::SET_UP)
+        found.filter(|finding| finding.code == code)
+    }
+
+    /// The quantity of the set-up that the readings want elsewhere, and how far off it may be.
+    pub(crate) fn off(&self) -> Option<(Quantity, f64)> {
+        self.set_up.as_ref()?.off
     }
 }
 

@@ -217,6 +217,14 @@ pub(crate) mod internals {
     use crate::estimate::quantity::place::Place;
     use nalgebra::DVector;
 
+    /// Name, default standard uncertainty and its unit of each quantity.
+    pub fn quantities() -> [(&'static str, f64, &'static str); 19] {
+        Quantity::ALL.map(|own| {
+            let facts = own.facts();
+            (facts.name, facts.assumed, facts.unit)
+        })
+    }
+
     /// One number of a quantity off: what changes by the answers to unit wrenches, and in a cell that has it there.
     pub struct Way {
         /// Name of the quantity and of its number.

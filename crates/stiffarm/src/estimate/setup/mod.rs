@@ -29,10 +29,10 @@ use freed::{At, Linear, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-const DOUBTS: &str = "set-up-doubtful";
-/// Fall of −2 ln L from which a quantity is rejected, and what each of its numbers adds: sound days of arms with springs
-/// beyond the axes, drift and shared shifts stay below.
+/// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds: sound
+/// days of arms with springs beyond the axes, drift and shared shifts stay below.
 const REJECTED: f64 = 22.0;
+const DOUBTED: f64 = 10.0;
 const EACH: f64 = 4.0;
 /// Share of what the axes alone leave to which that falls where a quantity is wrong; where springs beyond the axes hide
 /// it, −2 ln L falls by so much.
@@ -85,14 +85,17 @@ pub struct SetUp {
     pub freed: Vec<Freed>,
     /// What is rejected or doubtful, in a sentence.
     pub finding: Option<Finding>,
+    /// How far off the quantity of the finding may be, as the readings ask for: the RMS of its numbers.
+    #[serde(skip)]
+    pub(crate) off: Option<(Quantity, f64)>,
 }
 
-/// Tests what the cell states of the set-up behind `fit`, whose mixed model is `mixed` where it is known. `None` where
-/// the readings are too few.
+/// Tests what the cell states of the set-up behind `fit`, whose mixed model is `mixed` where it is known; the postures
+/// `outlying` do not fit. `None` where the readings are too few.
 ///
 /// # Errors
 /// A decomposition that fails; stopped.
-pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
+pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Result<Option<SetUp>> {
     let options = IdentifyOptions {
         extra: fit.options().extra.clone(),
         weights: fit.options().weights,
@@ -148,19 +151,73 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Option<SetUp>> {
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
     let freed: Vec<Freed> = described.collect();
     let (best, first) = (&beside[0], &freed[0]);
-    let least = REJECTED + EACH * best.numbers() as f64;
+    let (quantity, each) = (best.values[0].0, EACH * best.numbers() as f64);
+    let is_strong = first.likelihood_ratio > REJECTED + each;
+    let least = each + if is_strong { REJECTED } else { DOUBTED };
+    let finding = match doubt(&fit, best, first, (least, is_strong), grants)? {
+        None => None,
+        // A posture that does not fit is a finding of its own.
+        Some(Some(Doubt::Posture(name))) if outlying.contains(&name) => None,
+        // What gives way is no error of the set-up that could be doubtful.
+        Some(Some(_)) if quantity.terms(0).is_some() => None,
+        Some(doubt) => {
+            let others = freed.iter().zip(&beside).skip(1);
+            let alike = others
+                .filter(|(own, _)| first.likelihood_ratio - own.likelihood_ratio < ALIKE)
+                .map(|(_, at)| at.values[0].0);
+            let alike: Vec<Quantity> = alike.collect();
+            Some(words::finding(
+                fit.cell(),
+                quantity,
+                first,
+                &alike,
+                doubt.as_ref(),
+            ))
+        }
+    };
+    let values = &best.values[0].1.values;
+    let size = values.norm() / (values.len().max(1) as f64).sqrt();
+    Ok(Some(SetUp {
+        off: finding.as_ref().map(|_| (quantity, size)),
+        freed,
+        finding,
+    }))
+}
+
+/// Why a quantity is doubtful and not rejected.
+#[derive(Debug, Clone, PartialEq)]
+enum Doubt {
+    /// The readings are not so much likelier.
+    Evidence,
+    /// The axes alone leave hardly less: springs beyond them may be the reason.
+    Springs,
+    /// One posture says most of it.
+    Posture(String),
+}
+
+/// Whether the readings are clearly likelier, by `least` at least, with the best quantity where they want it, and if so,
+/// what stands against rejecting it.
+fn doubt(
+    fit: &Fit,
+    best: &At,
+    first: &Freed,
+    (least, is_strong): (f64, bool),
+    grants: bool,
+) -> Result<Option<Option<Doubt>>> {
+    if first.likelihood_ratio <= least
+        || is_within_stated(fit, &best.values[0], &first.standard_error)
+    {
+        return Ok(None);
+    }
     let [all, left] = first.residual_rms_m;
     let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
-    let is_likelier = first.likelihood_ratio > least
-        && !is_within_stated(&fit, &best.values[0], &first.standard_error)
-        && without_worst(&fit, best, grants)? > 0.5 * least;
-    let others = freed.iter().zip(&beside).skip(1);
-    let alike = others.filter(|(own, _)| first.likelihood_ratio - own.likelihood_ratio < ALIKE);
-    let alike: Vec<Quantity> = alike.map(|(_, at)| at.values[0].0).collect();
-    let is_doubtful = best.values[0].0.terms(0).is_none();
-    let finding = (is_likelier && (is_clear || is_doubtful))
-        .then(|| words::finding(fit.cell(), best.values[0].0, first, &alike, is_clear));
-    Ok(Some(SetUp { freed, finding }))
+    let (without, worst) = without_worst(fit, best, grants)?;
+    Ok(Some(match (is_strong, is_clear) {
+        _ if without <= 0.5 * least => Some(Doubt::Posture(worst)),
+        (false, _) => Some(Doubt::Evidence),
+        (_, false) => Some(Doubt::Springs),
+        _ => None,
+    }))
 }
 
 /// What the readings ask for of each quantity at `at`, where −2 ln L was `before` with all as stated.
@@ -216,8 +273,11 @@ fn leave_out_swallowed(stated: &Stated<'_>, mixed: &MixedFit, alone: &mut Vec<At
     let before = value(stated.fit, None);
     let mut linear = None;
     alone.retain(|at| {
-        // Derivatives at the stated value know nothing of an exchange of axes or a sign.
-        if before - at.value > ANYHOW {
+        // Derivatives at the stated value know nothing of a sign or an exchange of axes, and little of what is far off and
+        // leaves clearly less.
+        let [all, left] = [stated.fit, &at.fit].map(|fit| rms(fit.residual().as_slice()));
+        let is_far = left < CLEAR * all || at.values[0].1.turn != Matrix3::identity();
+        if before - at.value > ANYHOW && is_far {
             return true;
         }
         let quantity = at.values[0].0;
@@ -247,8 +307,8 @@ fn is_within_stated(fit: &Fit, (quantity, place): &Valued, errors: &[Option<f64>
         && both.all(|(value, error)| value.abs() <= WIDE * size.hypot(error.unwrap_or(0.0)))
 }
 
-/// By how much −2 ln L falls without the posture that gains most: one bad posture is no set-up.
-fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<f64> {
+/// By how much −2 ln L falls without the posture that gains most, and its name: one bad posture is no set-up.
+fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<(f64, String)> {
     let squares = |fit: &Fit, block: usize| {
         let rows = fit.system().blocks[block].rows.clone();
         fit.residual().rows(rows.start, rows.len()).norm_squared()
@@ -256,7 +316,7 @@ fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<f64> {
     let gain = |block: &usize| squares(fit, *block) - squares(&at.fit, *block);
     let blocks = 0..fit.system().blocks.len();
     let Some(worst) = blocks.max_by(|a, b| gain(a).total_cmp(&gain(b))) else {
-        return Ok(0.0);
+        return Ok((0.0, String::new()));
     };
     let value = |fit: &Fit| {
         let rows = fit.system().blocks[worst].rows.clone();
@@ -265,5 +325,6 @@ fn without_worst(fit: &Fit, at: &At, grants: bool) -> Result<f64> {
             None => Ok(f64::INFINITY),
         }
     };
-    Ok(value(fit)? - value(&at.fit)?)
+    let name = fit.system().blocks[worst].posture.clone();
+    Ok((value(fit)? - value(&at.fit)?, name))
 }

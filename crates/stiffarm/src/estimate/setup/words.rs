@@ -1,10 +1,10 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{DOUBTS, Freed};
+use super::{Doubt, Freed};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
 use crate::estimate::quantity::place::{Place, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
-use crate::findings::{Finding, codes, length, list};
+use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::units::{m_to_mm, rad_to_deg};
@@ -255,7 +255,7 @@ pub(super) fn finding(
     quantity: Quantity,
     own: &Freed,
     alike: &[Quantity],
-    is_clear: bool,
+    doubt: Option<&Doubt>,
 ) -> Finding {
     let wanted = match quantity {
         Quantity::Sign => {
@@ -286,11 +286,18 @@ pub(super) fn finding(
         Quantity::Sign => "With that no joint yields against its torque.".to_string(),
         _ => format!("With that the joint axes alone leave {after} instead of {before} (RMS)."),
     };
-    if !is_clear {
-        let sentence = format!(
-            "{wanted}, as far as springs beyond the axes do not excuse it.{others} {remedy}."
-        );
-        return Finding::caution(DOUBTS, own.key.as_str(), sentence);
+    if let Some(doubt) = doubt {
+        let how = match doubt {
+            Doubt::Evidence => ". That is likely, not sure".to_string(),
+            Doubt::Springs => ", as far as springs beyond the axes do not excuse it".to_string(),
+            Doubt::Posture(name) => format!(
+                ". Posture {} alone says most of that: measure it again",
+                visible(name)
+            ),
+        };
+        let sentence =
+            format!("{wanted}{how}.{others} {remedy}. Until that is settled the total ± holds it.");
+        return Finding::caution(codes::SET_UP_DOUBTFUL, own.key.as_str(), sentence);
     }
     let sentence = format!("{wanted}. {fits}{others} {remedy}");
     match quantity {

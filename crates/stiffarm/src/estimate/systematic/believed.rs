@@ -3,6 +3,7 @@
 use crate::error::Result;
 use crate::estimate::identify::{Fit, Response, interval_quantile, quantile};
 use crate::estimate::mixed::{MixedFit, Reproduced};
+use crate::estimate::quantity::facts::Quantity;
 use crate::model::elastic::ElasticClass;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
@@ -34,6 +35,8 @@ pub(super) struct Believed<'a> {
     /// What the values change by where springs alone are expected, without bearings and beams; of the mixed model, where it
     /// matters.
     pub springs_alone: Option<DVector<f64>>,
+    /// The quantity of the set-up that the readings want elsewhere, and by how much it may be off.
+    pub off: Option<(Quantity, f64)>,
     /// What is left of the displacements \[m\], where they are not those of the fit: of those that are not there
     /// yet nothing.
     pub expected: Option<&'a DVector<f64>>,
@@ -65,6 +68,7 @@ impl<'a> Believed<'a> {
             errors,
             base_turns: false,
             springs_alone: None,
+            off: None,
             expected: None,
         })
     }
@@ -130,6 +134,7 @@ impl<'a> Believed<'a> {
                 .iter()
                 .any(|class| mixed.size(*class) > 0.0),
             springs_alone: is_seen.then_some(alone),
+            off: None,
             expected: None,
         })
     }

@@ -64,6 +64,7 @@ impl SystematicSource {
     fn how_much(&self) -> String {
         match (self.unit.as_str(), self.name.as_str()) {
             _ if self.free => "identified beside the stiffness".to_string(),
+            _ if self.doubtful => "as far off as the readings want it".to_string(),
             (_, "springs") => "with or without bearings and beams".to_string(),
             ("1", _) => percent(self.size),
             ("m", _) => format!("{} an axis", length(self.size)),

@@ -22,6 +22,7 @@ use crate::error::Result;
 pub use crate::estimate::common::{PosteriorPart, SystematicPosterior};
 use crate::estimate::identify::Fit;
 use crate::estimate::mixed::MixedFit;
+use crate::estimate::quantity::facts::Quantity;
 use crate::findings::Finding;
 use believed::Believed;
 use nalgebra::DVector;
@@ -57,6 +58,9 @@ pub struct SystematicSource {
     /// True where it was identified beside the stiffness: before the readings its size counts as unknown.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub free: bool,
+    /// True where the readings want it elsewhere than is stated: its size is how far.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub doubtful: bool,
     /// Change of each joint's stiffness (fraction) by one standard uncertainty:
     /// with its sign where the source is one number, the root sum of squares of
     /// its parts otherwise.
@@ -150,7 +154,7 @@ fn posterior_of(sources: &[Source], parts: &posterior::Parts) -> SystematicPoste
 /// # Errors
 /// As [`identify`](crate::estimate::identify::identify()).
 pub fn systematic_errors(fit: &Fit) -> Result<SystematicErrors> {
-    errors_of(&Believed::of_fit(fit)?)
+    systematic_errors_with(fit, None, None)
 }
 
 /// The same for the mixed model. What its springs hold, tilts of the base among it, is
@@ -159,7 +163,25 @@ pub fn systematic_errors(fit: &Fit) -> Result<SystematicErrors> {
 /// # Errors
 /// As [`systematic_errors`].
 pub fn mixed_systematic_errors(mixed: &MixedFit) -> Result<SystematicErrors> {
-    errors_of(&Believed::of_mixed(mixed)?)
+    systematic_errors_with(mixed.fit(), Some(mixed), None)
+}
+
+/// The same of either, where a quantity may be `off` by as much, as the readings ask for: what is stated of it does not
+/// hold then.
+///
+/// # Errors
+/// As [`systematic_errors`].
+pub(crate) fn systematic_errors_with(
+    fit: &Fit,
+    mixed: Option<&MixedFit>,
+    off: Option<(Quantity, f64)>,
+) -> Result<SystematicErrors> {
+    let mut believed = match mixed {
+        Some(mixed) => Believed::of_mixed(mixed)?,
+        None => Believed::of_fit(fit)?,
+    };
+    believed.off = off;
+    errors_of(&believed)
 }
 
 /// The same as readings of the experiment behind `fit` are expected to give it. The fit takes the size of the
@@ -249,6 +271,7 @@ fn describe(
         unit: source.facts.unit.to_string(),
         declared: source.declared,
         free: source.free,
+        doubtful: source.doubtful,
         change,
         worst,
         remaining: Some(remaining),

@@ -17,6 +17,8 @@ pub(super) struct Source {
     pub declared: bool,
     /// True where it was identified beside the stiffness.
     pub free: bool,
+    /// True where the readings want it elsewhere.
+    pub doubtful: bool,
     /// True where the parts are of one size that is not known better than stated.
     pub alike: bool,
     /// One part without a name for a source that is one number.
@@ -54,7 +56,11 @@ pub(super) fn sources(
             .free
             .iter()
             .any(|own| own == facts.name);
-        let (size, declared) = quantity.size(&cell.uncertainty, is_free);
+        let stated = quantity.size(&cell.uncertainty, is_free);
+        let off = believed
+            .off
+            .filter(|(own, size)| *own == quantity && *size > stated.0);
+        let (size, declared) = off.map_or(stated, |(_, size)| (size, true));
         let is_none = match quantity {
             Quantity::Sensor => !declared && !unmodelled,
             _ => !declared && size == 0.0,
@@ -86,6 +92,7 @@ pub(super) fn sources(
                 size,
                 declared,
                 free: is_free,
+                doubtful: off.is_some(),
                 alike: quantity == Quantity::LostMotion,
                 parts,
             }),
@@ -97,6 +104,7 @@ pub(super) fn sources(
             size: facts.assumed,
             declared: true,
             free: false,
+            doubtful: false,
             alike: false,
             parts: vec![Part {
                 name: String::new(),

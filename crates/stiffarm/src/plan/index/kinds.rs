@@ -45,71 +45,291 @@ pub enum Index {
     O5,
 }
 
+/// What the value of an index is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// A pure number, smaller is better.
+    Number,
+    /// A pure number or a length of singular values, larger is better.
+    Observability,
+    /// A relative error of the stiffness (fraction).
+    RelativeError,
+    /// An RMS error of a deflection \[m\].
+    Deflection,
+}
+
+/// Where an index comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// This library.
+    Here,
+    /// The paper that it begins with.
+    Paper,
+    /// The literature on observability.
+    Literature,
+}
+
+/// All that is said and asked of an index, beside its mathematics.
+struct Facts {
+    index: Index,
+    name: &'static str,
+    meaning: &'static str,
+    says: &'static str,
+    origin: Origin,
+    kind: Kind,
+    /// Whether it has kinks.
+    has_kinks: bool,
+    has_extreme_singular_values: bool,
+    uses_dexterity: bool,
+    needs_prior: bool,
+}
+
+const fn facts(
+    index: Index,
+    name: &'static str,
+    meaning: &'static str,
+    says: &'static str,
+) -> Facts {
+    Facts {
+        index,
+        name,
+        meaning,
+        says,
+        origin: Origin::Here,
+        kind: Kind::Number,
+        has_kinks: true,
+        has_extreme_singular_values: false,
+        uses_dexterity: false,
+        needs_prior: false,
+    }
+}
+
+const OBSERVABILITY: &str = "The observability index (larger is better) is ";
+
+/// One row of each, in the order of the enum.
+const FACTS: [Facts; 16] = [
+    Facts {
+        origin: Origin::Paper,
+        uses_dexterity: true,
+        ..facts(
+            Index::Classical,
+            "classical",
+            "largest k(J_N), the Jacobian's condition number, of a posture",
+            "The classical index, max k(J_N), is ",
+        )
+    },
+    Facts {
+        origin: Origin::Paper,
+        has_extreme_singular_values: true,
+        ..facts(
+            Index::Condition,
+            "condition",
+            "condition number of the observation matrix",
+            "The condition number of the observation matrix is ",
+        )
+    },
+    Facts {
+        origin: Origin::Paper,
+        has_extreme_singular_values: true,
+        uses_dexterity: true,
+        ..facts(
+            Index::Novel,
+            "novel",
+            "classical times condition, the paper's index",
+            "The paper's novel index, max k(J_N) × cond(Ψ), is ",
+        )
+    },
+    Facts {
+        has_extreme_singular_values: true,
+        needs_prior: true,
+        ..facts(
+            Index::ScaledCondition,
+            "scaled_condition",
+            "condition number for relative accuracy",
+            "The condition number scaled by the prior stiffness is ",
+        )
+    },
+    Facts {
+        has_extreme_singular_values: true,
+        uses_dexterity: true,
+        needs_prior: true,
+        ..facts(
+            Index::Scaled,
+            "scaled",
+            "classical times scaled condition",
+            "The scaled index, max k(J_N) × cond(Ψ·diag(1/k)), is ",
+        )
+    },
+    Facts {
+        kind: Kind::RelativeError,
+        has_kinks: false,
+        needs_prior: true,
+        ..facts(
+            Index::ExpectedError,
+            "expected_error",
+            "relative standard error of the stiffness, RMS over the joints",
+            "The joint stiffness can be expected with a relative standard error (RMS over the joints) of ",
+        )
+    },
+    Facts {
+        kind: Kind::RelativeError,
+        needs_prior: true,
+        ..facts(
+            Index::WorstJoint,
+            "worst_joint",
+            "relative standard error of the worst joint",
+            "The joint that comes out worst can be expected with a relative standard error of ",
+        )
+    },
+    Facts {
+        kind: Kind::RelativeError,
+        needs_prior: true,
+        ..facts(
+            Index::DropOne,
+            "drop_one",
+            "expected error once the most needed posture is lost",
+            "With any one posture lost, the joint stiffness can still be expected with a relative standard error (RMS over the joints) of ",
+        )
+    },
+    Facts {
+        kind: Kind::RelativeError,
+        has_kinks: false,
+        needs_prior: true,
+        ..facts(
+            Index::D,
+            "d",
+            "size of the relative error ellipsoid",
+            "The relative errors of all joints together (geometric mean of their ellipsoid) can be expected as ",
+        )
+    },
+    Facts {
+        kind: Kind::Deflection,
+        has_kinks: false,
+        ..facts(
+            Index::Task,
+            "task",
+            "error of the deflection predicted at the tasks",
+            "The deflection at the cell's tasks can be expected to be predicted with an RMS error of ",
+        )
+    },
+    Facts {
+        kind: Kind::Deflection,
+        has_kinks: false,
+        needs_prior: true,
+        ..facts(
+            Index::Prediction,
+            "prediction",
+            "error of the deflection predicted at work, under the mixed elastic model",
+            "The deflection of the tip at work can be expected to be predicted with an RMS error of ",
+        )
+    },
+    Facts {
+        origin: Origin::Literature,
+        kind: Kind::Observability,
+        has_kinks: false,
+        ..facts(
+            Index::O1,
+            "o1",
+            "geometric mean of the singular values, over √postures; larger is better",
+            OBSERVABILITY,
+        )
+    },
+    Facts {
+        origin: Origin::Literature,
+        kind: Kind::Observability,
+        has_extreme_singular_values: true,
+        ..facts(
+            Index::O2,
+            "o2",
+            "smallest over largest singular value; larger is better",
+            OBSERVABILITY,
+        )
+    },
+    Facts {
+        origin: Origin::Literature,
+        kind: Kind::Observability,
+        has_extreme_singular_values: true,
+        ..facts(
+            Index::O3,
+            "o3",
+            "smallest singular value; larger is better",
+            OBSERVABILITY,
+        )
+    },
+    Facts {
+        origin: Origin::Literature,
+        kind: Kind::Observability,
+        has_extreme_singular_values: true,
+        ..facts(
+            Index::O4,
+            "o4",
+            "its square over the largest one; larger is better",
+            OBSERVABILITY,
+        )
+    },
+    Facts {
+        origin: Origin::Literature,
+        kind: Kind::Observability,
+        has_kinks: false,
+        ..facts(
+            Index::O5,
+            "o5",
+            "one over the sum of their inverses; larger is better",
+            OBSERVABILITY,
+        )
+    },
+];
+
 impl Index {
     /// Every index.
-    pub const ALL: [Index; 16] = [
-        Index::Classical,
-        Index::Condition,
-        Index::Novel,
-        Index::ScaledCondition,
-        Index::Scaled,
-        Index::ExpectedError,
-        Index::WorstJoint,
-        Index::DropOne,
-        Index::D,
-        Index::Task,
-        Index::Prediction,
-        Index::O1,
-        Index::O2,
-        Index::O3,
-        Index::O4,
-        Index::O5,
-    ];
+    pub const ALL: [Index; FACTS.len()] = {
+        let mut all = [Index::Classical; FACTS.len()];
+        let mut i = 0;
+        while i < FACTS.len() {
+            all[i] = FACTS[i].index;
+            // Its row is found by its place.
+            assert!(all[i] as usize == i);
+            i += 1;
+        }
+        all
+    };
+
+    fn facts(self) -> &'static Facts {
+        &FACTS[self as usize]
+    }
 
     /// What it is, in few words for tables; lower is better unless they say otherwise.
     pub fn meaning(self) -> &'static str {
-        match self {
-            Index::Classical => "largest k(J_N), the Jacobian's condition number, of a posture",
-            Index::Condition => "condition number of the observation matrix",
-            Index::Novel => "classical times condition, the paper's index",
-            Index::ScaledCondition => "condition number for relative accuracy",
-            Index::Scaled => "classical times scaled condition",
-            Index::ExpectedError => "relative standard error of the stiffness, RMS over the joints",
-            Index::WorstJoint => "relative standard error of the worst joint",
-            Index::DropOne => "expected error once the most needed posture is lost",
-            Index::D => "size of the relative error ellipsoid",
-            Index::Task => "error of the deflection predicted at the tasks",
-            Index::Prediction => {
-                "error of the deflection predicted at work, under the mixed elastic model"
-            }
-            Index::O1 => "geometric mean of the singular values, over √postures; larger is better",
-            Index::O2 => "smallest over largest singular value; larger is better",
-            Index::O3 => "smallest singular value; larger is better",
-            Index::O4 => "its square over the largest one; larger is better",
-            Index::O5 => "one over the sum of their inverses; larger is better",
+        self.facts().meaning
+    }
+
+    /// What it says of a plan, as the beginning of a sentence that its value ends.
+    pub fn says(self) -> &'static str {
+        self.facts().says
+    }
+
+    /// Name in words: `expected error`.
+    pub fn in_words(self) -> String {
+        self.facts().name.replace('_', " ")
+    }
+
+    /// The unit that people read it in, empty for a pure number, and the factor to that.
+    pub fn shown_in(self) -> (&'static str, f64) {
+        match self.facts().kind {
+            Kind::RelativeError => ("%", 100.0),
+            Kind::Deflection => ("mm", 1e3),
+            Kind::Number | Kind::Observability => ("", 1.0),
         }
+    }
+
+    /// Where it comes from.
+    pub fn origin(self) -> Origin {
+        self.facts().origin
     }
 
     /// Name in JSON.
     pub fn as_str(self) -> &'static str {
-        match self {
-            Index::Classical => "classical",
-            Index::Condition => "condition",
-            Index::Novel => "novel",
-            Index::ScaledCondition => "scaled_condition",
-            Index::Scaled => "scaled",
-            Index::ExpectedError => "expected_error",
-            Index::WorstJoint => "worst_joint",
-            Index::DropOne => "drop_one",
-            Index::D => "d",
-            Index::Task => "task",
-            Index::Prediction => "prediction",
-            Index::O1 => "o1",
-            Index::O2 => "o2",
-            Index::O3 => "o3",
-            Index::O4 => "o4",
-            Index::O5 => "o5",
-        }
+        self.facts().name
     }
 
     /// Finds an index by name; `-` and `_` are the same.
@@ -135,43 +355,22 @@ impl Index {
 
     /// True when a larger value is better (O1 to O5).
     pub fn larger_is_better(self) -> bool {
-        matches!(
-            self,
-            Index::O1 | Index::O2 | Index::O3 | Index::O4 | Index::O5
-        )
+        self.facts().kind == Kind::Observability
     }
 
     /// True when it rests on the largest or smallest singular value.
     pub(crate) fn has_extreme_singular_values(self) -> bool {
-        matches!(
-            self,
-            Index::Condition
-                | Index::Novel
-                | Index::ScaledCondition
-                | Index::Scaled
-                | Index::O2
-                | Index::O3
-                | Index::O4
-        )
+        self.facts().has_extreme_singular_values
     }
 
     /// True when it uses k(J_N) and with it the characteristic length.
     pub fn uses_dexterity(self) -> bool {
-        matches!(self, Index::Classical | Index::Novel | Index::Scaled)
+        self.facts().uses_dexterity
     }
 
     /// True when it needs a prior joint stiffness.
     pub fn needs_prior(self) -> bool {
-        matches!(
-            self,
-            Index::ScaledCondition
-                | Index::Scaled
-                | Index::ExpectedError
-                | Index::WorstJoint
-                | Index::DropOne
-                | Index::D
-                | Index::Prediction
-        )
+        self.facts().needs_prior
     }
 
     /// The prior stiffness of a cell for an index that needs one.
@@ -199,15 +398,12 @@ impl Index {
 
     /// True when it is a length \[m\]: the RMS error of a predicted deflection.
     pub fn is_length(self) -> bool {
-        matches!(self, Index::Task | Index::Prediction)
+        self.facts().kind == Kind::Deflection
     }
 
     /// True when it is a relative error (fraction).
     pub fn is_relative_error(self) -> bool {
-        matches!(
-            self,
-            Index::ExpectedError | Index::WorstJoint | Index::DropOne | Index::D
-        )
+        self.facts().kind == Kind::RelativeError
     }
 
     /// The index from the logarithm that searches minimise (of its reciprocal
@@ -223,15 +419,7 @@ impl Index {
     /// True when it has kinks and with them many local minima: a search for the
     /// best one may end elsewhere with another seed.
     pub fn has_many_local_minima(self) -> bool {
-        !matches!(
-            self,
-            Index::ExpectedError
-                | Index::D
-                | Index::O1
-                | Index::Task
-                | Index::Prediction
-                | Index::O5
-        )
+        self.facts().has_kinks
     }
 
     /// True when it needs the cell's tasks.

@@ -20,5 +20,5 @@ pub use evaluate::{
 pub(crate) use evaluate::{evaluate_for, evaluate_terms, posture_terms};
 pub use function::IndexFunction;
 pub use groups::evaluate_groups;
-pub use kinds::Index;
+pub use kinds::{Index, Origin};
 pub use minimax::Smoothed;

@@ -5,7 +5,7 @@ use super::{mistake, planted};
 use crate::common::prelude::*;
 use stiffarm::Code;
 use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::internals::both_ways;
+use stiffarm::internals::{both_ways, quantities};
 
 fn freeing(names: &[&str]) -> IdentifyOptions {
     changed(IdentifyOptions::default(), |o| {
@@ -156,5 +156,52 @@ fn answers_are_what_another_cell_gives() {
                 way.slope.norm()
             );
         }
+    }
+}
+
+/// The table of docs/set-up.md has each quantity of the list once, with its default.
+#[test]
+fn the_page_has_the_list() {
+    let page = include_str!("../../../../../docs/set-up.md");
+    let rows: Vec<Vec<&str>> = page
+        .lines()
+        .skip_while(|line| !line.starts_with("| quantity (name)"))
+        .take_while(|line| line.starts_with('|'))
+        .map(|line| line.split('|').map(str::trim).collect())
+        .collect();
+    let names = |row: &[&str]| -> Vec<String> {
+        let named = row[1].split('`').skip(1).step_by(2);
+        named.map(str::to_string).collect()
+    };
+    let on_page: usize = rows.iter().map(|row| names(row).len()).sum();
+    assert_eq!(on_page, quantities().len());
+    for (name, assumed, unit) in quantities() {
+        let row = rows
+            .iter()
+            .find(|row| names(row).iter().any(|own| own == name));
+        let said = row.unwrap_or_else(|| panic!("{name} is not on the page"))[4];
+        let expected = match unit {
+            _ if assumed == 0.0 => {
+                assert!(
+                    ["", "exact", "as the scale"].contains(&said),
+                    "{name}: {said}"
+                );
+                continue;
+            }
+            "1" => format!("{} %", 100.0 * assumed),
+            "m" => format!("{} mm", 1e3 * assumed),
+            "rad" if name == "lost-motion" => {
+                format!("{}′", (60.0 * assumed.to_degrees() * 1e6).round() / 1e6)
+            }
+            "rad" => format!("{} mrad", 1e3 * assumed),
+            _ => format!(
+                "10{} N·m/rad",
+                ["⁶", "⁷", "⁸"][(-assumed.log10()).round() as usize - 6]
+            ),
+        };
+        assert!(
+            said.starts_with(&expected),
+            "{name}: {said}, not {expected}"
+        );
     }
 }
