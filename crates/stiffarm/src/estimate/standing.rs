@@ -83,7 +83,7 @@ impl<'f> SoFar<'f> {
     /// Of a fit.
     ///
     /// # Errors
-    /// As [`systematic_errors`] and [`MixedFit::new`].
+    /// As [`systematic_errors`](super::systematic::systematic_errors) and [`MixedFit::new`].
     pub fn new(fit: &'f Fit) -> Result<Self> {
         let is_mixed = ElasticChoice::or_default(None, fit.options()) == ElasticChoice::Mixed;
         let mixed = if is_mixed { carried(fit)?.ok() } else { None };

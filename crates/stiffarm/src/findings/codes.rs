@@ -1,14 +1,10 @@
 //! Codes of findings that somebody looks for: whoever makes such a finding, and whoever asks for it, names it here. A code
-//! that nothing asks for stands where its finding is made.
+//! that nothing asks for stands where its finding is made; those of the screening are rows of `screening::Cause`.
 
 /// Code of the finding about names and values that stand in the first row of a group alone.
 pub const CARRIED_DOWN: &str = "carried-down";
 /// Code of the finding about two joints that the readings hardly tell apart.
 pub const CORRELATED: &str = "correlated";
-/// Code of the finding about displacements of a size that the load does not explain.
-pub const DISPLACEMENT_SIZE: &str = "displacement-size";
-/// Code of the finding about loaded and unloaded readings that are exchanged.
-pub const EXCHANGED_STATES: &str = "exchanged-states";
 /// Code of the finding about measured forces of another size than the load's.
 pub const FORCE_MAGNITUDE: &str = "force-magnitude";
 /// Code of the finding about a term of the model that the residuals ask for.
@@ -55,8 +51,6 @@ pub const NO_ROOM_TO_SPARE: &str = "no-room-to-spare";
 pub const ONE_LOAD: &str = "one-load";
 /// Code of the finding about postures on the machine's limit of a joint.
 pub const ON_MACHINE_LIMIT: &str = "on-machine-limit";
-/// Code of the finding about readings taken under another load than the cell's.
-pub const OTHER_LOAD: &str = "other-load";
 /// Code of the finding about a displacement that contradicts the others.
 pub const OUTLYING_DISPLACEMENT: &str = "outlying-displacement";
 /// Code of the finding about a measuring point that contradicts the others.
@@ -81,8 +75,6 @@ pub const REGISTRATION_RESIDUAL: &str = "registration-residual";
 pub const RESIDUALS_ABOVE_NOISE: &str = "residuals-above-noise";
 /// Code of the finding about residuals too few to test against the noise.
 pub const RESIDUALS_UNTESTED: &str = "residuals-untested";
-/// Code of the finding about displacements against the force.
-pub const REVERSED_FORCE: &str = "reversed-force";
 /// Code of the finding about rows below the readings that are none: remarks, means.
 pub const ROWS_LEFT_OUT: &str = "rows-left-out";
 /// Code of the finding about postures of a validation that the identification has seen.

@@ -8,6 +8,7 @@ use stiffarm::estimate::validate::validate;
 use stiffarm::model::load::LoadCase;
 use stiffarm::model::observation::Setup;
 use stiffarm::plan::check::check;
+use stiffarm::plan::index::evaluate_groups;
 
 fn case(name: &str, load: Load, loading_point: Option<Vector3<f64>>) -> LoadCase {
     LoadCase {
@@ -485,4 +486,42 @@ fn limits_name_the_load_that_violates_them() {
         "{}",
         smallest.violation()
     );
+}
+
+/// Indices of many groups at once are those of each alone: where the information is well conditioned to nine digits, and
+/// elsewhere, or where there are none, to the last bit. Groups of one posture again and again, of nearly the same one, of
+/// random ones.
+#[test]
+fn indices_of_many_groups_are_those_of_each() {
+    for (cell, common) in [(default_cell(), 0.0), (four_loads(), 1e-5)] {
+        let mut cell = cell;
+        cell.noise.posture_common_std = common;
+        let random = random_group(&cell, StartKind::Uniform, 600, 5, 0).unwrap();
+        let mut groups: Vec<Vec<Vec<f64>>> = random.chunks(4).map(<[_]>::to_vec).collect();
+        for (i, far) in [0.0, 1e-9, 1e-6, 1e-3].into_iter().enumerate() {
+            let moved = |n: usize| random[i].iter().map(|q| q + far * n as f64).collect();
+            groups.push((0..4).map(moved).collect());
+        }
+        groups.push(random[..9].to_vec());
+        let mut wanted = Index::ALL.to_vec();
+        wanted.retain(|index| *index != Index::Prediction);
+        let many = evaluate_groups(&cell, &groups, &wanted).unwrap();
+        let (mut alike, mut off) = (0, 0.0_f64);
+        for (group, many) in groups.iter().zip(&many) {
+            let one = evaluate(&cell, "", group).unwrap().indices;
+            for index in &wanted {
+                let (many, one) = (many.get(*index), one.get(*index));
+                assert_eq!(many.is_some(), one.is_some(), "{index:?} {group:?}");
+                let both = many.zip(one);
+                alike += u32::from(many == one);
+                off = both.map_or(off, |(many, one)| off.max((many / one - 1.0).abs()));
+            }
+        }
+        assert!(off < 1e-9, "{off}");
+        // Not all went by the decompositions.
+        assert!(
+            alike < many.len() as u32 * wanted.len() as u32 / 2,
+            "{alike}"
+        );
+    }
 }

@@ -6,7 +6,8 @@ use super::frame::{Frame, item_pairs, items, register};
 use super::mean_shape::mean_shape;
 use super::motion::{Move, moves};
 use super::rigid::moved;
-use super::shape::{exceeded_by, name_states, stray_distance};
+use super::shape::{exceeded_by, stray_distance};
+use super::slip::{Slip, Undo, name_states};
 use super::{Cause, Suspicion, Work};
 use crate::model::measurement::Role;
 use crate::numerics::information::Factor;
@@ -50,32 +51,26 @@ pub(super) fn settle(work: &mut Work, frame: Option<&Frame>) {
         .collect();
     for (at, named) in doubtful.into_iter().zip(named) {
         let candidates = std::mem::take(&mut work.sheet.at_mut(at).doubtful);
-        let state = work.sheet.at(at);
         let suspicion = match named {
             Some((a, off)) => {
-                let mut out = Suspicion::new(Cause::StrayReading)
-                    .points([work.point_name(a)])
-                    .off(off);
-                out.lines.clone_from(&state.lines[a]);
-                work.sheet.at_mut(at).points[a] = None;
+                let stray = Slip::new(Undo::Stray(a)).at(&[at]);
+                let out = stray.suspicion(work).off(off);
+                stray.undo(work);
                 out
             }
             None => {
-                let off = candidates.iter().map(|a| {
-                    shape
-                        .as_ref()
-                        .map_or(0.0, |shape| stray_distance(state, shape, *a))
-                });
+                let state = work.sheet.at(at);
+                let distance = |a: &usize| Some(stray_distance(state, shape.as_ref()?, *a));
+                let off = candidates.iter().filter_map(distance);
                 let off = off.fold(0.0, f64::max);
                 let names = candidates.iter().map(|a| work.point_name(*a));
                 let mut out = Suspicion::new(Cause::StrayReading).points(names).off(off);
                 out.certain = false;
                 // Nothing is concluded from a state that nobody can trust.
                 work.sheet.at_mut(at).points.fill(None);
-                out
+                name_states(work, out, &[at])
             }
         };
-        let suspicion = name_states(work, suspicion, &[at]);
         work.found.push(suspicion);
     }
 }

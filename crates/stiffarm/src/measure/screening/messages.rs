@@ -1,422 +1,285 @@
 //! The suspicions in words: what, where, the likely cause, what to do.
 
-use super::severity::{code, severity};
-use super::sizes::{degrees, mm, times};
-use super::slip::slip;
-use super::{Cause, Suspicion, tool};
+use super::words::{
+    alternatives, angle, below_or_above, cause, fall, is_last, lines, mistyped, mm, number,
+    opening, place, times, typed, where_loads_stand,
+};
+use super::{Cause, Evidence, Suspicion};
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;
+use crate::model::load::Load;
+use crate::units::{m_to_mm, rad_to_shortest_deg};
 
 /// The finding of one suspicion.
 pub(super) fn finding(cell: &Cell, s: &Suspicion) -> Finding {
-    let sentence = sentence(cell, s);
-    Finding::new(code(s.cause), severity(s), subject(s), sentence)
-}
-
-/// What a finding is about: posture and state, or the whole table.
-fn subject(s: &Suspicion) -> String {
-    if s.postures.is_empty() {
-        return match s.cause {
-            Cause::ToolUnits | Cause::Drawing | Cause::ToolPlace => "tool.measuring_point",
-            Cause::JointSign | Cause::Coupling | Cause::JointOffset => "robot",
-            Cause::DhConvention => "robot.dh",
-            Cause::GivenTransform => "tracker",
-            Cause::LoadUnits | Cause::LoadEntry | Cause::MomentUnits => "load",
-            Cause::ExchangedLoadCases => "load.case",
-            Cause::DisplacementUnits => "measurements",
-            Cause::PriorUnits => "stiffness.prior_nm_per_rad",
-            Cause::AnchorUnits => "load.anchor_mm",
-            Cause::LoadingPointUnits => "tool.loading_point_mm",
-            Cause::RobotUnits => "robot.dh",
-            _ => "readings",
-        }
-        .to_string();
-    }
-    let mut out = place(s);
-    if s.certain && matches!(s.cause, Cause::StrayReading | Cause::StrayRepeat) {
-        out += &format!(", point {}", list(&s.points));
-    }
-    out
-}
-
-/// `posture 3, loaded`, or `postures 2 and 5`; empty for all.
-fn place(s: &Suspicion) -> String {
-    let mut out = match &s.postures[..] {
-        [] => return String::new(),
-        [one] => format!("posture {one}"),
-        more => format!("postures {}", list(more)),
+    let (code, of_all, _) = s.cause.facts();
+    let reading = matches!(s.cause, Cause::StrayReading | Cause::StrayRepeat) && s.certain;
+    let subject = match place(s) {
+        all if all.is_empty() => of_all.to_string(),
+        place if reading => format!("{place}, point {}", list(&s.points)),
+        place => place,
     };
-    if !s.states.is_empty() {
-        out += &format!(", {}", list(&s.states));
-    }
-    out
+    Finding::new(code, s.severity(), subject, sentence(cell, s))
 }
 
-/// The place at the beginning of a sentence.
-fn opening(s: &Suspicion) -> String {
-    let place = place(s);
-    match place.strip_prefix('p') {
-        Some(rest) => format!("P{rest}"),
-        None => "All postures".to_string(),
-    }
-}
-
-fn lines(s: &Suspicion) -> String {
-    let numbers: Vec<String> = s.lines.iter().map(usize::to_string).collect();
-    match numbers.len() {
-        0 => String::new(),
-        1 => format!(" (line {})", numbers[0]),
-        _ => format!(" (lines {})", list(&numbers)),
-    }
-}
-
-/// `from 152 mm to 0.03 mm`.
-fn fall(s: &Suspicion) -> String {
-    match (s.before_m, s.after_m) {
-        (Some(before), Some(after)) => format!("from {} to {}", mm(before), mm(after)),
-        _ => "clearly".to_string(),
-    }
-}
-
-fn copied(s: &Suspicion) -> String {
-    match s.alternatives.as_slice() {
-        [] => String::new(),
-        same => format!(" Its angles equal those of posture {}: copied?", list(same)),
-    }
-}
-
-fn alternatives(s: &Suspicion) -> String {
-    match s.alternatives.len() {
-        0 => String::new(),
-        _ => format!(" Explains it as well: {}.", list(&s.alternatives)),
-    }
-}
-
-/// The cause as half a sentence, for lists of alternatives.
-pub(super) fn cause(cell: &Cell, s: &Suspicion) -> String {
-    let joints = list(&s.joints);
-    match s.cause {
-        Cause::ExchangedPoints if s.points.len() == 2 => {
-            format!("points {} are exchanged", list(&s.points))
+/// One of several sentences, by the cause: the words in braces are variables at hand.
+macro_rules! sentences {
+    ($cause:expr; $($of:pat $(if $when:expr)? => $sentence:literal)*) => {
+        match $cause {
+            $($of $(if $when)? => format!($sentence),)*
         }
-        Cause::ExchangedPoints => format!("points {} are mixed up", list(&s.points)),
-        Cause::MirroredFrame => {
-            "an axis has the wrong sign, or two columns are exchanged".to_string()
-        }
-        Cause::JointSign if s.joints.len() == 1 => format!("{joints} turns the other way"),
-        Cause::JointSign => format!("{joints} turn the other way"),
-        Cause::Coupling => {
-            let axis = |j: usize| cell.setup.robot.joints().get(j).map_or("", |j| &j.name);
-            let stated = cell.setup.robot.coupling()[(2, 1)];
-            let mut out = match (stated, s.factor.unwrap_or(0.0)) {
-                (0.0, likely) => format!(
-                    "{} were coupled to {} (its serial angle contains {likely:+} times the other's; in the cell it does not)",
-                    axis(2),
-                    axis(1)
-                ),
-                (stated, 0.0) => format!(
-                    "{} were not coupled to {} (in the cell its serial angle contains {stated:+} times the other's)",
-                    axis(2),
-                    axis(1)
-                ),
-                (stated, likely) => format!(
-                    "the serial angle of {} contained {likely:+} times that of {}, not {stated:+} times",
-                    axis(2),
-                    axis(1)
-                ),
-            };
-            if !s.joints.is_empty() {
-                let turn = if s.joints.len() == 1 { "turns" } else { "turn" };
-                out += &format!(" and {joints} {turn} the other way");
-            }
-            out
-        }
-        Cause::JointOffset if is_last(cell, s) => format!(
-            "the tool sat turned by {} about the axis of {joints} on the flange, or {joints} were off by that throughout",
-            angle(s, 0)
-        ),
-        Cause::JointOffset => {
-            format!("{joints} is off by {} throughout", angle(s, 0))
-        }
-        Cause::Radians => "the angles are in radians".to_string(),
-        Cause::Degrees => "the angles are in degrees".to_string(),
-        Cause::AngleSign | Cause::MistypedAngle => {
-            format!("{joints} is {}, not {}", angle(s, 1), angle(s, 0))
-        }
-        Cause::DhConvention => {
-            let other = cell.setup.robot.convention().other().name();
-            format!("its rows were {other} ones")
-        }
-        Cause::OtherPosture | Cause::ExchangedPostures => match s.postures.get(1) {
-            Some(other) => format!("the angles of posture {other}"),
-            None => "the angles of another posture".to_string(),
-        },
-        _ => code(s.cause).replace('-', " "),
-    }
-}
-
-/// True where the last joint alone is meant.
-fn is_last(cell: &Cell, s: &Suspicion) -> bool {
-    let last = cell.setup.robot.joints().last();
-    last.is_some_and(|last| s.joints == [last.name.as_str()])
-}
-
-fn angle(s: &Suspicion, i: usize) -> String {
-    s.angles_deg
-        .get(i)
-        .map_or_else(String::new, |a| degrees(*a))
+    };
 }
 
 fn sentence(cell: &Cell, s: &Suspicion) -> String {
-    let opening = opening(s);
-    let place = place(s);
-    let cause = cause(cell, s);
-    let off = s.off_m.map_or_else(String::new, mm);
-    let joints = list(&s.joints);
-    let state = match &s.states[..] {
-        [] => String::new(),
-        states => format!(" in state {}", list(states)),
+    let (opening, place, cause) = (opening(s), place(s), cause(cell, s));
+    let (fall, also, lines) = (fall(s), alternatives(s), lines(s));
+    let [joints, points, postures, states, same, confirmed] = [
+        &s.joints,
+        &s.points,
+        &s.postures,
+        &s.states,
+        &s.alternatives,
+        &s.confirmed_by,
+    ]
+    .map(|of| list(of));
+    let [off, before, after] =
+        [s.off_m, s.before_m, s.after_m].map(|l| l.map_or_else(String::new, mm));
+    let [written, likely] = [0, 1].map(|i| angle(s, i));
+    let (typed, where_loads_stand) = (typed(s), where_loads_stand(cell));
+    let (many, size) = times(s.factor);
+    let factor = s.factor.unwrap_or(1.0);
+    let [factor, inverse] = [factor, 1.0 / factor].map(number);
+    let is_whole = s.postures.is_empty();
+    if s.cause == Cause::MovedTracker {
+        return super::moved::sentence(s, [&before, &after, &off]);
+    }
+    // Where.
+    let all = if is_whole { "all postures" } else { &place };
+    let [entry, filed] = if is_whole {
+        [
+            format!("State {states}, in every posture"),
+            "In the whole table".to_string(),
+        ]
+    } else {
+        [opening.clone(), format!("In posture {postures}")]
     };
-    match s.cause {
-        Cause::Units => {
-            let (times, size) = times(s.factor);
-            let typed = match s.factor {
-                Some(f) if f < 0.002 => "metres under a heading in millimetres, or millimetres under one in micrometres",
-                Some(f) if f > 900.0 => "micrometres under a heading in millimetres, or millimetres under one in metres",
-                Some(f) if (f - 25.4).abs() < 0.1 => "millimetres under a heading in inches",
-                Some(f) if (f * 25.4 - 1.0).abs() < 0.01 => "inches under a heading in millimetres",
-                Some(f) if f < 1.0 => "a larger unit than the heading's",
-                _ => "a smaller unit than the heading's",
-            };
-            let where_ = if place.is_empty() { "all postures" } else { &place };
-            let what = match cell.setup.tool.point_count() {
-                1 => "positions spread",
-                _ => "distances between the measuring points are",
-            };
-            format!(
-                "In {where_} the {what} {times} times too {size}: the coordinates \
-                 seem to be {typed}. Correct the heading's unit or the numbers."
-            )
+    let in_state = if s.states.is_empty() {
+        String::new()
+    } else {
+        format!(" in state {states}")
+    };
+    let in_one = if s.states.len() > 1 {
+        " in one of the two states"
+    } else {
+        ""
+    };
+    let either_point = points.replace(" and ", " or ");
+    let [first, second] = [0, 1].map(|i| s.postures.get(i).map_or("", String::as_str));
+    let (nth, away) = (s.repeat.unwrap_or(0), m_to_mm(s.off_m.unwrap_or_default()));
+    // What.
+    let heading = match s.factor {
+        Some(f) if f < 0.002 => {
+            "metres under a heading in millimetres, or millimetres under one in micrometres"
         }
-        Cause::ToolUnits => {
-            let (times, size) = times(s.factor.map(|f| 1.0 / f));
-            format!(
-                "The tool's measuring points lie {times} times too {} apart in the cell, while the arm's reach is \
-                 right: check the unit of tool.measuring_point.",
-                if size == "large" { "far" } else { "close" }
-            )
+        Some(f) if f > 900.0 => {
+            "micrometres under a heading in millimetres, or millimetres under one in metres"
         }
-        Cause::ExchangedPoints if place.is_empty() => format!(
-            "In all postures {cause}: with that undone the misfit falls {}.{} Correct the names in the readings or \
-             the positions in the cell.",
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::ExchangedPoints => format!(
-            "{opening}: {cause}{}; with that undone the misfit falls {}.{} Correct the names of the points.",
-            if s.states.len() > 1 { " in one of the two states" } else { "" },
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::StrayRepeat => match s.repeat {
-            Some(number) => format!(
-                "{opening}: reading {number} of point {} lies {off} from the others{}. Remove it or measure again.",
-                list(&s.points),
-                lines(s)
-            ),
-            None => format!(
-                "{opening}: readings of point {} lie {off} apart{}, and nothing tells which is right. Measure again.",
-                list(&s.points),
-                lines(s)
-            ),
-        },
-        Cause::StrayReading if s.certain => format!(
-            "{opening}: point {} is read {off} from where the other points have it{}. Check that reading (reflector \
-             not seated, typing slip), remove it or measure it again.",
-            list(&s.points),
-            lines(s)
-        ),
-        Cause::StrayReading => format!(
-            "{opening}: one of the points {} is read about {off} off; the readings do not tell which. Measure this \
-             state again or leave it out.",
-            either(&s.points)
-        ),
-        Cause::MovedReflector => format!(
-            "{opening}: point {} lies up to {off} elsewhere than in the other postures. Its reflector was moved or \
-             badly seated: leave the point out there or measure again.",
-            list(&s.points)
-        ),
-        Cause::UnsteadyShape if place.is_empty() => format!(
-            "The measuring points do not keep their distances (up to {off}): the tool yields or reflectors are loose. \
-             Displacements contain that motion."
-        ),
-        Cause::UnsteadyShape => format!(
-            "{opening}: the points lie up to {off} from the tool's shape in the other states, and no single reading \
-             explains it. Measure again or leave it out."
-        ),
-        Cause::Drawing => {
-            let what = match &s.points[..] {
-                [one] => format!("Point {one} lies {off} from where the cell has it"),
-                _ => format!("The points lie up to {off} from where the cell has them"),
-            };
-            if s.certain {
-                format!("{what}; all states agree with each other, so the drawing is inexact.")
-            } else {
-                format!("{what}: check tool.measuring_point in the cell.")
-            }
-        }
-        Cause::MirroredFrame => format!(
-            "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls {}.{} {}",
-            fall(s),
-            alternatives(s),
-            match s.axis_slips.join(" or ").as_str() {
-                "" => "Which it is the readings cannot tell: look at the export.".to_string(),
-                slips => format!("First check {slips}: so the tracker stands as given, or parallel to the base."),
-            }
-        ),
-        Cause::ToolPlace => tool::sentence(s, &fall(s)),
-        // The tool is all that hangs on the last joint.
-        Cause::JointOffset if is_last(cell, s) => format!(
-            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {}.{} Check the turn of \
-             tool.measuring_point first, then robot.dh (offset) against the pendant.",
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::JointSign | Cause::Coupling | Cause::JointOffset | Cause::DhConvention => format!(
-            "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
-             {}.{} {}.",
-            fall(s),
-            alternatives(s),
-            match s.cause {
-                Cause::JointOffset => "Check robot.dh (offset) against the pendant".to_string(),
-                Cause::DhConvention => {
-                    let own = cell.setup.robot.convention();
-                    format!("Name the rows robot.dh_{}, not robot.dh_{}", own.other().name(), own.name())
-                }
-                _ => "Check robot.theta_from_q against the pendant".to_string(),
-            }
-        ),
-        Cause::Radians if s.misfits.is_some() => super::scale::messages::sentence(cell, s, &opening),
-        Cause::Radians => format!(
-            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded \
-             points falls {}.{} Convert them.",
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::GivenTransform => format!(
-            "The given transform from tracker to base leaves the unloaded points {} from the kinematic model, the best \
-             one {}; they differ by a turn of {}. Was the tracker moved after registration?",
-            s.before_m.map_or_else(String::new, mm),
-            s.after_m.map_or_else(String::new, mm),
-            angle(s, 0)
-        ),
-        Cause::MovedTracker => super::moved::sentence(s, mm),
-        Cause::AngleSign => format!(
-            "{opening}: the readings fit if {joints} is {}, not {} (sign?); the misfit falls {}.{} Correct the angle.",
-            angle(s, 1),
-            angle(s, 0),
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::MistypedAngle => format!(
-            "{opening}: the readings fit if {joints} is {}, not {}{}; the misfit falls {}.{} Compare with the \
-             controller's log.",
-            angle(s, 1),
-            angle(s, 0),
-            match s.angles_deg[..] {
-                [written, likely] => slip(crate::units::rad_to_shortest_deg(written.to_radians()), likely),
-                _ => "",
-            },
-            fall(s),
-            alternatives(s)
-        ),
-        Cause::ExchangedPostures => {
-            format!(
-                "The readings of postures {}{state} are exchanged: with that undone the misfit falls {}.{} Exchange \
-                 the rows.",
-                list(&s.postures),
-                fall(s),
-                alternatives(s)
-            )
-        }
-        Cause::OtherPosture => {
-            let [first, second] = [0, 1].map(|i| s.postures.get(i).map_or("", String::as_str));
-            format!(
-                "The readings of posture {first}{state} were taken at the angles of posture {second}: the misfit falls \
-                 {}.{} Copied rows, or the robot was not moved?",
-                fall(s),
-                alternatives(s)
-            )
-        }
-        Cause::UnexplainedPosture if s.states.len() > 1 => format!(
-            "{opening}: the points of these states lie up to {} apart, more than any load moves them. Check the rows, \
-             or leave the posture out.",
-            s.before_m.map_or_else(String::new, mm)
-        ),
-        Cause::UnexplainedPosture => format!(
-            "{opening}: the points lie {} from the kinematic model, in the other postures {}.{} No single slip of an \
-             angle or a name explains it: check its angles and readings, and that the tracker stood still, or leave it \
-             out.",
-            s.before_m.map_or_else(String::new, mm),
-            s.after_m.map_or_else(String::new, mm),
-            copied(s)
-        ),
-        Cause::UnexplainedModel => format!(
-            "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \
-             coupling, offsets, names of points, mirrored axes) explains it. Check the robot and the tool in the cell."
-        ),
-        Cause::NoDisplacement => format!(
-            "{}: the points do not move under the load. Are the loaded rows copies of the unloaded ones, or was the \
-             load not applied?",
-            opening
-        ),
-        Cause::ReversedForce => format!(
-            "The points move against the force in every posture. Either {}, or loaded and unloaded rows are exchanged.",
-            match (&cell.sensor, &cell.setup.load) {
-                (Some(_), _) =>
-                    "the sensor reports the force by the robot where the cell says on it, or the other way round \
-                     (sensor.reports), or its axes are turned",
-                (None, crate::model::load::Load::Measured) =>
-                    "the forces are those by the robot instead of those on it",
-                _ => "the load's direction in the cell is wrong",
-            }
-        ),
-        Cause::ExchangedStates => format!(
-            "{opening}: the points move against the force, in the other postures along it. The loaded and the unloaded \
-             rows are exchanged there, or the force has the wrong sign."
-        ),
-        Cause::DisplacementSize => {
-            let (times, size) = times(s.factor);
-            format!(
-                "The displacements are {times} times too {size} for the prior stiffness. Check the unit of the force \
-                 (N, not kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
-            )
-        }
-        Cause::OtherLoad => {
-            let (times, size) = times(s.factor);
-            format!(
-                "{opening}: the displacements are {times} times too {size} compared with the other states. Was the \
-                 load another one?"
-            )
-        }
-        Cause::LoadUnits
-        | Cause::LoadEntry
-        | Cause::MomentUnits
-        | Cause::DisplacementUnits
-        | Cause::PriorUnits
-        | Cause::AnchorUnits
-        | Cause::LoadingPointUnits
-        | Cause::RobotUnits
-        | Cause::ExchangedLoadCases
-        | Cause::Degrees => super::scale::messages::sentence(cell, s, &opening),
-        Cause::NotChecked => {
-            "Too few unloaded readings to register the tracker: the checks against the kinematic model were left out."
+        Some(f) if (f - 25.4).abs() < 0.1 => "millimetres under a heading in inches",
+        Some(f) if (f * 25.4 - 1.0).abs() < 0.01 => "inches under a heading in millimetres",
+        Some(f) if f < 1.0 => "a larger unit than the heading's",
+        _ => "a smaller unit than the heading's",
+    };
+    let distances = match cell.setup.tool.point_count() {
+        1 => "positions spread",
+        _ => "distances between the measuring points are",
+    };
+    let apart = if size == "small" { "far" } else { "close" };
+    let drawn = match s.points.len() {
+        1 => format!("Point {points} lies {off} from where the cell has it"),
+        _ => format!("The points lie up to {off} from where the cell has them"),
+    };
+    let how = match s.angles_deg[..] {
+        [written, likely] => mistyped(rad_to_shortest_deg(written.to_radians()), likely),
+        _ => "",
+    };
+    let percent = |i: usize| s.misfits.map_or(0.0, |misfits| 100.0 * misfits[i]);
+    let [as_typed, with_it] = [0, 1].map(|i| format!("{:.0} %", percent(i)));
+    let misfits =
+        format!("{with_it} of the displacement is left unexplained, as it stands {as_typed}");
+    // The stiffness beside what is known beforehand, for what is on everything.
+    let known = match cell.prior {
+        Some(_) => "the prior",
+        None => "what robots of this class have",
+    };
+    let stiffness = below_or_above(s.ratio.unwrap_or(1.0));
+    let rests_on = match s.evidence {
+        Some(Evidence::Prior) => {
+            " Only this comparison speaks for it: look at the numbers before relying on the result."
                 .to_string()
         }
+        Some(Evidence::File) => format!(" The file itself says so too: {confirmed}."),
+        _ => String::new(),
+    };
+    let by_readings = s.evidence == Some(Evidence::Readings);
+    let beside = format!(
+        "factor {factor}. As typed, the joint stiffness comes out {stiffness} {known}, all joints alike.{rests_on}{also}"
+    );
+    // What to do.
+    let first_check = match s.axis_slips.join(" or ").as_str() {
+        "" => "Which it is the readings cannot tell: look at the export.".to_string(),
+        slips => {
+            format!("First check {slips}: so the tracker stands as given, or parallel to the base.")
+        }
+    };
+    let own = cell.setup.robot.convention();
+    let (own, other) = (own.name(), own.other().name());
+    let check = match s.cause {
+        Cause::JointOffset => "Check robot.dh (offset) against the pendant".to_string(),
+        Cause::DhConvention => format!("Name the rows robot.dh_{other}, not robot.dh_{own}"),
+        _ => "Check robot.theta_from_q against the pendant".to_string(),
+    };
+    let copied = match s.alternatives.len() {
+        0 => String::new(),
+        _ => format!(" Its angles equal those of posture {same}: copied?"),
+    };
+    let reversed = match (&cell.sensor, &cell.setup.load) {
+        (Some(_), _) => {
+            "the sensor reports the force by the robot where the cell says on it, or the other way round \
+             (sensor.reports), or its axes are turned"
+        }
+        (None, Load::Measured) => "the forces are those by the robot instead of those on it",
+        _ => "the load's direction in the cell is wrong",
+    };
+    // The heading says kilonewtons, or the cell's load is a thousand times too large.
+    let kilonewtons = match factor.as_str() {
+        "1/1000" => ", and whether a heading says kn (load_kn, fx_kn) above numbers in newtons",
+        _ => "",
+    };
+    sentences! { s.cause;
+        Cause::Units =>
+            "In {all} the {distances} {many} times too {size}: the coordinates seem to be {heading}. Correct the heading's \
+             unit or the numbers."
+        Cause::ToolUnits =>
+            "The tool's measuring points lie {many} times too {apart} apart in the cell, while the arm's reach is right: \
+             check the unit of tool.measuring_point."
+        Cause::ExchangedPoints if is_whole =>
+            "In all postures {cause}: with that undone the misfit falls {fall}.{also} Correct the names in the readings or \
+             the positions in the cell."
+        Cause::ExchangedPoints =>
+            "{opening}: {cause}{in_one}; with that undone the misfit falls {fall}.{also} Correct the names of the points."
+        Cause::StrayRepeat if s.repeat.is_some() =>
+            "{opening}: reading {nth} of point {points} lies {off} from the others{lines}. Remove it or measure again."
+        Cause::StrayRepeat =>
+            "{opening}: readings of point {points} lie {off} apart{lines}, and nothing tells which is right. Measure again."
+        Cause::StrayReading if s.certain =>
+            "{opening}: point {points} is read {off} from where the other points have it{lines}. Check that reading \
+             (reflector not seated, typing slip), remove it or measure it again."
+        Cause::StrayReading =>
+            "{opening}: one of the points {either_point} is read about {off} off; the readings do not tell which. Measure \
+             this state again or leave it out."
+        Cause::MovedReflector =>
+            "{opening}: point {points} lies up to {off} elsewhere than in the other postures. Its reflector was moved or \
+             badly seated: leave the point out there or measure again."
+        Cause::UnsteadyShape if is_whole =>
+            "The measuring points do not keep their distances (up to {off}): the tool yields or reflectors are loose. \
+             Displacements contain that motion."
+        Cause::UnsteadyShape =>
+            "{opening}: the points lie up to {off} from the tool's shape in the other states, and no single reading \
+             explains it. Measure again or leave it out."
+        Cause::Drawing if s.certain => "{drawn}; all states agree with each other, so the drawing is inexact."
+        Cause::Drawing => "{drawn}: check tool.measuring_point in the cell."
+        Cause::MirroredFrame =>
+            "The readings are mirrored: {cause}. With that undone the misfit of the unloaded points falls {fall}.{also} \
+             {first_check}"
+        Cause::ToolPlace =>
+            "The unloaded points fit the robot if all measuring points are {cause} in flange axes: the misfit falls \
+             {fall}. Check origin and axes of tool.measuring_point, and of tool.loading_point_mm with them."
+        // The tool is all that hangs on the last joint.
+        Cause::JointOffset if is_last(cell, s) =>
+            "The cell does not fit its unloaded readings, but would if {cause}: the misfit falls {fall}.{also} Check the \
+             turn of tool.measuring_point first, then robot.dh (offset) against the pendant."
+        Cause::JointSign | Cause::Coupling | Cause::JointOffset | Cause::DhConvention =>
+            "The robot's description does not fit its unloaded readings, but would if {cause}: the misfit falls \
+             {fall}.{also} {check}."
+        Cause::Radians if s.misfits.is_none() =>
+            "The joint angles seem to be radians under a heading in degrees: read so, the misfit of the unloaded points \
+             falls {fall}.{also} Convert them."
+        Cause::Radians =>
+            "The joint angles seem to be radians under a heading in degrees: with them converted {misfits}. Convert them."
+        Cause::Degrees =>
+            "The joint angles seem to be degrees under a heading in radians: read so, the arm is where the readings have \
+             it. Name the columns q1_deg and so on, or convert them."
+        Cause::GivenTransform =>
+            "The given transform from tracker to base leaves the unloaded points {before} from the kinematic model, the \
+             best one {after}; they differ by a turn of {written}. Was the tracker moved after registration?"
+        Cause::AngleSign =>
+            "{opening}: the readings fit if {cause} (sign?); the misfit falls {fall}.{also} Correct the angle."
+        Cause::MistypedAngle =>
+            "{opening}: the readings fit if {joints} is {likely}, not {written}{how}; the misfit falls {fall}.{also} \
+             Compare with the controller's log."
+        Cause::ExchangedPostures =>
+            "The readings of postures {postures}{in_state} are exchanged: with that undone the misfit falls {fall}.{also} \
+             Exchange the rows."
+        Cause::OtherPosture =>
+            "The readings of posture {first}{in_state} were taken at the angles of posture {second}: the misfit falls \
+             {fall}.{also} Copied rows, or the robot was not moved?"
+        Cause::UnexplainedPosture if s.states.len() > 1 =>
+            "{opening}: the points of these states lie up to {before} apart, more than any load moves them. Check the \
+             rows, or leave the posture out."
+        Cause::UnexplainedPosture =>
+            "{opening}: the points lie {before} from the kinematic model, in the other postures {after}.{copied} No single \
+             slip of an angle or a name explains it: check its angles and readings, and that the tracker stood still, or \
+             leave it out."
+        Cause::UnexplainedModel =>
+            "The unloaded points do not fit the kinematic model: they lie {off} from it, and no single cause (signs, \
+             coupling, offsets, names of points, mirrored axes) explains it. Check the robot and the tool in the cell."
+        Cause::NoDisplacement =>
+            "{opening}: the points do not move under the load. Are the loaded rows copies of the unloaded ones, or was \
+             the load not applied?"
+        Cause::ReversedForce =>
+            "The points move against the force in every posture. Either {reversed}, or loaded and unloaded rows are \
+             exchanged."
+        Cause::ExchangedStates =>
+            "{opening}: the points move against the force, in the other postures along it. The loaded and the unloaded \
+             rows are exchanged there, or the force has the wrong sign."
+        Cause::DisplacementSize =>
+            "The displacements are {many} times too {size} for the prior stiffness. Check the unit of the force (N, not \
+             kN), the load and stiffness.prior_nm_per_rad (N·m/rad)."
+        Cause::OtherLoad =>
+            "{opening}: the displacements are {many} times too {size} compared with the other states. Was the load \
+             another one?"
+        Cause::LoadUnits if by_readings =>
+            "The forces are {factor} times too small for the moments, by the stated loading point: they seem to be in \
+             {typed}. Give {where_loads_stand}."
+        Cause::LoadUnits => "The loads look like {typed}: {beside} Check {where_loads_stand}{kilonewtons}."
+        Cause::LoadEntry =>
+            "{entry}: what is typed as load looks like {typed}: factor {factor}. With it {misfits}.{also} Check \
+             {where_loads_stand} there."
+        Cause::MomentUnits =>
+            "The moments seem to be {typed}: with {factor} times what is typed they are the forces times their lever about \
+             the sensor. Give mx_nm, my_nm, mz_nm in N·m, or name the columns mx_nmm, my_nmm, mz_nmm."
+        Cause::DisplacementUnits if by_readings =>
+            "{opening}: the displacements look like {typed}: factor {factor}. With it {misfits}.{also} Correct the rows."
+        Cause::DisplacementUnits => "The displacements look like {typed}: {beside} Check dx_mm, dy_mm, dz_mm."
+        Cause::PriorUnits =>
+            "The prior stiffness looks like it is {typed}: {beside} Check stiffness.prior_nm_per_rad."
+        Cause::AnchorUnits =>
+            "The displacements point to another direction of the load: with load.anchor_mm times {factor}, {misfits}. \
+             Check the unit of load.anchor_mm (mm)."
+        Cause::LoadingPointUnits if by_readings =>
+            "The displacements point to another loading point: with tool.loading_point_mm times {factor}, {misfits}. Check \
+             the unit of tool.loading_point_mm (mm)."
+        Cause::LoadingPointUnits =>
+            "The loading point lies {away:.2} mm from the flange's origin, and no measuring point is near: it looks like \
+             metres typed as millimetres, factor {factor}. Check tool.loading_point_mm (mm)."
+        Cause::RobotUnits =>
+            "The robot's reach is {inverse} times that of the readings, while the tool is right: check the unit of the \
+             robot's lengths (robot.dh rows in mm)."
+        Cause::ExchangedLoadCases =>
+            "{filed} the load cases {states} are exchanged: with the names the other way {misfits}. Correct the names in \
+             the column state, or the loads of [load]."
+        Cause::NotChecked | Cause::MovedTracker =>
+            "Too few unloaded readings to register the tracker: the checks against the kinematic model were left out."
     }
-}
-
-/// `1, 2 or 3`.
-fn either(names: &[String]) -> String {
-    list(names).replace(" and ", " or ")
 }

@@ -48,6 +48,31 @@ pub(super) fn state_rms(
     (!pairs.is_empty()).then(|| rms(transform, &pairs))
 }
 
+/// Where on a circle `left` is smallest, from half a `turn` before zero to half a turn behind it, and what it is there:
+/// in steps all around, then in halved ones.
+pub(super) fn best_around(
+    turn: f64,
+    steps: usize,
+    halvings: usize,
+    mut left: impl FnMut(f64) -> f64,
+) -> (f64, f64) {
+    let mut step = turn / steps as f64;
+    let mut best = (0.0, f64::INFINITY);
+    let all = (0..steps).map(|i| (i as f64 - steps as f64 / 2.0) * step);
+    let mut places: Vec<f64> = all.collect();
+    for _ in 0..=halvings {
+        for at in places {
+            let value = left(at);
+            if value < best.1 {
+                best = (at, value);
+            }
+        }
+        step /= 2.0;
+        places = vec![best.0 - step, best.0 + step];
+    }
+    best
+}
+
 /// Angles of a posture's first reference state.
 pub(super) fn first_angles(work: &Work, p: usize) -> Option<Vec<f64>> {
     let posture = &work.sheet.postures[p];

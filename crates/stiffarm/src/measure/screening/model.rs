@@ -2,10 +2,12 @@
 //! every posture alike.
 
 use super::frame::{self, Frame, PLAUSIBLE, fitted, item_pairs, items};
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, moved, tool};
+use super::misfit::best_around;
+use super::slip::{Rule, Slip, Undo, settle};
+use super::units::of_angles;
+use super::{BELIEVED, Cause, Suspicion, Work, moved, tool};
 use crate::measure::registration::axis_slips;
 use crate::numerics::arrangements::exchanges_first;
-use crate::numerics::order::sort_by_number;
 use crate::units::{deg_to_rad, rad_to_deg};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
@@ -13,13 +15,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 const SUSPICIOUS: f64 = 2e-3;
 /// Misfit that is reported where no cause is found \[m\].
 const UNEXPLAINED: f64 = 1e-2;
-/// Angles that all lie below this may be radians \[deg\].
-const LIKE_RADIANS: f64 = 7.0;
-/// Angles one of which lies above this may be degrees read as radians \[deg\].
-const LIKE_DEGREES: f64 = 800.0;
-/// Steps in which an offset of a joint is looked for \[deg\], and how often the
-/// step is then halved.
-const OFFSET_STEP: f64 = 15.0;
+/// Steps of a turn in which an offset of a joint is looked for, and how often the step is then halved.
+const STEPS: usize = 24;
 const HALVINGS: usize = 14;
 /// Smallest offset of a joint that is named \[deg\]; a robot that nobody calibrated
 /// has smaller ones, which do not matter to Ψ.
@@ -28,114 +25,6 @@ const SMALLEST_OFFSET: f64 = 0.3;
 const MANY: usize = 100;
 /// Joints beyond which not all patterns of signs are tried.
 const ALL_SIGNS: usize = 6;
-
-/// What may be wrong with the whole description.
-#[derive(Debug, Clone)]
-enum Change {
-    /// The tracker's axes are mirrored; this undoes it.
-    Mirror(Matrix3<f64>),
-    /// Points labelled in another order throughout.
-    Order(Vec<usize>),
-    /// These joints turn the other way, and perhaps axis 3 follows axis 2 by another factor.
-    Chain(Vec<usize>, Option<f64>),
-    /// The rows are meant in the other convention.
-    Rows,
-    /// A joint's angle has an offset \[rad\].
-    Offset(usize, f64),
-    /// The measuring points sit elsewhere on the flange.
-    Tool(Isometry3<f64>),
-    /// The angles are radians.
-    Radians,
-    /// The angles are degrees, read as radians.
-    Degrees,
-}
-
-impl Change {
-    /// How much at once this change supposes; simpler causes are believed first.
-    fn complexity(&self) -> usize {
-        match self {
-            Change::Mirror(_) | Change::Rows | Change::Radians | Change::Degrees => 1,
-            Change::Order(order) => (0..order.len()).filter(|a| order[*a] != *a).count() - 1,
-            Change::Chain(signs, coupling) => signs.len() + usize::from(coupling.is_some()),
-            Change::Offset(..) => 2,
-            Change::Tool(_) => 6,
-        }
-    }
-
-    /// Makes the change in `work`.
-    fn apply(&self, work: &mut Work) {
-        match self {
-            Change::Mirror(undo) => work.sheet.each_position(|p| *p = undo * *p),
-            Change::Order(order) => {
-                for at in work.sheet.states() {
-                    work.sheet.at_mut(at).relabel(order);
-                }
-            }
-            Change::Chain(signs, factor) => {
-                let mut coupling = work.setup().robot.coupling().clone();
-                if let Some(factor) = factor {
-                    coupling[(2, 1)] = *factor;
-                }
-                for j in signs {
-                    coupling.column_mut(*j).neg_mut();
-                }
-                // A chain that cannot be built stays as it was, and explains nothing.
-                if let Ok(robot) = work.setup().robot.clone().with_coupling(coupling) {
-                    work.cell.setup.robot = robot;
-                }
-            }
-            Change::Rows => {
-                if let Some(robot) = work.setup().robot.in_other_convention() {
-                    work.cell.setup.robot = robot;
-                }
-            }
-            Change::Offset(j, offset) => {
-                each_angle(work, |i, q| if i == *j { q + offset } else { q })
-            }
-            Change::Tool(motion) => tool::apply(work, motion),
-            Change::Radians => each_angle(work, |_, q| rad_to_deg(q)),
-            Change::Degrees => each_angle(work, |_, q| deg_to_rad(q)),
-        }
-    }
-
-    fn suspicion(&self, work: &Work) -> Suspicion {
-        match self {
-            Change::Mirror(_) => Suspicion::new(Cause::MirroredFrame),
-            Change::Tool(motion) => tool::suspicion(motion),
-            Change::Rows => Suspicion::new(Cause::DhConvention),
-            Change::Radians => Suspicion::new(Cause::Radians),
-            Change::Degrees => Suspicion::new(Cause::Degrees),
-            Change::Order(order) => exchanged(work, order),
-            Change::Chain(signs, None) => {
-                Suspicion::new(Cause::JointSign).joints(&work.cell, signs)
-            }
-            Change::Chain(signs, Some(factor)) => {
-                let mut out = Suspicion::new(Cause::Coupling).joints(&work.cell, signs);
-                out.factor = Some(*factor);
-                out
-            }
-            Change::Offset(j, offset) => {
-                let mut out = Suspicion::new(Cause::JointOffset).joints(&work.cell, &[*j]);
-                out.angles_deg = vec![rad_to_deg(*offset)];
-                out
-            }
-        }
-    }
-}
-
-/// Points exchanged: `order[a]` is where the reading labelled `a` was taken.
-pub(super) fn exchanged(work: &Work, order: &[usize]) -> Suspicion {
-    let moved = (0..order.len()).filter(|a| order[*a] != *a);
-    Suspicion::new(Cause::ExchangedPoints).points(moved.map(|a| work.point_name(a)))
-}
-
-fn each_angle(work: &mut Work, change: impl Fn(usize, f64) -> f64) {
-    for state in work.sheet.postures.iter_mut().flat_map(|p| &mut p.states) {
-        for (j, q) in state.q.iter_mut().enumerate() {
-            *q = change(j, *q);
-        }
-    }
-}
 
 /// Registration of the unloaded readings; where they disagree throughout, the
 /// cause that explains them, which is then undone in `work`.
@@ -185,101 +74,72 @@ fn check_given(work: &mut Work, given: Option<&Isometry3<f64>>, frame: &Frame) {
     }
 }
 
-/// One change with the registration it leads to.
-struct Trial {
-    change: Change,
-    frame: Frame,
+/// The slips of hand that mirror the readings as `mirror` undoes it, registered as `frame`, and leave the tracker as it is
+/// `given`, or parallel to the base.
+fn axis_slips_of(
+    mirror: &Matrix3<f64>,
+    frame: &Frame,
+    given: Option<&Isometry3<f64>>,
+) -> Vec<(String, Matrix3<f64>)> {
+    let own = frame.base_from_tracker.rotation.to_rotation_matrix();
+    let wanted = given.map_or_else(UnitQuaternion::identity, |given| given.rotation);
+    axis_slips(|undo| {
+        // What the one undoes and the other does is a rotation.
+        let turned = Rotation3::from_matrix_unchecked(own.matrix() * mirror * undo);
+        UnitQuaternion::from_rotation_matrix(&turned).angle_to(&wanted)
+    })
 }
 
-impl Trial {
-    /// The slips of hand that mirror the readings so and leave the tracker as it is `given`, or
-    /// parallel to the base; none for other changes.
-    fn axis_slips(&self, given: Option<&Isometry3<f64>>) -> Vec<(String, Matrix3<f64>)> {
-        let Change::Mirror(mirror) = self.change else {
-            return Vec::new();
-        };
-        let own = self.frame.base_from_tracker.rotation.to_rotation_matrix();
-        let wanted = given.map_or_else(UnitQuaternion::identity, |given| given.rotation);
-        axis_slips(|undo| {
-            // What the one undoes and the other does is a rotation.
-            let turned = Rotation3::from_matrix_unchecked(own.matrix() * mirror * undo);
-            UnitQuaternion::from_rotation_matrix(&turned).angle_to(&wanted)
-        })
-    }
-}
-
-/// Finds the simplest change that explains all postures and makes it.
+/// Finds the simplest slip that explains all postures and undoes it.
 fn undo(work: &mut Work, given: Option<&Isometry3<f64>>, before: &Frame) -> Option<Frame> {
-    let mut believed: Vec<Trial> = Vec::new();
     let few = thinned(work);
     let before_few = match &few {
         Some(few) => fitted(few, given)?,
         None => before.clone(),
     };
+    let tried = |work: &Work, slip: &Slip| fitted(&work.without(slip), given);
     let explained = |frame: &Frame, before: &Frame| {
         frame.trimmed * BELIEVED < before.trimmed.max(worst(before))
             && frame.trimmed < PLAUSIBLE
             && 4 * frame.bad_count() <= frame.bad.len()
             && frame.bad_count() < before.bad_count().max(1)
     };
-    let consider = |believed: &mut Vec<Trial>, change: Change| {
+    let left = |slip: Slip| {
         // What does not explain a sample of many postures does not explain all.
-        if let Some(few) = &few
-            && !tried(few, &change, given).is_some_and(|frame| explained(&frame, &before_few))
-        {
-            return;
+        if let Some(few) = &few {
+            tried(few, &slip).filter(|frame| explained(frame, &before_few))?;
         }
-        if let Some(frame) = tried(work, &change, given).filter(|f| explained(f, before)) {
-            believed.push(Trial { change, frame });
-        }
+        let frame = tried(work, &slip).filter(|frame| explained(frame, before))?;
+        Some((slip, Some(frame.trimmed)))
     };
-    for change in changes(work) {
-        consider(&mut believed, change);
-    }
+    let mut believed: Vec<_> = slips(work).into_iter().filter_map(left).collect();
     // An offset is looked for at length, and supposes more than one simple slip.
-    if believed.iter().all(|t| t.change.complexity() > 1) {
-        for j in 0..work.setup().robot.joint_count() {
-            if let Some(change) = offset(few.as_ref().unwrap_or(work), j) {
-                consider(&mut believed, change);
-            }
-        }
+    if believed.iter().all(|(slip, _)| slip.cost > 1.0) {
+        let offsets = (0..work.setup().robot.joint_count())
+            .filter_map(|j| offset(few.as_ref().unwrap_or(work), j));
+        believed.extend(offsets.filter_map(left));
     }
     // Six numbers explain much: they are asked where nothing simpler does.
-    if believed.is_empty()
-        && let Some(motion) = tool::place(few.as_ref().unwrap_or(work))
-    {
-        consider(&mut believed, Change::Tool(motion));
+    if believed.is_empty() {
+        let place = tool::place(few.as_ref().unwrap_or(work));
+        believed.extend(place.map(Undo::Tool).map(Slip::new).and_then(left));
     }
-    let noise = work.sheet.typical_std();
-    let weighed = |t: &Trial| match t.change {
-        Change::Offset(..) => t.frame.trimmed * FITTED,
-        _ => t.frame.trimmed,
-    };
-    let best = believed.iter().map(weighed).reduce(f64::min)?;
-    believed.retain(|t| weighed(t) <= ALIKE * best + FITTED * noise);
-    let simplest = believed.iter().map(|t| t.change.complexity()).min()?;
-    believed.retain(|t| t.change.complexity() == simplest);
-    sort_by_number(&mut believed, |a| a.frame.trimmed);
-    let mut trials = believed.into_iter();
-    let mut first = trials.next()?;
-    let slips = first.axis_slips(given);
+    let rule = Rule::of_places(work, f64::INFINITY, f64::INFINITY);
+    let mut settled = settle(believed, &rule)?;
+    let mut frame = tried(work, &settled.slip)?;
+    let mut slips = Vec::new();
+    if let Undo::Mirror(mirror) = &settled.slip.undo {
+        slips = axis_slips_of(mirror, &frame, given);
+    }
     if let Some((_, undo)) = slips.first() {
-        first.change = Change::Mirror(*undo);
-        first.frame = tried(work, &first.change, given)?;
+        settled.slip = Slip::new(Undo::Mirror(*undo));
+        frame = tried(work, &settled.slip)?;
     }
-    let mut suspicion = first
-        .change
-        .suspicion(work)
-        .misfit(before.trimmed.max(before.level), first.frame.trimmed);
+    let mut suspicion = settled.suspicion(work);
     suspicion.axis_slips = slips.into_iter().map(|(said, _)| said).collect();
-    for other in trials {
-        let phrase = super::messages::cause(&work.cell, &other.change.suspicion(work));
-        suspicion.alternatives.push(phrase);
-    }
-    suspicion.certain = suspicion.alternatives.is_empty();
-    first.change.apply(work);
-    work.found.push(suspicion);
-    Some(first.frame)
+    let before = before.trimmed.max(before.level);
+    work.undo(&settled.slip, suspicion.misfit(before, frame.trimmed));
+    Some(frame)
 }
 
 /// RMS misfit over the postures that disagree, where most agree.
@@ -298,39 +158,20 @@ fn thinned(work: &Work) -> Option<Work> {
     })
 }
 
-fn tried(work: &Work, change: &Change, given: Option<&Isometry3<f64>>) -> Option<Frame> {
-    let mut copy = work.to_try();
-    change.apply(&mut copy);
-    fitted(&copy, given)
-}
-
 /// Everything that is tried, but offsets.
-fn changes(work: &Work) -> Vec<Change> {
+fn slips(work: &Work) -> Vec<Slip> {
     let n = work.setup().robot.joint_count();
     let mirror = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, 1.0));
-    let mut out = vec![Change::Mirror(mirror), Change::Rows];
-    let largest = work
-        .sheet
-        .states()
-        .into_iter()
-        .flat_map(|at| work.sheet.at(at).q.clone())
-        .fold(0.0, |m, q| rad_to_deg(q.abs()).max(m));
-    if largest < LIKE_RADIANS {
-        out.push(Change::Radians);
-    } else if largest > LIKE_DEGREES {
-        out.push(Change::Degrees);
-    }
+    let mut out = vec![Undo::Mirror(mirror), Undo::Convention];
+    let unit = of_angles(work.sheet.largest_angle());
+    out.extend(unit.map(|(cause, unit)| Undo::Times(cause, unit)));
     let points = work.setup().tool.point_count();
-    out.extend(exchanges_first(points).into_iter().map(Change::Order));
+    out.extend(exchanges_first(points).into_iter().map(Undo::Order));
     let mut couplings = vec![None];
     if n > 2 {
         let stated = work.setup().robot.coupling()[(2, 1)];
-        couplings.extend(
-            [0.0, 1.0, -1.0]
-                .into_iter()
-                .filter(|f| *f != stated)
-                .map(Some),
-        );
+        let others = [0.0, 1.0, -1.0].into_iter().filter(|f| *f != stated);
+        couplings.extend(others.map(Some));
     }
     let most = if n <= ALL_SIGNS { n } else { 2 };
     for pattern in 0_u64..1 << n.min(20) {
@@ -338,39 +179,20 @@ fn changes(work: &Work) -> Vec<Change> {
         if signs.len() > most {
             continue;
         }
-        for factor in &couplings {
-            if !(signs.is_empty() && factor.is_none()) {
-                out.push(Change::Chain(signs.clone(), *factor));
-            }
-        }
+        let changed = couplings
+            .iter()
+            .filter(|f| !signs.is_empty() || f.is_some());
+        out.extend(changed.map(|factor| Undo::Chain(signs.clone(), *factor)));
     }
-    out
+    out.into_iter().map(Slip::new).collect()
 }
 
 /// The offset of joint `j` that suits the readings best.
-fn offset(work: &Work, j: usize) -> Option<Change> {
-    let score = |degrees: f64| {
-        tried(work, &Change::Offset(j, deg_to_rad(degrees)), None)
-            .map_or(f64::INFINITY, |f| f.trimmed)
+fn offset(work: &Work, j: usize) -> Option<Slip> {
+    let with = |degrees: f64| Slip::new(Undo::Offset(j, deg_to_rad(degrees)));
+    let left = |degrees: f64| {
+        fitted(&work.without(&with(degrees)), None).map_or(f64::INFINITY, |f| f.trimmed)
     };
-    let steps = (360.0 / OFFSET_STEP) as i32;
-    let mut best = (f64::INFINITY, 0.0);
-    for i in 0..steps {
-        let degrees = f64::from(i - steps / 2) * OFFSET_STEP;
-        let value = score(degrees);
-        if value < best.0 {
-            best = (value, degrees);
-        }
-    }
-    let mut step = OFFSET_STEP / 2.0;
-    for _ in 0..HALVINGS {
-        for degrees in [best.1 - step, best.1 + step] {
-            let value = score(degrees);
-            if value < best.0 {
-                best = (value, degrees);
-            }
-        }
-        step /= 2.0;
-    }
-    (best.1.abs() > SMALLEST_OFFSET).then(|| Change::Offset(j, deg_to_rad(best.1)))
+    let (degrees, _) = best_around(360.0, STEPS, HALVINGS, left);
+    (degrees.abs() > SMALLEST_OFFSET).then(|| with(degrees))
 }

@@ -2,7 +2,7 @@
 //! along the load: the work F·δ + M·φ at the loading point is never negative.
 
 use super::rigid::is_spread;
-use super::shape::name_states;
+use super::slip::name_states;
 use super::{Cause, Suspicion, Work};
 use crate::measure::reduction::Motion;
 use crate::model::kinematics::Frames;
@@ -296,22 +296,9 @@ fn still(work: &mut Work, judged: &[Judged]) {
     }
     let mut suspicion = Suspicion::new(Cause::NoDisplacement);
     if at.len() < judged.len() {
-        suspicion = name_loaded(work, suspicion, &at);
+        suspicion = name_states(work, suspicion, &at);
     }
     work.found.push(suspicion);
-}
-
-/// Adds the names of postures and of the states themselves.
-fn name_loaded(work: &Work, mut to: Suspicion, at: &[(usize, usize)]) -> Suspicion {
-    to = name_states(work, to, at);
-    to.states.clear();
-    for at in at {
-        let name = &work.sheet.at(*at).name;
-        if !to.states.contains(name) {
-            to.states.push(name.clone());
-        }
-    }
-    to
 }
 
 /// Displacements against the load: of all states, or of single ones.
@@ -334,7 +321,7 @@ fn signs(work: &mut Work, judged: &[Judged]) {
         work.found.push(suspicion);
         return;
     }
-    let suspicion = name_loaded(work, Suspicion::new(Cause::ExchangedStates), &against);
+    let suspicion = name_states(work, Suspicion::new(Cause::ExchangedStates), &against);
     work.found.push(suspicion);
 }
 
@@ -368,7 +355,7 @@ fn sizes(work: &mut Work, judged: &[Judged]) {
             continue;
         };
         if is_off(ratio / middle, limit) {
-            let mut suspicion = name_loaded(work, Suspicion::new(Cause::OtherLoad), &[one.at]);
+            let mut suspicion = name_states(work, Suspicion::new(Cause::OtherLoad), &[one.at]);
             suspicion.factor = Some(ratio / middle);
             work.found.push(suspicion);
         }

@@ -314,8 +314,7 @@ fn is_of(work: &Work, at: (usize, usize), runs: [&Run; 2], is_known: bool) -> bo
 }
 
 /// What was found, and how to say it.
-pub(super) fn sentence(s: &Suspicion, mm: fn(f64) -> String) -> String {
-    let length = |value: Option<f64>| value.map_or_else(String::new, mm);
+pub(super) fn sentence(s: &Suspicion, [before, after, off]: [&str; 3]) -> String {
     let from = match (s.divided.first(), s.postures.first()) {
         (Some(divided), _) => format!("In posture {divided} the tracker's frame changes"),
         (None, first) => format!(
@@ -344,12 +343,9 @@ pub(super) fn sentence(s: &Suspicion, mm: fn(f64) -> String) -> String {
     };
     let turn = s.angles_deg.first().copied().unwrap_or_default();
     format!(
-        "{from}: one for all leaves the unloaded points {} from the kinematic model, one of its own for each part {}; \
-         they lie {} apart at the points, with a turn of {turn:.2}°. If the tracker was moved or knocked, {name}.{divided} \
-         If the robot was moved, for example on a rail, what stands beside it (anchor, obstacles) is elsewhere, too: \
-         identify what was read at each of its places with a cell of its own.",
-        length(s.before_m),
-        length(s.after_m),
-        length(s.off_m),
+        "{from}: one for all leaves the unloaded points {before} from the kinematic model, one of its own for each part \
+         {after}; they lie {off} apart at the points, with a turn of {turn:.2}°. If the tracker was moved or knocked, \
+         {name}.{divided} If the robot was moved, for example on a rail, what stands beside it (anchor, obstacles) is \
+         elsewhere, too: identify what was read at each of its places with a cell of its own."
     )
 }

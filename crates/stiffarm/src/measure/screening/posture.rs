@@ -1,37 +1,19 @@
 //! Single postures and states that disagree with the kinematic model while the
 //! others fit.
 
-use super::frame::{Frame, fitted, items, rms, state_pairs};
-use super::misfit::{first_angles, gap, give, state_rms};
-use super::model::exchanged;
-use super::{ALIKE, BELIEVED, Cause, FITTED, Suspicion, Work, states};
-use crate::numerics::arrangements::exchanges_first;
+use super::frame::{Frame, fitted, items};
+use super::misfit::{best_around, gap, give, state_rms};
+use super::slip::{Place, Rule, Slip, Undo, settle};
+use super::states::mix_ups;
+use super::{Cause, Suspicion, Work, states};
 use crate::numerics::order::sort_by_number;
-use crate::units::rad_to_deg;
-use nalgebra::Isometry3;
+use std::f64::consts::TAU;
 
 /// Angle that is the negative of the one written, but for what a robot misses \[rad\].
 const SAME_ANGLE: f64 = 0.01;
-/// Steps in which a mistyped angle is looked for, and halvings of the step.
+/// Steps of a turn in which a mistyped angle is looked for, and halvings of the step.
 const STEPS: usize = 120;
 const HALVINGS: usize = 40;
-
-/// What undoes a fault.
-#[derive(Debug, Clone)]
-enum Undo {
-    /// The angle of a joint, in all states of the posture \[rad\].
-    Angle(usize, f64),
-    /// Readings of this posture at the points where they were taken.
-    Order(Vec<usize>),
-    /// The angles of another posture.
-    AnglesOf(usize),
-}
-
-struct Trial {
-    undo: Undo,
-    after: f64,
-    complexity: usize,
-}
 
 /// Explains the postures that disagree, undoes what is explained and registers
 /// again. Returns the last registration, or `None` where there is none to trust.
@@ -148,89 +130,45 @@ fn whole_posture(work: &mut Work, frame: &Frame, p: usize, suspects: &[usize]) -
     if another_state_fits(work, frame, reference) {
         return None;
     }
-    let mut trials: Vec<Trial> = Vec::new();
-    let mut attempt = |undo: Undo, after: Option<f64>, complexity: usize| {
-        if let Some(after) = after.filter(|a| a * BELIEVED < before && *a <= frame.limit()) {
-            trials.push(Trial {
-                undo,
-                after,
-                complexity,
-            });
-        }
+    let states = 0..work.sheet.postures[p].states.len();
+    let own: Vec<Place> = states.map(|s| (p, s)).collect();
+    let most = frame.limit();
+    let with = |slip: Slip| {
+        let after = slip.left(work, transform, reference);
+        (slip, after)
     };
-    for j in 0..q.len() {
-        let mut flipped = q.clone();
-        flipped[j] = -q[j];
-        let after = state_rms(work, transform, reference, &flipped);
-        attempt(Undo::Angle(j, -q[j]), after, 1);
-        let (angle, after) = best_angle(work, transform, reference, &q, j);
-        if turn(angle + q[j]).abs() < SAME_ANGLE && turn(2.0 * q[j]).abs() > SAME_ANGLE {
-            attempt(Undo::Angle(j, -q[j]), Some(after), 1);
+    let angles = (0..q.len()).flat_map(|j| {
+        let turned = |change: f64| {
+            let mut q = q.clone();
+            q[j] += change;
+            state_rms(work, transform, reference, &q).unwrap_or(f64::INFINITY)
+        };
+        let (change, after) = best_around(TAU, STEPS, HALVINGS, turned);
+        let angle = q[j] + change;
+        let is_sign = turn(angle + q[j]).abs() < SAME_ANGLE && turn(2.0 * q[j]).abs() > SAME_ANGLE;
+        let likely = if is_sign {
+            -q[j]
         } else {
-            attempt(Undo::Angle(j, customary(work, j, angle)), Some(after), 2);
-        }
+            customary(work, j, angle)
+        };
+        let [sign, fitted] =
+            [-q[j], likely].map(|likely| Slip::new(Undo::Angle(j, [q[j], likely])).at(&own));
+        [with(sign), (fitted, Some(after))]
+    });
+    let mixed = mix_ups(work, transform, &own, reference, most, suspects);
+    let all = angles.chain(mixed.into_iter().map(with));
+    let settled = settle(all, &Rule::of_places(work, before, most))?;
+    let suspicion = settled.suspicion(work).misfit(before, settled.after);
+    work.undo(&settled.slip, suspicion);
+    match settled.slip.undo {
+        Undo::Exchange((k, _), _) => Some(k),
+        _ => Some(p),
     }
-    for order in exchanges_first(work.setup().tool.point_count()) {
-        let mut state = work.sheet.at(reference).clone();
-        state.relabel(&order);
-        let pairs = state_pairs(&state.points, &work.predicted(&q));
-        let complexity = (0..order.len()).filter(|a| order[*a] != *a).count() - 1;
-        attempt(Undo::Order(order), Some(rms(transform, &pairs)), complexity);
-    }
-    for k in (0..work.sheet.postures.len()).filter(|k| *k != p) {
-        let other = first_angles(work, k);
-        let after = other.and_then(|q| state_rms(work, transform, reference, &q));
-        attempt(Undo::AnglesOf(k), after, 1);
-    }
-    let (first, alternatives) = simplest(work, p, trials)?;
-    let mut partner = p;
-    let mut suspicion = describe(work, p, &first.undo);
-    match &first.undo {
-        Undo::Angle(j, angle) => {
-            let change = angle - q[*j];
-            for state in &mut work.sheet.postures[p].states {
-                state.q[*j] += change;
-            }
-        }
-        Undo::Order(order) => {
-            for state in &mut work.sheet.postures[p].states {
-                state.relabel(order);
-            }
-        }
-        Undo::AnglesOf(k) => {
-            let back = work.sheet.postures[*k]
-                .references()
-                .first()
-                .map(|s| (*k, *s));
-            let fits = back.and_then(|back| state_rms(work, transform, back, &q));
-            let mutual = suspects.contains(k) && fits.is_some_and(|r| r <= frame.limit());
-            let other = first_angles(work, *k)?;
-            if mutual {
-                partner = *k;
-                if *k < p {
-                    suspicion.postures.reverse();
-                }
-                suspicion.cause = Cause::ExchangedPostures;
-                for state in &mut work.sheet.postures[*k].states {
-                    state.q.clone_from(&q);
-                }
-            }
-            for state in &mut work.sheet.postures[p].states {
-                state.q.clone_from(&other);
-            }
-        }
-    }
-    let mut suspicion = suspicion.misfit(before, first.after);
-    suspicion.certain = alternatives.is_empty();
-    suspicion.alternatives = alternatives;
-    work.found.push(suspicion);
-    Some(partner)
 }
 
 /// An angle without full turns, −π to π.
 fn turn(angle: f64) -> f64 {
-    let full = std::f64::consts::TAU;
-    angle - full * (angle / full).round()
+    angle - TAU * (angle / TAU).round()
 }
 
 /// The same angle within the cell's bounds, else within half a turn.
@@ -240,84 +178,6 @@ fn customary(work: &Work, j: usize, angle: f64) -> f64 {
         bounds.is_some_and(|b| (b[0]..=b[1]).contains(a))
     };
     let angle = turn(angle);
-    let full = std::f64::consts::TAU;
-    let same = [angle, angle - full, angle + full];
+    let same = [angle, angle - TAU, angle + TAU];
     same.into_iter().find(within).unwrap_or(angle)
-}
-
-/// The simplest of the explanations that explain alike, with the others in words.
-fn simplest(work: &Work, p: usize, mut trials: Vec<Trial>) -> Option<(Trial, Vec<String>)> {
-    let weighed = |t: &Trial| match (&t.undo, t.complexity) {
-        (Undo::Angle(..), 2..) => t.after * FITTED,
-        _ => t.after,
-    };
-    let best = trials.iter().map(weighed).reduce(f64::min)?;
-    let noise = work.sheet.typical_std();
-    trials.retain(|t| weighed(t) <= ALIKE * best + FITTED * noise);
-    let complexity = trials.iter().map(|t| t.complexity).min()?;
-    trials.retain(|t| t.complexity == complexity);
-    sort_by_number(&mut trials, |a| a.after);
-    let first = trials.remove(0);
-    let phrase = |t: &Trial| super::messages::cause(&work.cell, &describe(work, p, &t.undo));
-    let mut others: Vec<String> = trials.iter().map(phrase).collect();
-    // The sign of an angle is tried both as it stands and as fitted.
-    others.retain(|other| *other != phrase(&first));
-    others.dedup();
-    Some((first, others))
-}
-
-fn describe(work: &Work, p: usize, undo: &Undo) -> Suspicion {
-    let posture = &work.sheet.postures[p];
-    match undo {
-        Undo::Angle(j, angle) => {
-            let written = first_angles(work, p).map_or(0.0, |q| q[*j]);
-            let cause = if *angle == -written {
-                Cause::AngleSign
-            } else {
-                Cause::MistypedAngle
-            };
-            let mut out = Suspicion::new(cause).joints(&work.cell, &[*j]);
-            out.angles_deg = vec![rad_to_deg(written), rad_to_deg(*angle)];
-            out.posture(&posture.name)
-        }
-        Undo::Order(order) => exchanged(work, order).posture(&posture.name),
-        Undo::AnglesOf(k) => Suspicion::new(Cause::OtherPosture)
-            .posture(&posture.name)
-            .posture(&work.sheet.postures[*k].name),
-    }
-}
-
-/// The angle of joint `j`, within half a turn, at which the readings fit best,
-/// and the misfit there.
-fn best_angle(
-    work: &Work,
-    transform: &Isometry3<f64>,
-    at: (usize, usize),
-    q: &[f64],
-    j: usize,
-) -> (f64, f64) {
-    let mut trial = q.to_vec();
-    let mut score = |change: f64| {
-        trial[j] = q[j] + change;
-        state_rms(work, transform, at, &trial).unwrap_or(f64::INFINITY)
-    };
-    let mut step = std::f64::consts::TAU / STEPS as f64;
-    let mut best = (f64::INFINITY, 0.0);
-    for i in 0..STEPS {
-        let change = (i as f64 - STEPS as f64 / 2.0) * step;
-        let value = score(change);
-        if value < best.0 {
-            best = (value, change);
-        }
-    }
-    for _ in 0..HALVINGS {
-        step /= 2.0;
-        for change in [best.1 - step, best.1 + step] {
-            let value = score(change);
-            if value < best.0 {
-                best = (value, change);
-            }
-        }
-    }
-    (q[j] + best.1, best.0)
 }

@@ -5,22 +5,19 @@
 use super::mean_shape::{mean_shape, pairs};
 use super::rigid::{Pair, fit, is_spread, moved};
 use super::sheet::State;
+use super::slip::{Slip, Undo, name_states};
+use super::units::{CENTIMETRES, LENGTHS, LIKE_RADIANS, Unit};
 use super::{Cause, Suspicion, Work};
 use crate::numerics::arrangements::exchanges_first;
 use crate::numerics::sample::median;
 use nalgebra::Vector3;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Ratios of units that are mixed up, true size over read size: m/mm, cm/mm, inch/mm.
-const UNIT_RATIOS: [f64; 8] = [1e3, 1e-3, 10.0, 0.1, 100.0, 0.01, 25.4, 1.0 / 25.4];
-/// Relative distance from such a ratio that still counts.
+/// Relative distance from a ratio of units that still counts.
 const UNIT_TOLERANCE: f64 = 0.1;
-/// Those of them between readings and the arm's reach, and states that show it.
-const REACH_RATIOS: [f64; 4] = [1e3, 1e-3, 25.4, 1.0 / 25.4];
-const REACHES: usize = 3;
+/// Distance of the arm's reach from such a ratio (logarithm), and states that show it.
 const REACH_TOLERANCE: f64 = 0.5;
-/// Angles that all lie below this may be radians \[rad\].
-const LIKE_RADIANS: f64 = 0.122;
+const REACHES: usize = 3;
 /// Chance of a false alarm over all states together.
 const FALSE_ALARM: f64 = 1e-3;
 /// Standard deviations below which a distance is never worth a word.
@@ -54,12 +51,9 @@ pub(super) fn units(work: &mut Work) {
             continue;
         }
         let ratio = median(&ratios);
-        let unit = UNIT_RATIOS
-            .into_iter()
-            .find(|u| (ratio / u - 1.0).abs() < UNIT_TOLERANCE);
-        if let Some(unit) = unit {
-            off.push((at, unit));
-        }
+        let mut units = LENGTHS.into_iter().chain(CENTIMETRES);
+        let unit = units.find(|u| (ratio / u.factor - 1.0).abs() < UNIT_TOLERANCE);
+        off.extend(unit.map(|unit| (at, unit)));
     }
     let Some(&(_, first)) = off.first() else {
         reach(work, &states);
@@ -68,32 +62,17 @@ pub(super) fn units(work: &mut Work) {
     let all = off.len() == states.len() && off.iter().all(|(_, u)| *u == first);
     if all && spread_agrees(work) {
         // The arm's reach has the right size: the tool in the cell has not.
-        for point in &mut work.cell.setup.tool.measuring_points {
-            point.position *= first;
-        }
-        let mut suspicion = Suspicion::new(Cause::ToolUnits);
-        suspicion.factor = Some(first);
-        work.found.push(suspicion);
+        let slip = Slip::new(Undo::Times(Cause::ToolUnits, first));
+        work.undo(&slip, slip.suspicion(work));
         return;
     }
-    for unit in UNIT_RATIOS {
-        let of_unit: Vec<_> = off
-            .iter()
-            .filter(|(_, u)| *u == unit)
-            .map(|(a, _)| *a)
-            .collect();
-        if of_unit.is_empty() {
-            continue;
-        }
-        let mut suspicion = Suspicion::new(Cause::Units);
-        suspicion.factor = Some(unit);
-        if !all {
-            suspicion = name_states(work, suspicion, &of_unit);
-        }
-        work.found.push(suspicion);
-        for at in of_unit {
-            let state = work.sheet.at_mut(at);
-            state.each_position(|position| *position /= unit);
+    for unit in LENGTHS.into_iter().chain(CENTIMETRES) {
+        let of_unit = off.iter().filter(|(_, u)| *u == unit);
+        let of_unit: Vec<_> = of_unit.map(|(at, _)| *at).collect();
+        if !of_unit.is_empty() {
+            let slip = Slip::new(Undo::Times(Cause::Units, unit));
+            let slip = if all { slip } else { slip.at(&of_unit) };
+            work.undo(&slip, slip.suspicion(work));
         }
     }
 }
@@ -102,27 +81,24 @@ pub(super) fn units(work: &mut Work) {
 /// point has no shape, so its coordinates may be in another unit; where a shape is
 /// right, the robot's lengths are not.
 fn reach(work: &mut Work, states: &[(usize, usize)]) {
-    let angles = states.iter().flat_map(|at| &work.sheet.at(*at).q);
-    let largest = angles.fold(0.0_f64, |most, q| most.max(q.abs()));
     // Angles in radians under a heading in degrees shrink the arm's reach too.
-    if states.len() < REACHES || largest < LIKE_RADIANS {
+    if states.len() < REACHES || work.sheet.largest_angle() < LIKE_RADIANS {
         return;
     }
     let ratio = spread_ratio(work);
     // The model is that of the flange: the tool's own length is left out.
-    let near = |u: &f64| (ratio / u).ln().abs() < REACH_TOLERANCE;
-    let Some(unit) = REACH_RATIOS.into_iter().find(near) else {
+    let near = |u: &Unit| (ratio / u.factor).ln().abs() < REACH_TOLERANCE;
+    let Some(unit) = LENGTHS.into_iter().find(near) else {
         return;
     };
-    let mut suspicion = Suspicion::new(match work.setup().tool.point_count() {
-        1 => Cause::Units,
-        _ => Cause::RobotUnits,
-    });
-    suspicion.factor = Some(unit);
-    if suspicion.cause == Cause::Units {
-        work.sheet.each_position(|position| *position /= unit);
+    if work.setup().tool.point_count() == 1 {
+        let slip = Slip::new(Undo::Times(Cause::Units, unit));
+        work.undo(&slip, slip.suspicion(work));
+    } else {
+        let mut suspicion = Suspicion::new(Cause::RobotUnits);
+        suspicion.factor = Some(unit.factor);
+        work.found.push(suspicion);
     }
-    work.found.push(suspicion);
 }
 
 /// True when the postures spread as far as the model has it.
@@ -152,22 +128,6 @@ fn spread_ratio(work: &Work) -> f64 {
             .sqrt()
     };
     spread(&read) / spread(&modelled)
-}
-
-/// Adds the names of postures, and of the state where it is always the same.
-pub(super) fn name_states(work: &Work, mut to: Suspicion, at: &[(usize, usize)]) -> Suspicion {
-    for &(p, s) in at {
-        let posture = &work.sheet.postures[p];
-        if !to.postures.contains(&posture.name) {
-            to.postures.push(posture.name.clone());
-        }
-        let state = &posture.states[s].name;
-        let whole = (0..posture.states.len()).all(|other| at.contains(&(p, other)));
-        if !whole && !to.states.contains(state) {
-            to.states.push(state.clone());
-        }
-    }
-    to
 }
 
 /// Quantile of χ²: exceeded with this probability.
@@ -213,12 +173,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
     // Sum of squares of each state in units of its noise.
     let misfit = |state: &State, without: Option<usize>, scale: f64| -> (f64, f64) {
         let pairs = pairs(state, &shape, without);
-        let std = state
-            .points
-            .iter()
-            .flatten()
-            .map(|m| m.std)
-            .fold(0.0, f64::max);
+        let std = state.std();
         let Some(pose) = fit(&pairs) else {
             return (0.0, 0.0);
         };
@@ -251,12 +206,7 @@ pub(super) fn strays(work: &mut Work, last: bool) -> usize {
         }
         let seen = state.seen();
         let (squares, off) = misfit(state, None, scale);
-        let std = state
-            .points
-            .iter()
-            .flatten()
-            .map(|m| m.std)
-            .fold(0.0, f64::max);
+        let std = state.std();
         let limit = exceeded_by(alarm, rigid_degrees(seen.len())) * own;
         if squares <= limit || off < WORTH * std * scale / 2.0 {
             continue;
@@ -295,30 +245,16 @@ fn report(work: &mut Work, shape: &[Option<Vector3<f64>>], odd: &[Odd], last: bo
         work.found.push(suspicion);
     }
     for a in 0..work.setup().tool.point_count() {
-        let named: Vec<_> = odd
-            .iter()
-            .filter(|o| o.candidates == [a])
-            .map(|o| o.at)
-            .collect();
-        let mut off = 0.0;
-        let mut lines = Vec::new();
-        for &at in &named {
-            let state = work.sheet.at(at);
-            off = f64::max(off, stray_distance(state, shape, a));
-            lines.extend(state.lines[a].clone());
-            work.sheet.at_mut(at).points[a] = None;
+        let named = odd.iter().filter(|o| o.candidates == [a]);
+        let named: Vec<_> = named.map(|o| o.at).collect();
+        if !named.is_empty() {
+            let off = named
+                .iter()
+                .map(|at| stray_distance(work.sheet.at(*at), shape, a));
+            let off = off.fold(0.0, f64::max);
+            let stray = Slip::new(Undo::Stray(a)).at(&named);
+            work.undo(&stray, stray.suspicion(work).off(off));
         }
-        if named.is_empty() {
-            continue;
-        }
-        let cause = match named.len() {
-            1 => Cause::StrayReading,
-            _ => Cause::MovedReflector,
-        };
-        let mut suspicion = Suspicion::new(cause).points([work.point_name(a)]).off(off);
-        suspicion.lines = lines;
-        let suspicion = name_states(work, suspicion, &named);
-        work.found.push(suspicion);
     }
     for one in odd.iter().filter(|o| o.candidates.len() > 1) {
         work.sheet.at_mut(one.at).doubtful = one.candidates.clone();

@@ -98,15 +98,10 @@ impl Sheet {
                 let q = state.angles.as_ref().unwrap_or(planned);
                 check_angles(&cell.setup.robot, q)?;
                 let mut out = State {
-                    name: state.state.clone(),
-                    role: Role::of(&state.state),
-                    q: q.clone(),
                     wrench: state.wrench,
                     load: state.load,
-                    points: vec![None; points],
-                    lines: vec![Vec::new(); points],
-                    doubtful: Vec::new(),
                     base: base_reflectors(posture, s),
+                    ..State::new(&state.state, q, points)
                 };
                 for a in 0..points {
                     let Some(own) = posture.point(a).and_then(|series| series.state(s)) else {
@@ -196,22 +191,11 @@ impl Sheet {
             position,
             std: std / std::f64::consts::SQRT_2 / (readings.max(1) as f64).sqrt(),
         };
-        let empty = |name: &str, q: &[f64]| State {
-            name: name.to_string(),
-            role: Role::of(name),
-            q: q.to_vec(),
-            wrench: None,
-            load: None,
-            points: vec![None; count],
-            lines: vec![Vec::new(); count],
-            doubtful: Vec::new(),
-            base: BTreeMap::new(),
-        };
         let mut postures: Vec<Posture> = Vec::new();
         for one in measured {
             let q = &one.posture.q;
             check_angles(&cell.setup.robot, q)?;
-            let mut state = empty(&one.state, q);
+            let mut state = State::new(&one.state, q, count);
             state.wrench = one.wrench;
             for a in 0..count {
                 let own = one.displacements.iter().filter(|d| d.point == a);
@@ -231,7 +215,7 @@ impl Sheet {
             match known.filter(|p| p.states[0].q == *q) {
                 Some(posture) => posture.states.push(state),
                 None => {
-                    let mut unloaded = empty("unloaded", q);
+                    let mut unloaded = State::new("unloaded", q, count);
                     unloaded.points.fill(Some(at(Vector3::zeros(), 1)));
                     postures.push(Posture {
                         name: one.posture.name.clone(),
@@ -271,11 +255,26 @@ impl Sheet {
         &mut self.postures[p].states[s]
     }
 
-    /// Every position, to turn all readings.
-    pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
-        for state in self.postures.iter_mut().flat_map(|p| &mut p.states) {
-            state.each_position(&mut change);
+    /// Exchanges all that was read in two states.
+    pub fn exchange(&mut self, one: (usize, usize), other: (usize, usize)) {
+        let (mine, theirs) = (self.at(one).clone(), self.at(other).clone());
+        for (at, from) in [(one, theirs), (other, mine)] {
+            let state = self.at_mut(at);
+            let (name, role, q) = (state.name.clone(), state.role, state.q.clone());
+            *state = State {
+                name,
+                role,
+                q,
+                ..from
+            };
         }
+    }
+
+    /// The largest angle without its sign \[rad\].
+    pub fn largest_angle(&self) -> f64 {
+        let states = self.postures.iter().flat_map(|p| &p.states);
+        let angles = states.flat_map(|s| &s.q);
+        angles.fold(0.0_f64, |most, q| most.max(q.abs()))
     }
 
     /// Typical standard deviation of a mean \[m\].
@@ -293,27 +292,28 @@ impl Sheet {
     }
 }
 
-/// Positions of one state: by measuring point, and by name of the base reflector.
-type Positions = (Vec<Option<Mean>>, BTreeMap<String, Vector3<f64>>);
-
 impl State {
+    /// A state without readings.
+    fn new(name: &str, q: &[f64], points: usize) -> Self {
+        State {
+            name: name.to_string(),
+            role: Role::of(name),
+            q: q.to_vec(),
+            wrench: None,
+            load: None,
+            points: vec![None; points],
+            lines: vec![Vec::new(); points],
+            doubtful: Vec::new(),
+            base: BTreeMap::new(),
+        }
+    }
+
     /// Every position of the state, those of base reflectors included.
     pub fn each_position(&mut self, mut change: impl FnMut(&mut Vector3<f64>)) {
         for mean in self.points.iter_mut().flatten() {
             change(&mut mean.position);
         }
         self.base.values_mut().for_each(change);
-    }
-
-    /// All positions, to be read as those of another state.
-    pub fn positions(&self) -> Positions {
-        (self.points.clone(), self.base.clone())
-    }
-
-    /// Takes positions that were written elsewhere.
-    pub fn set_positions(&mut self, (points, base): Positions) {
-        self.points = points;
-        self.base = base;
     }
 
     /// Puts the readings at the points where they were really taken.
@@ -323,6 +323,12 @@ impl State {
             self.points[*to] = points[a];
             self.lines[*to].clone_from(&lines[a]);
         }
+    }
+
+    /// The largest standard deviation of its means \[m\].
+    pub fn std(&self) -> f64 {
+        let own = self.points.iter().flatten();
+        own.map(|m| m.std).fold(0.0, f64::max)
     }
 
     /// Indices of the points that were read.

@@ -7,9 +7,7 @@ use crate::numerics::arrangements::signed_axes;
 use crate::numerics::information::Factor;
 use crate::numerics::order::sort_by_number;
 use crate::units::{m_to_mm, rad_to_deg};
-use nalgebra::{
-    DMatrix, DVector, Isometry3, Rotation3, Translation3, UnitQuaternion, Vector3, Vector6,
-};
+use nalgebra::{DMatrix, DVector, Isometry3, Rotation3, Translation3, UnitQuaternion, Vector6};
 
 /// Starts that are followed, and steps of each.
 const FOLLOWED: usize = 4;
@@ -17,13 +15,6 @@ const STEPS: usize = 30;
 /// Step for a derivative by differences \[m, rad\], and change that ends the search.
 const DIFFERENCE: f64 = 1e-6;
 const STILL: f64 = 1e-9;
-
-/// All measuring points moved by `motion`, flange axes.
-pub(super) fn apply(work: &mut Work, motion: &Isometry3<f64>) {
-    for point in &mut work.cell.setup.tool.measuring_points {
-        point.position = moved(motion, &point.position);
-    }
-}
 
 /// The motion of the measuring points on the flange that suits the unloaded readings best, from all quarter turns.
 pub(super) fn place(work: &Work) -> Option<Isometry3<f64>> {
@@ -110,37 +101,5 @@ pub(super) fn suspicion(motion: &Isometry3<f64>) -> Suspicion {
         .iter()
         .map(|v| rad_to_deg(*v))
         .collect();
-    out
-}
-
-/// What it is, and what to do; `fall` says how the misfit falls.
-pub(super) fn sentence(s: &Suspicion, fall: &str) -> String {
-    format!(
-        "The unloaded points fit the robot if all measuring points are {} in flange axes: the misfit falls {fall}. Check \
-         origin and axes of tool.measuring_point, and of tool.loading_point_mm with them.",
-        words(s)
-    )
-}
-
-/// The motion in words: `moved by (0.0, 0.0, 100.0) mm and turned by 90.0° about (0.00, 0.00, 1.00)`.
-fn words(s: &Suspicion) -> String {
-    let shift: Vec<String> = s
-        .tool_shift_mm
-        .iter()
-        .map(|v| format!("{:.1}", v + 0.0))
-        .collect();
-    let mut out = format!("moved by ({}) mm", shift.join(", "));
-    if let [x, y, z] = s.angles_deg[..] {
-        let turn = Vector3::new(x, y, z);
-        if turn.norm() > 0.05 {
-            let axis = turn / turn.norm();
-            let axis: Vec<String> = axis.iter().map(|v| format!("{:.2}", v + 0.0)).collect();
-            out += &format!(
-                " and turned by {:.1}° about ({})",
-                turn.norm(),
-                axis.join(", ")
-            );
-        }
-    }
     out
 }

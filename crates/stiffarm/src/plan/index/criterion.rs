@@ -7,6 +7,9 @@ use crate::numerics::information::small::{
     cholesky, eigen, inverse_from_lower, invert_lower, packed, symmetric_product,
 };
 
+/// Condition number of M up to which an index of it has nine digits.
+pub(crate) const SOUND: f64 = 1e6;
+
 /// ln of an index and of its smoothed form.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Value {
@@ -109,6 +112,18 @@ impl Criterion {
             }
             _ => self.evaluate(m).exact,
         }
+    }
+
+    /// tr(M) tr(M⁻¹) at M (packed), above its condition number; with the logarithm of the expected error of a part of M
+    /// that of this part, at most.
+    pub fn condition(&mut self, m: &[f64], of_part: Option<f64>) -> f64 {
+        let trace: f64 = (0..self.n).map(|i| m[packed(i, i)]).sum();
+        let inverse = match of_part {
+            Some(log) => self.n as f64 * (2.0 * log).exp(),
+            None if self.factor(m) => self.inverse_lower.iter().map(|v| v * v).sum(),
+            None => f64::INFINITY,
+        };
+        trace * inverse
     }
 
     /// Value at M (packed) with the derivative in `self.adjoint`.

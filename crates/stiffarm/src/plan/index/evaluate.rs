@@ -68,25 +68,30 @@ pub struct Indices {
 
 impl Indices {
     /// Value of one index.
-    pub fn get(&self, index: Index) -> Option<f64> {
+    pub fn get(mut self, index: Index) -> Option<f64> {
+        *self.place(index)
+    }
+
+    /// Where the value of one index stands.
+    pub(super) fn place(&mut self, index: Index) -> &mut Option<f64> {
         use Index as I;
         match index {
-            I::Classical => self.classical,
-            I::Condition => self.condition,
-            I::Novel => self.novel,
-            I::ScaledCondition => self.scaled_condition,
-            I::Scaled => self.scaled,
-            I::ExpectedError => self.expected_error,
-            I::WorstJoint => self.worst_joint,
-            I::DropOne => self.drop_one,
-            I::D => self.d,
-            I::Task => self.task,
-            I::Prediction => self.prediction,
-            I::O1 => self.o1,
-            I::O2 => self.o2,
-            I::O3 => self.o3,
-            I::O4 => self.o4,
-            I::O5 => self.o5,
+            I::Classical => &mut self.classical,
+            I::Condition => &mut self.condition,
+            I::Novel => &mut self.novel,
+            I::ScaledCondition => &mut self.scaled_condition,
+            I::Scaled => &mut self.scaled,
+            I::ExpectedError => &mut self.expected_error,
+            I::WorstJoint => &mut self.worst_joint,
+            I::DropOne => &mut self.drop_one,
+            I::D => &mut self.d,
+            I::Task => &mut self.task,
+            I::Prediction => &mut self.prediction,
+            I::O1 => &mut self.o1,
+            I::O2 => &mut self.o2,
+            I::O3 => &mut self.o3,
+            I::O4 => &mut self.o4,
+            I::O5 => &mut self.o5,
         }
     }
 }

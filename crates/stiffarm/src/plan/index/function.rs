@@ -11,7 +11,7 @@
 //! [`IndexFunction::smoothed`] replaces it by a log-sum-exp, for searches that
 //! want one smooth function. Neither allocates after the first call.
 
-use super::criterion::{Criterion, Value};
+use super::criterion::{Criterion, SOUND, Value};
 use super::inputs::{Given, Inputs, criterion, log_factor};
 use super::kernel::Kernel;
 use super::kinds::Index;
@@ -249,6 +249,16 @@ impl IndexFunction {
         let value = self.forward(q).exact + self.largest_component();
         self.criterion.sharpness = sharpness;
         value
+    }
+
+    /// Whether the last value has nine digits: Gram matrices square condition numbers.
+    pub(super) fn is_well_conditioned(&mut self) -> bool {
+        let largest = self.largest_component();
+        let of_part = (self.index == Index::DropOne).then_some(largest);
+        let is_far = !self.index.uses_dexterity() || 2.0 * largest < SOUND.ln();
+        is_far
+            && (!self.index.uses_observation()
+                || self.criterion.condition(&self.total, of_part) < SOUND)
     }
 
     /// ln of the index (of its reciprocal for O1 to O5) at `q` \[rad\] and its gradient \[1/rad\]: at kinks that

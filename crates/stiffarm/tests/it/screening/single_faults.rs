@@ -290,3 +290,57 @@ fn a_tool_turned_on_the_flange_is_named_before_the_last_joint() {
     assert!(tool.is_some() && tool < joint, "{said}");
     assert!(said.contains("tool.measuring_point first"), "{said}");
 }
+
+/// Seven postures, the last one the first again.
+fn with_a_repeat(seed: u64) -> ReadingTable {
+    let mut all = group1();
+    all.push(all[0].clone());
+    simulated(&cell(), &numbered(all), seed)
+}
+
+/// An exchange explains the rows of both postures: it is named, though the angles of a third posture fit one of them as well.
+#[test]
+fn rows_exchanged_with_a_posture_that_was_measured_twice_are_one_fault() {
+    for seed in 0..4 {
+        for rows in [0..2, 1..2] {
+            let mut table = with_a_repeat(seed);
+            let (before, after) = table.postures.split_at_mut(6);
+            for s in rows.clone() {
+                std::mem::swap(&mut before[2].states[s], &mut after[0].states[s]);
+            }
+            let (screening, found) = alone(&cell(), &table);
+            assert_eq!(found.cause, Cause::ExchangedPostures);
+            assert_eq!(found.postures, ["3", "7"], "{}", sentences(&screening));
+        }
+    }
+}
+
+/// Where a row was copied from cannot be told if two postures are the same: both are named.
+#[test]
+fn a_row_copied_from_a_posture_that_was_measured_twice_names_both() {
+    let mut table = with_a_repeat(3);
+    table.postures[2].states[1] = table.postures[0].states[1].clone();
+    let (screening, found) = alone(&cell(), &table);
+    assert_eq!(found.cause, Cause::OtherPosture);
+    let said = sentences(&screening);
+    let both = [&found.postures[1], &found.alternatives[0]];
+    let both = both.map(|name| name.replace("the angles of posture ", ""));
+    assert!(both == ["1", "7"] || both == ["7", "1"], "{said}");
+    assert!(said.contains("Explains it as well"), "{said}");
+}
+
+/// Rows that are exchanged have their forces with them: nothing is said of these.
+#[test]
+fn rows_are_exchanged_with_their_forces() {
+    for seed in 0..runs(12) {
+        let cell = kuka();
+        let mut table = random_table(&cell, Arm::Rough, 9, seed);
+        let p = seed as usize % 8;
+        let (before, after) = table.postures.split_at_mut(8);
+        std::mem::swap(&mut before[p].states[0], &mut after[0].states[0]);
+        let (screening, found) = alone(&cell, &table);
+        assert_eq!(found.cause, Cause::ExchangedPostures);
+        assert_eq!(found.postures, [(p + 1).to_string(), "9".to_string()]);
+        assert_eq!(found.states, ["unloaded"], "{}", sentences(&screening));
+    }
+}

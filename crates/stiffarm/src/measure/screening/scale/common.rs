@@ -3,11 +3,13 @@
 //! What speaks are the prior, robots of the class, and what the file says twice.
 
 use super::super::motion::Move;
+use super::super::slip::{Slip, Undo};
+use super::super::units::{DISPLACEMENTS, FORCES, PRIORS, Unit};
+use super::super::words::phrase;
 use super::super::{Cause, Evidence, Suspicion, Work};
 use super::class::{CLASS_SPREAD, expected_stiffness};
 use super::evidence::Sizes;
 use super::fit::Fitted;
-use super::units::{DISPLACEMENTS, FORCES, PRIORS, Unit};
 use crate::numerics::order::sort_by_number;
 
 /// How much likelier than the commonest slip it is that nothing is wrong (logarithm).
@@ -27,21 +29,28 @@ const SOFTER: [f64; 2] = [0.15, 0.1];
 /// Misfit of the states beyond which their sizes say nothing.
 const POOR: f64 = 0.5;
 
-/// What a factor may be on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum On {
-    Nothing,
-    Loads,
-    Displacements,
-    Prior,
-}
-
+/// A factor on everything, or none.
 struct Explanation {
-    on: On,
-    unit: Unit,
+    slip: Option<(Cause, Unit)>,
     /// Logarithm of the likelihood: of all, and of what the file itself says.
     all: f64,
     file: f64,
+}
+
+impl Explanation {
+    /// Factors of loads and of displacements.
+    fn factors(&self) -> [f64; 2] {
+        match self.slip {
+            Some((Cause::LoadUnits, unit)) => [unit.factor, 1.0],
+            Some((Cause::DisplacementUnits, unit)) => [1.0, unit.factor],
+            _ => [1.0; 2],
+        }
+    }
+
+    fn suspicion(&self, work: &Work) -> Option<Suspicion> {
+        let (cause, unit) = self.slip?;
+        Some(Slip::new(Undo::Times(cause, unit)).suspicion(work))
+    }
 }
 
 /// A table whose scale as a whole is not the one stated.
@@ -63,92 +72,54 @@ pub(super) fn check(work: &Work, moves: &[Move], fitted: &Fitted) -> Option<Susp
     let normal = |value: f64, spread: f64| -(value / spread).powi(2) / 2.0;
     // The cell's own load may be typed in the same unit as the table's.
     let stated = |load: f64| sizes.stated(load).max(sizes.stated(1.0) - BOTH);
-    let judge = |on: On, unit: Unit| {
-        let log = unit.factor.ln();
-        let [mut load, mut displacement] = [1.0, 1.0];
-        let (expected, of_class) = match on {
-            On::Nothing => (0.0, 0.0),
-            On::Loads => {
-                load = unit.factor;
-                (log, log)
-            }
-            On::Displacements => {
-                displacement = unit.factor;
-                (-log, -log)
-            }
-            On::Prior => (-log, 0.0),
+    let judge = |slip: Option<(Cause, Unit)>| {
+        let mut out = Explanation {
+            slip,
+            all: 0.0,
+            file: 0.0,
         };
-        let mut all = normal(beside_class - of_class, CLASS_SPREAD);
+        let [load, displacement] = out.factors();
+        let of_class = load.ln() - displacement.ln();
+        let expected = match slip {
+            Some((Cause::PriorUnits, unit)) => -unit.factor.ln(),
+            _ => of_class,
+        };
+        out.all = normal(beside_class - of_class, CLASS_SPREAD);
         if let Some(ratio) = beside_prior {
-            all += normal(ratio - SOFTER[0] - expected, spread);
+            out.all += normal(ratio - SOFTER[0] - expected, spread);
         }
         let named = if sizes.is_named(load) { NAMED } else { 0.0 };
-        let file = stated(load) + sizes.plausible(load, displacement) + named;
-        let rare = match on {
-            On::Nothing => -SOUND,
-            _ => unit.rare,
-        };
-        Explanation {
-            on,
-            unit,
-            all: all + file - rare,
-            file,
-        }
+        out.file = stated(load) + sizes.plausible(load, displacement) + named;
+        out.all += out.file - slip.map_or(-SOUND, |(_, unit)| unit.rare);
+        out
     };
-    let nothing = Unit {
-        factor: 1.0,
-        typed: "",
-        rare: 0.0,
-    };
-    let sound = judge(On::Nothing, nothing);
-    let mut all: Vec<Explanation> = FORCES.map(|u| judge(On::Loads, u)).into_iter().collect();
+    let sound = judge(None);
+    let mut all: Vec<(Cause, Unit)> = FORCES.map(|unit| (Cause::LoadUnits, unit)).to_vec();
     if work.is_displacements {
-        all.extend(DISPLACEMENTS.map(|u| judge(On::Displacements, u)));
+        all.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
     if beside_prior.is_some() {
-        all.extend(PRIORS.map(|u| judge(On::Prior, u)));
+        all.extend(PRIORS.map(|unit| (Cause::PriorUnits, unit)));
     }
+    let mut all: Vec<Explanation> = all.into_iter().map(|slip| judge(Some(slip))).collect();
     all.retain(|e| e.all > sound.all);
     sort_by_number(&mut all, |a| -a.all);
-    let best = all.first()?;
-    let limit = best.all - ALIKE;
+    let limit = all.first()?.all - ALIKE;
     all.retain(|e| e.all >= limit);
     let best = all.remove(0);
-    let cause = match best.on {
-        On::Loads | On::Nothing => Cause::LoadUnits,
-        On::Displacements => Cause::DisplacementUnits,
-        On::Prior => Cause::PriorUnits,
-    };
-    let mut out = Suspicion::new(cause);
-    out.factor = Some(best.unit.factor);
+    let mut out = best.suspicion(work)?;
     // How many times the stiffness is off, for the sentence.
-    out.ratio = Some((-beside_prior.unwrap_or(beside_class)).exp());
-    out.evidence = Some(if best.file - sound.file > CONFIRMED {
-        Evidence::File
-    } else {
-        Evidence::Prior
-    });
-    if out.evidence == Some(Evidence::File) {
-        let [load, displacement] = match best.on {
-            On::Loads => [best.unit.factor, 1.0],
-            On::Displacements => [1.0, best.unit.factor],
-            On::Nothing | On::Prior => [1.0; 2],
-        };
+    let off = beside_prior.unwrap_or(beside_class);
+    out.ratio = Some((-off).exp());
+    out.evidence = Some(Evidence::Prior);
+    out.certain = off.abs() > BEYOND;
+    if best.file - sound.file > CONFIRMED {
+        let [load, displacement] = best.factors();
+        out.evidence = Some(Evidence::File);
+        out.certain = true;
         out.confirmed_by = sizes.reasons(load, displacement);
     }
-    let off = beside_prior.unwrap_or(beside_class).abs();
-    out.certain = out.evidence == Some(Evidence::File) || off > BEYOND;
-    out.alternatives = all.iter().map(phrase).collect();
+    let others = all.iter().filter_map(|e| e.suspicion(work));
+    out.alternatives = others.map(|s| phrase(&s)).collect();
     Some(out)
-}
-
-/// An explanation beside others.
-fn phrase(e: &Explanation) -> String {
-    let factor = super::messages::number(e.unit.factor);
-    let typed = e.unit.typed;
-    match e.on {
-        On::Loads | On::Nothing => format!("loads typed in {typed}, factor {factor}"),
-        On::Displacements => format!("displacements in {typed}, factor {factor}"),
-        On::Prior => format!("a prior stiffness {typed}, factor {factor}"),
-    }
 }

@@ -3,13 +3,12 @@
 //! of a table of displacements in radians. Each is tried; it is believed where
 //! everything fits with it and little fits without.
 
-use super::super::motion::displacement;
-use super::super::{Cause, Evidence, Suspicion, Work};
-use super::fit::{Fitted, clear_moves, fit, scaled};
-use super::units::{INCH, RADIAN};
-use crate::model::load::{Load, LoadCase};
+use super::super::motion::Move;
+use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
+use super::super::units::{LENGTHS, of_angles};
+use super::super::{Cause, Evidence, Work};
+use super::fit::{Fitted, clear_moves, fit, misfit_of};
 use crate::numerics::arrangements::orders;
-use crate::numerics::order::sort_by_number;
 use nalgebra::Isometry3;
 
 /// Mean misfit, over the larger of read and expected, above which causes are tried.
@@ -23,134 +22,50 @@ const OFF: [f64; 2] = [0.2, 2.0];
 const EXPLAINS: f64 = 0.15;
 /// Load cases of which every order is tried.
 const MOST_CASES: usize = 5;
-/// Angles all below this may be radians, one above may be degrees taken for radians \[rad\].
-const LIKE_RADIANS: f64 = 0.122;
-const LIKE_DEGREES: f64 = 13.0;
 /// A loading point this near to the flange's origin, and not on it, is a metre typed as a
 /// millimetre \[m\].
 const BESIDE: f64 = 2e-3;
-/// Factors that lengths are off by.
-const LENGTHS: [f64; 4] = [1e3, 1e-3, INCH, 1.0 / INCH];
 
-/// The change that is tried.
-#[derive(Debug, Clone, PartialEq)]
-enum Change {
-    Cases(Vec<usize>),
-    Anchor(f64),
-    LoadingPoint(f64),
-    Angles(f64),
-}
-
-impl Change {
-    fn apply(&self, work: &mut Work) {
-        match self {
-            Change::Cases(order) => {
-                let cases = work.setup().load.cases().to_vec();
-                for p in 0..work.sheet.postures.len() {
-                    relabel(work, p, &cases, order);
-                }
-            }
-            Change::Anchor(factor) => scale_anchors(&mut work.cell.setup.load, *factor),
-            Change::LoadingPoint(factor) => work.cell.setup.tool.loading_point *= *factor,
-            Change::Angles(factor) => {
-                let states = work.sheet.postures.iter_mut().flat_map(|p| &mut p.states);
-                states.for_each(|s| s.q.iter_mut().for_each(|q| *q *= *factor));
-            }
-        }
-    }
-
-    fn suspicion(&self, work: &Work) -> Suspicion {
-        match self {
-            Change::Cases(order) => exchanged(work, order),
-            Change::Anchor(factor) => with(Cause::AnchorUnits, *factor),
-            Change::LoadingPoint(factor) => with(Cause::LoadingPointUnits, *factor),
-            Change::Angles(factor) if *factor > 1.0 => with(Cause::Radians, *factor),
-            Change::Angles(factor) => with(Cause::Degrees, *factor),
-        }
-    }
-}
-
-fn with(cause: Cause, factor: f64) -> Suspicion {
-    let mut out = Suspicion::new(cause);
-    out.factor = Some(factor);
-    out
-}
-
-fn exchanged(work: &Work, order: &[usize]) -> Suspicion {
-    let mut out = Suspicion::new(Cause::ExchangedLoadCases);
-    let cases = work.setup().load.cases();
-    let moved = (0..order.len()).filter(|c| order[*c] != *c);
-    out.states = moved.map(|c| cases[c].name.clone()).collect();
-    out
-}
-
-/// Files the states of posture `p` under the cases they are taken for.
-fn relabel(work: &mut Work, p: usize, cases: &[LoadCase], order: &[usize]) {
-    for state in &mut work.sheet.postures[p].states {
-        let Some(c) = cases.iter().position(|case| case.is_of(&state.name)) else {
-            continue;
-        };
-        let rest = state.name[cases[c].name.len()..].to_string();
-        state.name = format!("{}{rest}", cases[order[c]].name);
-    }
-}
-
-fn scale_anchors(load: &mut Load, factor: f64) {
-    match load {
-        Load::Rope { anchor, .. } => *anchor *= factor,
-        Load::Cases(cases) => {
-            for case in cases {
-                scale_anchors(&mut case.load, factor);
-            }
-        }
-        _ => {}
-    }
-}
-
-fn changes(work: &Work) -> Vec<Change> {
+/// All that is tried for the whole table.
+fn slips(work: &Work) -> Vec<Slip> {
     let mut out = Vec::new();
     let load = &work.setup().load;
     let cases = load.cases().len();
     if (2..=MOST_CASES).contains(&cases) {
-        out.extend(orders(cases).into_iter().map(Change::Cases));
+        out.extend(orders(cases).into_iter().map(Undo::Cases));
     }
-    let states = || work.sheet.postures.iter().flat_map(|p| &p.states);
+    let mut states = work.sheet.postures.iter().flat_map(|p| &p.states);
     // A measured wrench knows no anchor.
-    if load.has_rope() && states().all(|s| s.wrench.is_none()) {
-        out.extend(LENGTHS.map(Change::Anchor));
+    if load.has_rope() && states.all(|s| s.wrench.is_none()) {
+        out.extend(LENGTHS.map(|unit| Undo::Times(Cause::AnchorUnits, unit)));
     }
     if work.setup().tool.loading_point.norm() > 0.0 {
-        out.extend(LENGTHS.map(Change::LoadingPoint));
+        out.extend(LENGTHS.map(|unit| Undo::Times(Cause::LoadingPointUnits, unit)));
     }
     if work.is_displacements {
-        let largest = states()
-            .flat_map(|s| &s.q)
-            .fold(0.0_f64, |m, q| m.max(q.abs()));
-        if largest < LIKE_RADIANS {
-            out.push(Change::Angles(RADIAN));
-        } else if largest > LIKE_DEGREES {
-            out.push(Change::Angles(1.0 / RADIAN));
-        }
+        let unit = of_angles(work.sheet.largest_angle());
+        out.extend(unit.map(|(cause, unit)| Undo::Times(cause, unit)));
     }
-    out
+    out.into_iter().map(Slip::new).collect()
 }
 
-/// Tries the changes and makes the one that is believed.
-pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>, fitted: &Fitted) {
-    let all = changes(work);
-    best_of(work, base_from_tracker, fitted, all, f64::MAX);
-    let told = work
-        .found
-        .iter()
-        .any(|s| s.cause == Cause::LoadingPointUnits);
+/// Tries the slips and undoes the one that is believed.
+pub(super) fn check(
+    work: &mut Work,
+    base_from_tracker: &Isometry3<f64>,
+    _: &[Move],
+    fitted: &Fitted,
+) {
+    let told = best_of(work, base_from_tracker, fitted, slips(work), f64::MAX);
+    let is_told = matches!(told, Some(Undo::Times(Cause::LoadingPointUnits, _)));
     let distance = work.setup().tool.loading_point.norm();
     let nearest = work.setup().tool.measuring_points.iter();
     let nearest = nearest.map(|p| p.position.norm()).fold(f64::MAX, f64::min);
-    if !told && distance > 0.0 && distance < BESIDE && nearest > 10.0 * BESIDE {
+    if !is_told && distance > 0.0 && distance < BESIDE && nearest > 10.0 * BESIDE {
         // The joints take up what little such a slip changes: the number itself tells.
-        let mut out = with(Cause::LoadingPointUnits, LENGTHS[0]);
+        let slip = Slip::new(Undo::Times(Cause::LoadingPointUnits, LENGTHS[0]));
+        let mut out = slip.suspicion(work).off(distance);
         out.evidence = Some(Evidence::File);
-        out.off_m = Some(distance);
         out.certain = false;
         work.found.push(out);
     }
@@ -163,99 +78,81 @@ pub(super) fn exchange(
     fitted: &Fitted,
     other: f64,
 ) {
-    let mut all = changes(work);
-    all.retain(|change| matches!(change, Change::Cases(_)));
+    let mut all = slips(work);
+    all.retain(|slip| matches!(slip.undo, Undo::Cases(_)));
     best_of(work, base_from_tracker, fitted, all, other);
 }
 
+/// Undoes the slip that leaves much less than every other.
 fn best_of(
     work: &mut Work,
     base_from_tracker: &Isometry3<f64>,
     fitted: &Fitted,
-    changes: Vec<Change>,
+    slips: Vec<Slip>,
     other: f64,
-) {
+) -> Option<Undo> {
     let before = fitted.mean_misfit();
     if before < POOR {
-        return;
+        return None;
     }
-    let mut tried: Vec<(Change, f64)> = Vec::new();
-    for change in changes {
-        let mut copy = work.to_try();
-        change.apply(&mut copy);
-        let moves = clear_moves(&copy, base_from_tracker);
-        if let Some(after) = fit(&copy, &moves) {
-            tried.push((change, after.mean_misfit()));
-        }
-    }
-    sort_by_number(&mut tried, |a| a.1);
-    let next = tried.get(1).map_or(f64::MAX, |t| t.1).min(other);
-    let Some((change, after)) = tried.into_iter().next() else {
-        return;
+    let tried = slips.into_iter().map(|slip| {
+        let copy = work.without(&slip);
+        let after = fit(&copy, &clear_moves(&copy, base_from_tracker));
+        (slip, after.map(|after| after.mean_misfit()))
+    });
+    let rule = Rule {
+        most: f64::MAX,
+        alike: [1.0 / DISTINCT, 0.0],
+        beside: f64::MAX,
     };
-    if after > DISTINCT * next || after > FALLEN * before {
-        return;
-    }
-    let mut out = change.suspicion(work);
-    out.misfits = Some([before, after]);
+    let most = (FALLEN * before).min(DISTINCT * other);
+    let settled = settle(tried, &rule)?;
+    (settled.others.is_empty() && settled.after <= most).then(|| note(work, settled, before))
+}
+
+/// Says what readings under load show, and goes on without it.
+fn note(work: &mut Work, settled: Settled, before: f64) -> Undo {
+    let mut out = settled.slip.suspicion(work);
+    out.misfits = Some([before, settled.after]);
     out.evidence = Some(Evidence::Readings);
-    change.apply(work);
-    work.found.push(out);
+    work.undo(&settled.slip, out);
+    settled.slip.undo
 }
 
 /// Single postures whose states are filed under another case than they were taken under.
 pub(super) fn cases_of_postures(
     work: &mut Work,
     base_from_tracker: &Isometry3<f64>,
+    _: &[Move],
     fitted: &Fitted,
-) -> bool {
-    let cases = work.setup().load.cases().to_vec();
-    if !(2..=MOST_CASES).contains(&cases.len()) {
-        return false;
+) {
+    let cases = work.setup().load.cases().len();
+    if !(2..=MOST_CASES).contains(&cases) {
+        return;
     }
     let limit = OFF[0].max(OFF[1] * fitted.level);
-    let mut any = false;
     for p in 0..work.sheet.postures.len() {
         let own = fitted.states.iter().filter(|s| s.at.0 == p);
         if !own.clone().any(|s| s.misfit > limit) {
             continue;
         }
-        let states: Vec<usize> = own.map(|s| s.at.1).collect();
-        let misfit = |work: &Work| {
-            let reference = *work.sheet.postures[p].references().first()?;
-            let each = states.iter().map(|s| {
-                let one = displacement(work, base_from_tracker, p, *s, reference)?;
-                Some(scaled(&one, &fitted.compliance).misfit)
-            });
-            let all: Option<Vec<f64>> = each.collect();
-            Some(all?.iter().sum::<f64>() / states.len() as f64)
+        let own: Vec<Place> = own.map(|s| s.at).collect();
+        let left = |work: &Work| misfit_of(work, base_from_tracker, &own, fitted);
+        let Some(before) = left(work) else { continue };
+        let states = 0..work.sheet.postures[p].states.len();
+        let rows: Vec<Place> = states.map(|s| (p, s)).collect();
+        let tried = orders(cases).into_iter().map(|order| {
+            let slip = Slip::new(Undo::Cases(order)).at(&rows);
+            let after = left(&work.without(&slip));
+            (slip, after)
+        });
+        let rule = Rule {
+            most: (FALLEN * before).min(before - EXPLAINS),
+            alike: [1.0, 0.0],
+            beside: 0.0,
         };
-        let Some(before) = misfit(work) else { continue };
-        let mut best: Option<(Vec<usize>, f64)> = None;
-        for order in orders(cases.len()) {
-            let mut copy = work.to_try();
-            relabel(&mut copy, p, &cases, &order);
-            if let Some(after) = misfit(&copy)
-                && best.as_ref().is_none_or(|(_, b)| after < *b)
-            {
-                best = Some((order, after));
-            }
+        if let Some(settled) = settle(tried, &rule) {
+            note(work, settled, before);
         }
-        let Some((order, after)) =
-            best.filter(|(_, after)| *after < FALLEN * before && before - after > EXPLAINS)
-        else {
-            continue;
-        };
-        let mut out = exchanged(work, &order).posture(&work.sheet.postures[p].name.clone());
-        // Of states that were not taken nothing is exchanged.
-        let taken = &work.sheet.postures[p].states;
-        out.states
-            .retain(|name| taken.iter().any(|s| s.name.starts_with(name.as_str())));
-        out.misfits = Some([before, after]);
-        out.evidence = Some(Evidence::Readings);
-        relabel(work, p, &cases, &order);
-        work.found.push(out);
-        any = true;
     }
-    any
 }

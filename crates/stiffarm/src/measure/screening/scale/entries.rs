@@ -2,14 +2,13 @@
 //! states give the compliance; a factor that brings a state back among them is
 //! named, with posture and state.
 
-use super::super::motion::Move;
-use super::super::motion::{displacement, load_of};
-use super::super::sheet::{Posture, Sheet, State};
-use super::super::{Cause, Evidence, Suspicion, Work};
+use super::super::motion::{Move, load_of};
+use super::super::sheet::{Posture, Sheet};
+use super::super::slip::{Place, Rule, Settled, Slip, Undo, settle};
+use super::super::units::{DISPLACEMENTS, ENTRIES, Unit};
+use super::super::{Cause, Evidence, Work};
 use super::evidence::number_in;
-use super::fit::{Fitted, scaled};
-use super::units::{DISPLACEMENTS, ENTRIES, Unit};
-use crate::numerics::order::sort_by_number;
+use super::fit::{Fitted, misfit_of};
 use crate::numerics::sample::median;
 use nalgebra::Isometry3;
 
@@ -28,15 +27,6 @@ const PATTERN: usize = 3;
 /// Share of the states beyond which it is not they that are wrong.
 const MANY: f64 = 0.4;
 
-/// What is multiplied.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum On {
-    /// Load or wrench of these states of a posture.
-    Load,
-    /// The displacement, in a table of displacements.
-    Displacement,
-}
-
 /// What states of the same name say of a typed load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Pattern {
@@ -48,15 +38,19 @@ enum Pattern {
     Open,
 }
 
-/// One entry with the factor that mends it.
+/// An entry, what it is multiplied by, and the misfit as typed.
 #[derive(Debug, Clone)]
 struct Entry {
-    at: Vec<(usize, usize)>,
+    cause: Cause,
     unit: Unit,
-    on: On,
-    alternatives: Vec<Unit>,
+    settled: Settled,
     before: f64,
-    after: f64,
+}
+
+impl Entry {
+    fn at(&self) -> impl Iterator<Item = Place> {
+        self.settled.slip.at.iter().flatten().copied()
+    }
 }
 
 /// Names loads of single states that are off by a factor, and goes on with what they should be.
@@ -65,7 +59,7 @@ pub(super) fn check(
     base_from_tracker: &Isometry3<f64>,
     moves: &[Move],
     fitted: &Fitted,
-) -> bool {
+) {
     let limit = OFF[0].max(OFF[1] * fitted.level);
     let mut entries: Vec<Entry> = Vec::new();
     for p in 0..work.sheet.postures.len() {
@@ -84,7 +78,7 @@ pub(super) fn check(
             })
             .collect();
         // All states of a posture alike, then its reference, then each alone.
-        let mut groups: Vec<Vec<(usize, usize)>> = Vec::new();
+        let mut groups: Vec<Vec<Place>> = Vec::new();
         let by_wrench = own.iter().any(|i| {
             let one = &moves[*i];
             work.sheet.at((p, one.reference)).wrench.is_some()
@@ -98,14 +92,8 @@ pub(super) fn check(
         groups.extend(own.iter().map(|i| vec![(p, moves[*i].state)]));
         let mut open = off;
         for group in groups {
-            let touched: Vec<usize> = own
-                .iter()
-                .copied()
-                .filter(|i| {
-                    let sides = [moves[*i].state, moves[*i].reference];
-                    group.iter().any(|at| sides.contains(&at.1))
-                })
-                .collect();
+            let is_touched = |i: &usize| group.iter().any(|at| moves[*i].is_of(*at));
+            let touched: Vec<usize> = own.iter().copied().filter(is_touched).collect();
             let pattern = match group[..] {
                 [at] => pattern(&work.sheet, at),
                 _ => Pattern::Open,
@@ -114,135 +102,83 @@ pub(super) fn check(
             if !is_slip && !touched.iter().any(|i| open.contains(i)) {
                 continue;
             }
-            let found = mended(work, base_from_tracker, &group, &touched, fitted, pattern);
+            let states: Vec<Place> = touched.iter().map(|i| fitted.states[*i].at).collect();
+            let found = mended(work, base_from_tracker, &group, &states, fitted, pattern);
             if let Some(entry) = found {
                 open.retain(|i| !touched.contains(i));
                 entries.push(entry);
             }
         }
     }
-    if entries.is_empty() {
-        return false;
-    }
-    let entries = those_wrong(work, moves, fitted, entries);
-    for entry in &entries {
-        for at in &entry.at {
-            multiply(work.sheet.at_mut(*at), entry.on, entry.unit.factor);
+    if !entries.is_empty() {
+        let entries = those_wrong(work, moves, fitted, entries);
+        report(work, &entries);
+        for entry in &entries {
+            entry.settled.slip.undo(work);
         }
     }
-    report(work, &entries);
-    true
 }
 
-/// Mean misfit of the moves `touched` with what `group` says multiplied by `factor`.
-fn misfit_with(
-    work: &Work,
-    base_from_tracker: &Isometry3<f64>,
-    group: &[(usize, usize)],
-    touched: &[usize],
-    fitted: &Fitted,
-    on: On,
-    factor: f64,
-) -> Option<f64> {
-    let mut copy = work.to_try();
-    for at in group {
-        multiply(copy.sheet.at_mut(*at), on, factor);
-    }
-    let mut sum = 0.0;
-    for i in touched {
-        let at = fitted.states[*i].at;
-        let reference = *copy.sheet.postures[at.0].references().first()?;
-        let one = displacement(&copy, base_from_tracker, at.0, at.1, reference)?;
-        sum += scaled(&one, &fitted.compliance).misfit;
-    }
-    Some(sum / touched.len() as f64)
-}
-
-fn multiply(state: &mut State, on: On, factor: f64) {
-    match on {
-        On::Load => {
-            state.load = state.load.map(|l| l * factor);
-            if let Some(wrench) = &mut state.wrench {
-                wrench.force *= factor;
-                wrench.moment *= factor;
-            }
-        }
-        // Displacements are positions from an origin.
-        On::Displacement => state.each_position(|p| *p *= factor),
-    }
-}
-
-/// The factor that brings the states `touched` back among the others.
+/// The factor on `group` that brings the states `touched` back among the others.
 fn mended(
     work: &Work,
     base_from_tracker: &Isometry3<f64>,
-    group: &[(usize, usize)],
-    touched: &[usize],
+    group: &[Place],
+    touched: &[Place],
     fitted: &Fitted,
     pattern: Pattern,
 ) -> Option<Entry> {
-    let has_load = |at: &(usize, usize)| {
+    let has_load = |at: &Place| {
         let state = work.sheet.at(*at);
         state.load.is_some_and(|l| l != 0.0) || state.wrench.is_some()
     };
-    let with = |on: On, factor: f64| {
-        misfit_with(work, base_from_tracker, group, touched, fitted, on, factor)
-    };
-    let before = with(On::Load, 1.0)?;
-    let mut tried: Vec<(On, Unit, f64)> = Vec::new();
+    let left = |work: &Work| misfit_of(work, base_from_tracker, touched, fitted);
+    let before = left(work)?;
+    let mut units: Vec<(Cause, Unit)> = Vec::new();
     if group.iter().any(has_load) && pattern != Pattern::Same {
-        for unit in ENTRIES {
-            tried.extend(with(On::Load, unit.factor).map(|after| (On::Load, unit, after)));
-        }
+        units.extend(ENTRIES.map(|unit| (Cause::LoadEntry, unit)));
     }
     if work.is_displacements && group.len() == 1 {
-        for unit in DISPLACEMENTS {
-            let after = with(On::Displacement, unit.factor);
-            tried.extend(after.map(|after| (On::Displacement, unit, after)));
-        }
+        units.extend(DISPLACEMENTS.map(|unit| (Cause::DisplacementUnits, unit)));
     }
+    let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
+    let mut rule = Rule {
+        most: settled.min(FALLEN * before),
+        alike: [1.0, ALIKE],
+        beside: f64::MAX,
+    };
     // What states of this name have elsewhere, or the name itself says, decides.
     if let Pattern::Times(factor) = pattern {
-        let same = |u: &Unit| (u.factor / factor - 1.0).abs() < SAME;
-        let named = tried
-            .iter()
-            .find(|(on, u, _)| *on == On::Load && same(u))
-            .copied();
-        return named
-            .filter(|(_, _, after)| *after < 0.9 * before)
-            .map(|(on, unit, after)| Entry {
-                at: group.to_vec(),
-                unit,
-                on,
-                alternatives: Vec::new(),
-                before,
-                after,
-            });
+        units.retain(|(cause, u)| {
+            *cause == Cause::LoadEntry && (u.factor / factor - 1.0).abs() < SAME
+        });
+        rule.most = 0.9 * before;
     }
-    let best = tried.iter().map(|t| t.2).reduce(f64::min)?;
-    let settled = SETTLED[0].max(SETTLED[1] * fitted.level);
-    if best > settled || best > FALLEN * before {
-        return None;
-    }
-    tried.retain(|t| t.2 < best + ALIKE);
     // Numbers of a sensor, and all of a posture, are not typed one by one.
     let typed = group.len() == 1 && work.sheet.at(group[0]).wrench.is_none();
-    let rare = |u: &Unit| u.rare + if u.is_decimal() && !typed { 2.0 } else { 0.0 };
-    sort_by_number(&mut tried, |a| rare(&a.1) + a.2);
-    let (on, unit, after) = tried.remove(0);
+    let tried = units.into_iter().map(|(cause, unit)| {
+        let mut slip = Slip::new(Undo::Times(cause, unit)).at(group);
+        if unit.is_decimal() && !typed {
+            slip.cost += 2.0;
+        }
+        let after = left(&work.without(&slip));
+        (slip, after)
+    });
+    let settled = settle(tried, &rule)?;
+    let Undo::Times(cause, unit) = settled.slip.undo else {
+        return None;
+    };
     Some(Entry {
-        at: group.to_vec(),
+        cause,
         unit,
-        on,
-        alternatives: tried.iter().map(|t| t.1).collect(),
+        settled,
         before,
-        after,
     })
 }
 
 /// What states of this name have in other postures, or else the name itself, says
 /// of the load typed for this state.
-fn pattern(sheet: &Sheet, at: (usize, usize)) -> Pattern {
+fn pattern(sheet: &Sheet, at: Place) -> Pattern {
     let state = sheet.at(at);
     let Some(load) = state.load.filter(|l| *l > 0.0) else {
         return Pattern::Open;
@@ -275,22 +211,17 @@ fn pattern(sheet: &Sheet, at: (usize, usize)) -> Pattern {
 
 /// Where as many states are off as not, prior and names tell which.
 fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>) -> Vec<Entry> {
-    let all: Vec<(usize, usize)> = moves.iter().map(|m| (m.posture, m.state)).collect();
-    let flagged: Vec<(usize, usize)> = entries.iter().flat_map(|e| e.at.clone()).collect();
+    let flagged: Vec<Place> = entries.iter().flat_map(Entry::at).collect();
     let unit = entries[0].unit;
-    let alike = entries
-        .iter()
-        .all(|e| e.unit.factor == unit.factor && e.on == On::Load);
-    let others: Vec<(usize, usize)> = all
-        .iter()
-        .copied()
-        .filter(|at| !flagged.contains(at))
-        .collect();
-    if !alike || others.is_empty() || (flagged.len() as f64) < MANY * all.len() as f64 {
+    let alike = |e: &Entry| e.unit == unit && e.cause == Cause::LoadEntry;
+    let all = moves.iter().map(|m| (m.posture, m.state));
+    let others: Vec<Place> = all.filter(|at| !flagged.contains(at)).collect();
+    let is_most = flagged.len() as f64 >= MANY * moves.len() as f64;
+    if !entries.iter().all(alike) || others.is_empty() || !is_most {
         return entries;
     }
     // Names first: loads of these states agree with their names.
-    let agreeing = |at: &[(usize, usize)]| {
+    let agreeing = |at: &[Place]| {
         let own = at.iter().filter(|at| {
             let state = work.sheet.at(**at);
             let number = number_in(&state.name);
@@ -311,62 +242,39 @@ fn those_wrong(work: &Work, moves: &[Move], fitted: &Fitted, entries: Vec<Entry>
     let inverse = ENTRIES
         .iter()
         .find(|u| (u.factor * unit.factor - 1.0).abs() < 1e-9);
-    match inverse.filter(|_| flip) {
-        None => entries,
-        Some(inverse) => others
-            .into_iter()
-            .map(|at| Entry {
-                at: vec![at],
-                unit: *inverse,
-                ..entries[0].clone()
-            })
-            .collect(),
-    }
+    let Some(inverse) = inverse.filter(|_| flip) else {
+        return entries;
+    };
+    let turned = |at: Place| {
+        let mut out = entries[0].clone();
+        out.unit = *inverse;
+        out.settled.slip = Slip::new(Undo::Times(Cause::LoadEntry, *inverse)).at(&[at]);
+        out
+    };
+    others.into_iter().map(turned).collect()
 }
 
 /// One finding for each factor.
 fn report(work: &mut Work, entries: &[Entry]) {
-    let mut done: Vec<(On, f64)> = Vec::new();
+    let postures = work.sheet.postures.len();
+    let mut done: Vec<(Cause, f64)> = Vec::new();
     for entry in entries {
-        let key = (entry.on, entry.unit.factor);
+        let key = (entry.cause, entry.unit.factor);
         if done.contains(&key) {
             continue;
         }
         done.push(key);
-        let alike = entries.iter().filter(|e| (e.on, e.unit.factor) == key);
-        let alike: Vec<&Entry> = alike.collect();
-        let cause = match entry.on {
-            On::Load => Cause::LoadEntry,
-            On::Displacement => Cause::DisplacementUnits,
-        };
-        let mut out = Suspicion::new(cause);
-        let at: Vec<(usize, usize)> = alike.iter().flat_map(|e| e.at.clone()).collect();
-        let postures = work.sheet.postures.len();
-        for &(p, s) in &at {
-            let posture = &work.sheet.postures[p];
-            if !out.postures.contains(&posture.name) {
-                out.postures.push(posture.name.clone());
-            }
-            let state = &posture.states[s].name;
-            let whole = posture.states.len() > 1
-                && (0..posture.states.len()).all(|other| at.contains(&(p, other)));
-            if !whole && !out.states.contains(state) {
-                out.states.push(state.clone());
-            }
-        }
+        let alike = entries.iter().filter(|e| (e.cause, e.unit.factor) == key);
+        let at: Vec<Place> = alike.clone().flat_map(Entry::at).collect();
+        let after = alike.map(|e| e.settled.after).fold(0.0, f64::max);
+        let mut all = entry.settled.clone();
+        all.slip = all.slip.at(&at);
+        let mut out = all.suspicion(work);
         if out.postures.len() == postures && postures > 1 && !out.states.is_empty() {
             out.postures.clear();
         }
-        out.factor = Some(entry.unit.factor);
-        let after = alike.iter().map(|e| e.after).fold(0.0, f64::max);
         out.misfits = Some([entry.before, after]);
         out.evidence = Some(Evidence::Readings);
-        out.certain = entry.alternatives.is_empty();
-        for unit in &entry.alternatives {
-            let factor = super::messages::number(unit.factor);
-            out.alternatives
-                .push(format!("{}, factor {factor}", unit.typed));
-        }
         work.found.push(out);
     }
 }

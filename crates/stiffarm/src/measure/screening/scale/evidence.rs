@@ -63,7 +63,7 @@ pub(super) fn number_in(name: &str) -> Option<f64> {
         .collect();
     let factor = match unit.to_ascii_lowercase().as_str() {
         "kg" | "kgf" | "kp" => STANDARD_GRAVITY,
-        "lb" | "lbs" | "lbf" => super::units::POUND,
+        "lb" | "lbs" | "lbf" => super::super::units::POUND,
         "kn" => 1e3,
         _ => 1.0,
     };

@@ -5,7 +5,8 @@
 //! disagree with the others lose their weight round by round.
 
 use super::super::Work;
-use super::super::motion::{Move, moves};
+use super::super::motion::{Move, displacement, moves};
+use super::super::slip::Place;
 use super::class::{PRIOR_SPREAD, expected_stiffness};
 use crate::numerics::sample::median;
 use nalgebra::{DMatrix, DVector, Isometry3};
@@ -57,7 +58,7 @@ impl Fitted {
 }
 
 /// How far `one` is from what `compliance` gives.
-pub(super) fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
+fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
     let (given, expected) = (&one.shift - &one.known, &one.block * compliance);
     let (own, size) = (given.norm(), expected.norm());
     Scaled {
@@ -65,6 +66,22 @@ pub(super) fn scaled(one: &Move, compliance: &DVector<f64>) -> Scaled {
         ratio: given.dot(&expected) / (size * size).max(f64::MIN_POSITIVE),
         misfit: (given - expected).norm() / own.max(size).max(f64::MIN_POSITIVE),
     }
+}
+
+/// Mean misfit of the displacements of the states `at`; `None` where one is not known.
+pub(super) fn misfit_of(
+    work: &Work,
+    base_from_tracker: &Isometry3<f64>,
+    at: &[Place],
+    fitted: &Fitted,
+) -> Option<f64> {
+    let mut sum = 0.0;
+    for (p, s) in at {
+        let reference = *work.sheet.postures[*p].references().first()?;
+        let one = displacement(work, base_from_tracker, *p, *s, reference)?;
+        sum += scaled(&one, &fitted.compliance).misfit;
+    }
+    Some(sum / at.len() as f64)
 }
 
 /// Displacements that stand out of the noise, with the wrench their table gives them.

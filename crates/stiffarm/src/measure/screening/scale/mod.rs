@@ -14,9 +14,7 @@ mod described;
 mod entries;
 mod evidence;
 mod fit;
-pub(super) mod messages;
 mod moments;
-mod units;
 
 use super::motion::{Move, is_reversed};
 use super::{Cause, Work};
@@ -79,14 +77,14 @@ pub(super) fn check(work: &mut Work, base_from_tracker: &Isometry3<f64>) {
     moments::check(work, &all);
     // A few states fit whatever is tried.
     let enough = postures(&all) >= ENOUGH;
-    if let Some((_, found)) = fitted(work).filter(|_| enough) {
-        described::check(work, base_from_tracker, &found);
-    }
-    if let Some((_, found)) = fitted(work).filter(|_| enough) {
-        described::cases_of_postures(work, base_from_tracker, &found);
-    }
-    if let Some((all, found)) = fitted(work).filter(|_| enough) {
-        entries::check(work, base_from_tracker, &all, &found);
+    for check in [
+        described::check,
+        described::cases_of_postures,
+        entries::check,
+    ] {
+        if let Some((all, found)) = fitted(work).filter(|_| enough) {
+            check(work, base_from_tracker, &all, &found);
+        }
     }
     if let Some((all, found)) = fitted(work) {
         let found = common::check(work, &all, &found);

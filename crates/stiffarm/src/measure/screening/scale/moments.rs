@@ -2,8 +2,9 @@
 //! lever × force about the sensor's origin.
 
 use super::super::motion::Move;
-use super::super::{Cause, Evidence, Suspicion, Work};
-use super::units::MOMENTS;
+use super::super::slip::{Slip, Undo};
+use super::super::units::MOMENTS;
+use super::super::{Cause, Evidence, Work};
 use crate::model::instruments::Mount;
 use crate::model::kinematics::Frames;
 use crate::model::load::Load;
@@ -17,14 +18,14 @@ const LEVER: f64 = 0.02;
 
 /// Moments of all states in another unit than the forces, by the stated loading
 /// point; goes on with what they should be.
-pub(super) fn check(work: &mut Work, moves: &[Move]) -> bool {
+pub(super) fn check(work: &mut Work, moves: &[Move]) {
     let Some(sensor) = work.cell.sensor.clone().filter(|_| work.sheet.has_moments) else {
-        return false;
+        return;
     };
     let pure = |load: &Load| !matches!(load, Load::Constant { .. });
     let cases = work.setup().load.cases();
     if !work.setup().load.each().all(pure) || cases.iter().any(|c| c.loading_point.is_some()) {
-        return false;
+        return;
     }
     let (mut product, mut own, mut expected, mut forces) = (0.0, 0.0, 0.0, 0.0);
     for one in moves {
@@ -46,32 +47,19 @@ pub(super) fn check(work: &mut Work, moves: &[Move]) -> bool {
     let aligned = product / (own * expected).sqrt();
     // Not true for a number that is none.
     if !(aligned > ALONG && expected > LEVER * LEVER * forces) {
-        return false;
+        return;
     }
     let slope = product / expected;
     let near = |f: f64| (slope * f).ln().abs() < NEAR;
     let Some(unit) = MOMENTS.into_iter().find(|u| near(u.factor)) else {
-        return false;
+        return;
     };
     // Forces a factor too small make moments as much too large for them.
-    let of_forces = unit.typed.is_empty();
-    let (cause, factor) = if of_forces {
-        (Cause::LoadUnits, 1.0 / unit.factor)
-    } else {
-        (Cause::MomentUnits, unit.factor)
-    };
-    let mut out = Suspicion::new(cause);
-    out.factor = Some(factor);
+    let slip = Slip::new(match unit.typed {
+        "" => Undo::Forces(1.0 / unit.factor),
+        _ => Undo::Times(Cause::MomentUnits, unit),
+    });
+    let mut out = slip.suspicion(work);
     out.evidence = Some(Evidence::Readings);
-    for state in work.sheet.postures.iter_mut().flat_map(|p| &mut p.states) {
-        if let Some(wrench) = &mut state.wrench {
-            if of_forces {
-                wrench.force /= unit.factor
-            } else {
-                wrench.moment *= unit.factor
-            }
-        }
-    }
-    work.found.push(out);
-    true
+    work.undo(&slip, out);
 }

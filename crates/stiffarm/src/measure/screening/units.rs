@@ -1,5 +1,6 @@
 //! Units that people mix up, by the factor that undoes it.
 
+use super::Cause;
 use crate::units::STANDARD_GRAVITY;
 
 /// Newtons in a pound-force: 0.453 592 37 kg (international yard and pound
@@ -28,7 +29,7 @@ impl Unit {
     }
 }
 
-const fn unit(factor: f64, typed: &'static str, rare: f64) -> Unit {
+pub(super) const fn unit(factor: f64, typed: &'static str, rare: f64) -> Unit {
     Unit {
         factor,
         typed,
@@ -57,6 +58,35 @@ pub(super) const ENTRIES: [Unit; 10] = [
     unit(1.0 / STANDARD_GRAVITY, "newtons read as kilograms", 3.0),
     unit(1.0 / POUND, "newtons read as pounds", 3.0),
 ];
+
+/// Lengths of the cell.
+pub(super) const LENGTHS: [Unit; 4] = [
+    unit(1e3, "", 0.0),
+    unit(1e-3, "", 0.0),
+    unit(INCH, "", 0.0),
+    unit(1.0 / INCH, "", 0.0),
+];
+
+/// Lengths that a drawing may be off by besides: centimetres, and tenths of them.
+pub(super) const CENTIMETRES: [Unit; 4] = [
+    unit(10.0, "", 0.0),
+    unit(0.1, "", 0.0),
+    unit(100.0, "", 0.0),
+    unit(0.01, "", 0.0),
+];
+
+/// Angles all below this may be radians taken for degrees, one above the other may be degrees taken for radians \[rad\].
+pub(super) const LIKE_RADIANS: f64 = 0.122;
+const LIKE_DEGREES: f64 = 14.0;
+
+/// The unit that angles may be in, by the largest of them \[rad\].
+pub(super) fn of_angles(largest: f64) -> Option<(Cause, Unit)> {
+    match largest {
+        ..LIKE_RADIANS => Some((Cause::Radians, unit(RADIAN, "", 0.0))),
+        LIKE_DEGREES.. => Some((Cause::Degrees, unit(1.0 / RADIAN, "", 0.0))),
+        _ => None,
+    }
+}
 
 /// Displacements of a table that holds them.
 pub(super) const DISPLACEMENTS: [Unit; 4] = [
