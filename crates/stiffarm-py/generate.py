@@ -209,10 +209,10 @@ def quoted(text: str, indent: int) -> list[str]:
 def keys() -> str:
     """The text of ``_keys.pyi``."""
     schemas = {name: printed("schema", f"result-{name}") for names in RESULTS.values() for name in names}
-    own, base = members("results.py"), members("_result.py")
+    own, base = members("results.py"), members("_record.py") | members("_result.py")
     base["Record"] |= set(dir(Mapping))
     types = Types(schemas)
-    out = ["from typing import Any", "", "from numpy.typing import NDArray", "", "from ._result import Record"]
+    out = ["from typing import Any", "", "from numpy.typing import NDArray", "", "from ._record import Record"]
     out += types.text(base["Record"])
     for name, commands in RESULTS.items():
         parts = [(command, schemas[command], schemas[command]["$defs"][root(schemas[command])]) for command in commands]

@@ -65,38 +65,37 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
     exit_code(error.code())
 }
 
-/// The error with the option of the command line for the field of the library that it is
-/// about, where that is one of `fields`: `tolerance_mm` is `--tolerance-mm`. What it says of
-/// these fields, in backticks, it says of the options.
-pub fn of_option(error: Error, fields: &[&str]) -> Error {
-    match error.place().key.as_deref() {
-        Some(key) if error.place().file.is_none() && fields.contains(&key) => {
-            let said = |text: &str| {
-                let replace = |text: String, field: &&str| {
-                    text.replace(&format!("`{field}`"), &option_of(field))
-                };
-                fields.iter().fold(text.to_string(), replace)
-            };
-            let given = Error::new(error.code(), said(error.message())).key(option_of(key));
-            given.hint_if(error.hint_text().map(said))
-        }
-        _ => error,
-    }
-}
-
-fn option_of(field: &str) -> String {
-    format!("--{}", field.replace('_', "-"))
-}
-
-/// As [`of_option`], a value that is not allowed being a wrong use of the command line.
-pub fn of_usage(error: Error, fields: &[&str]) -> Error {
-    let given = of_option(error.clone(), fields);
-    if given.place().key == error.place().key || error.code() != Code::InvalidValue {
-        return given;
-    }
-    let key = given.place().key.clone().unwrap_or_default();
-    let usage = Error::new(Code::Usage, given.message()).key(key);
-    usage.hint_if(given.hint_text())
+/// The error with the option of `command` for the field of the library that it is about, where the command has one of that
+/// name: `tolerance_mm` is `--tolerance-mm`. What it says of fields in backticks it says of the options, and a value that
+/// is not allowed is a wrong use of the command line.
+pub fn of_option(error: Error, command: &clap::Command) -> Error {
+    let option = |field: &str| {
+        let long = field.replace('_', "-");
+        let mut options = command.get_arguments().filter_map(clap::Arg::get_long);
+        options.any(|own| own == long).then(|| format!("--{long}"))
+    };
+    let place = error.place();
+    let field = place.key.as_deref().filter(|_| place.file.is_none());
+    let Some(key) = field.and_then(option) else {
+        return error;
+    };
+    let said = |text: &str| {
+        let parts = text
+            .split('`')
+            .enumerate()
+            .map(|(i, part)| match option(part) {
+                Some(option) if i % 2 == 1 => option,
+                _ if i % 2 == 1 => format!("`{part}`"),
+                _ => part.to_string(),
+            });
+        parts.collect::<String>()
+    };
+    let code = match error.code() {
+        Code::InvalidValue => Code::Usage,
+        code => code,
+    };
+    let given = Error::new(code, said(error.message())).key(key);
+    given.hint_if(error.hint_text().map(said))
 }
 
 /// Prints what clap says: help and version on standard output, usage errors on
@@ -266,22 +265,24 @@ mod tests {
 
     #[test]
     fn a_field_of_the_library_is_an_option_of_the_command() {
-        let wrong = Error::invalid("Wrong `axes`.").hint("give `near_deg`");
+        let command = clap::Command::new("x")
+            .args(["near-deg", "axes"].map(|long| clap::Arg::new(long).long(long)));
+        let wrong = Error::invalid("Wrong `axes`, not `tool`.").hint("give `near_deg`");
         let key = |e: &Error| e.place().key.clone();
-        let usage = of_usage(wrong.clone().key("near_deg"), &["near_deg"]);
+        let usage = of_option(wrong.clone().key("near_deg"), &command);
         assert_eq!(key(&usage).as_deref(), Some("--near-deg"));
         assert_eq!(usage.code(), Code::Usage);
         let said = (usage.message(), usage.hint_text());
-        assert_eq!(said, ("Wrong `axes`.", Some("give --near-deg")));
-        let option = of_option(wrong.clone().key("bootstrap"), &["bootstrap"]);
-        assert_eq!(option.code(), Code::InvalidValue);
-        assert_eq!(key(&option).as_deref(), Some("--bootstrap"));
-        // A key of a file is no option.
-        let of_file = of_usage(wrong.key("bootstrap").file("cell.toml"), &["bootstrap"]);
-        assert_eq!(
-            (of_file.code(), key(&of_file).as_deref()),
-            (Code::InvalidValue, Some("bootstrap"))
-        );
+        assert_eq!(said, ("Wrong --axes, not `tool`.", Some("give --near-deg")));
+        // A key of a file is no option, nor is what the command does not have.
+        for other in [
+            wrong.clone().key("axes").file("cell.toml"),
+            wrong.key("rounds"),
+        ] {
+            let same = of_option(other.clone(), &command);
+            let parts = |e: &Error| (e.code(), key(e), e.message().to_string());
+            assert_eq!(parts(&same), parts(&other));
+        }
     }
 
     #[test]

@@ -9,7 +9,7 @@ use stiffarm::findings::visible;
 use stiffarm::model::observation::ExtraTerm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
-use stiffarm_files::source::{NamedCell, STANDARD_INPUT, STANDARD_INPUT_NAME, Source};
+use stiffarm_files::source::{NamedCell, STANDARD_INPUT, STANDARD_INPUT_NAME, Source, read_cell};
 use stiffarm_files::table::sha256_hex;
 
 /// An input as a line above a table.
@@ -67,12 +67,12 @@ impl Source for Session {
 }
 
 impl Session {
-    /// Reads a cell as [`Source::read_cell`], and remembers it for the page of the result.
+    /// Reads a cell as [`read_cell`], and remembers it for the page of the result.
     ///
     /// # Errors
-    /// As [`Source::read_cell`].
+    /// As [`read_cell`].
     pub fn read_cell(&self, from: &str) -> Result<NamedCell> {
-        let named = Source::read_cell(self, from)?;
+        let named = read_cell(self, from)?;
         if let Some(page) = self.page.borrow_mut().as_mut() {
             page.cell.get_or_insert_with(|| named.cell.clone());
         }

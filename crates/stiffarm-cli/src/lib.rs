@@ -11,6 +11,7 @@ mod error;
 mod examples;
 mod excerpt;
 mod files;
+mod finding;
 mod host;
 mod identity;
 mod input;
@@ -19,11 +20,13 @@ mod numbers;
 mod output;
 mod page;
 mod path;
+mod picture;
 mod progress;
 mod saved;
 mod screen;
 mod session;
 mod table;
+mod target;
 mod text;
 
 #[cfg(feature = "schema")]
@@ -79,8 +82,10 @@ pub fn run_captured(words: &[OsString], host: Host) -> Captured {
 fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: Host) -> u8 {
     // What help and usage errors need before the words are parsed.
     let color = args::color_of(words);
-    let command = args::grouped(Cli::command()).color(color);
-    let parsed = command.try_get_matches_from(words);
+    let mut command = args::grouped(Cli::command()).color(color);
+    let parsed = command.try_get_matches_from_mut(words);
+    let named = parsed.as_ref().ok().and_then(|own| own.subcommand_name());
+    let named = named.unwrap_or_default().to_string();
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(stop) => return error::usage(&stop, args::wants_json(words), captured.as_deref()),
@@ -99,7 +104,10 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: 
             Some(error) => error::report_beside(&session, &error),
             None => exit.code(),
         },
-        Err(fault) => error::report(&session, &fault),
+        Err(fault) => {
+            let asked = command.find_subcommand(&named).unwrap_or(&command);
+            error::report(&session, &error::of_option(fault, asked))
+        }
     }
 }
 

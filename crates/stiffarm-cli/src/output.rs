@@ -1,23 +1,22 @@
 //! Printing: tables for people, one JSON object for machines.
 
-use crate::commands::finding_line;
-use crate::files::{Target, write_all};
+use crate::files::write_all;
+use crate::finding::finding_line;
 use crate::input::Line;
 use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
+use crate::target::Target;
 use crate::text;
 use serde::Serialize;
-use std::any::Any;
 use std::io::{ErrorKind, Write};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::{Finding, Severity, codes};
 use stiffarm::model::cell::Cell;
-use stiffarm::plan::check::LEFT_OUT;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::envelope::{Envelope, write_result};
 use stiffarm_files::result::SavedResult;
 use stiffarm_files::source::NamedCell;
-use stiffarm_report::tell::{Given, Told, tell};
+use stiffarm_report::tell::{Given, Telling, Told};
 
 /// How a command ended, where it ended without an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,7 +50,7 @@ impl Exit {
 
     /// [`Exit::Finding`] if one of them is serious, or names a joint that cannot be determined.
     pub fn of_findings(findings: &[Finding]) -> Self {
-        let ends = |f: &Finding| f.severity == Severity::Serious || f.code == LEFT_OUT;
+        let ends = |f: &Finding| f.severity == Severity::Serious || f.code == codes::JOINT_LEFT_OUT;
         Exit::finding(findings.iter().any(ends))
     }
 }
@@ -74,7 +73,6 @@ impl Session {
     /// # Errors
     /// Standard output cannot be written.
     pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
-        self.write_page(envelope)?;
         if self.json {
             self.print_exact(&write_result(envelope)?)
         } else {
@@ -82,52 +80,38 @@ impl Session {
         }
     }
 
-    /// Writes the JSON object to `target`, if there is one, and shows the result:
-    /// as a remark where the object itself, or another file, goes to standard output.
+    /// Writes the JSON object to `target`, if there is one, and the page, where one is asked for, and says what the
+    /// result, made with `cell` where it has one, says: as a remark where the object itself, or another file, goes to
+    /// standard output.
     ///
     /// # Errors
-    /// The file or standard output cannot be written.
-    pub fn deliver(
+    /// A file or standard output cannot be written.
+    pub fn deliver_told<'c, O: Serialize, R: Serialize + Telling>(
         &self,
         target: Option<Target>,
-        envelope: &impl Serialize,
-        table: impl FnOnce() -> String,
-    ) -> Result<()> {
-        match target {
-            Some(Target::Stdout) => {
-                self.write_page(envelope)?;
-                self.print_exact(&write_result(envelope)?)?;
-                self.stdout_is_taken.set(true);
-            }
-            Some(target) => write_all(self, &[(target, write_result(envelope)?)])?,
-            None => {}
-        }
-        if self.stdout_is_taken.get() {
-            self.write_page(envelope)?;
-            self.remark(&table());
-            return Ok(());
-        }
-        self.show(envelope, table)
-    }
-
-    /// Delivers what a result says, as [`Session::deliver`]; `cell` is the one it was made with, where it has one.
-    ///
-    /// # Errors
-    /// As [`Session::deliver`].
-    pub fn deliver_told<'c>(
-        &self,
-        target: Option<Target>,
-        envelope: &impl Serialize,
+        envelope: &Envelope<O, R>,
         cell: impl Into<Option<&'c NamedCell>>,
         details: bool,
     ) -> Result<()> {
+        let is_stdout = matches!(target, Some(Target::Stdout));
         // The object alone needs no words.
-        let beside = self.stdout_is_taken.get() || matches!(target, Some(Target::Stdout));
-        if self.json && !beside {
-            return self.deliver(target, envelope, String::new);
+        let words = match self.json && !self.stdout_is_taken.get() && !is_stdout {
+            true => String::new(),
+            false => self.in_words(envelope, cell.into(), details)?,
+        };
+        if let Some(target) = target.filter(|_| !is_stdout) {
+            write_all(self, &[(target, write_result(envelope)?)])?;
         }
-        let words = self.in_words(envelope, cell.into(), details)?;
-        self.deliver(target, envelope, || words)
+        self.write_page(envelope)?;
+        if is_stdout {
+            self.print_exact(&write_result(envelope)?)?;
+            self.stdout_is_taken.set(true);
+        }
+        if self.stdout_is_taken.get() {
+            self.remark(&words);
+            return Ok(());
+        }
+        self.show(envelope, || words)
     }
 
     /// Delivers what a result at work says, and how the command ended: what is made of JSON holds none of its `points`,
@@ -135,8 +119,8 @@ impl Session {
     /// said.
     ///
     /// # Errors
-    /// As [`Session::deliver`].
-    pub fn deliver_at_work<O: Serialize, R: Serialize + Any, P>(
+    /// As [`Session::deliver_told`].
+    pub fn deliver_at_work<O: Serialize, R: Serialize + Telling, P>(
         &self,
         mut envelope: Envelope<O, R>,
         points: fn(&mut R) -> &mut Vec<P>,
@@ -147,16 +131,15 @@ impl Session {
         let saved = SavedResult::of(&envelope, "result")?;
         *points(&mut envelope.result) = all;
         let findings = saved.findings();
+        self.write_page(&envelope)?;
         if self.stdout_is_taken.get() {
-            self.write_page(&envelope)?;
             self.remark_serious(findings.iter());
         } else {
-            let mut given = Given::new(&saved, Some(&named.cell)).in_words();
-            given.made = Some(&envelope.result);
+            let given = Given::new(&saved, Some(&named.cell)).in_words();
             let words = if self.json {
                 String::new()
             } else {
-                text::told(&tell(&given)?, details)
+                text::told(&envelope.result.told(&given)?, details)
             };
             self.show(&envelope, || words + &named.line() + &stiffness.line())?;
         }
@@ -164,9 +147,9 @@ impl Session {
     }
 
     /// What a result says.
-    fn in_words(
+    fn in_words<O: Serialize, R: Serialize + Telling>(
         &self,
-        envelope: &impl Serialize,
+        envelope: &Envelope<O, R>,
         cell: Option<&NamedCell>,
         details: bool,
     ) -> Result<String> {
@@ -236,7 +219,10 @@ impl Session {
 ///
 /// # Errors
 /// A result that JSON cannot hold.
-pub fn told(envelope: &impl Serialize, cell: Option<&Cell>) -> Result<Told> {
+pub fn told<O: Serialize, R: Serialize + Telling>(
+    envelope: &Envelope<O, R>,
+    cell: Option<&Cell>,
+) -> Result<Told> {
     let saved = SavedResult::of(envelope, "result")?;
-    tell(&Given::new(&saved, cell).in_words())
+    envelope.result.told(&Given::new(&saved, cell).in_words())
 }

@@ -56,7 +56,8 @@ impl Session {
     }
 }
 
-/// The page of a result.
+/// The page of a result, of what its file holds: angles in degrees are not the same to the last bit, and `report` makes the
+/// same page of the file.
 ///
 /// # Errors
 /// A result that has no page.

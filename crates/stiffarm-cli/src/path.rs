@@ -1,16 +1,16 @@
 //! What the commands at work share: the stiffness, options of a path, its table and picture.
 
 use crate::args::PathArgs;
-use crate::error::of_usage;
-use crate::files::picture::check_picture_name;
-use crate::files::{Contents, Target, check_targets, ends_in, write_all};
+use crate::files::{Contents, check_targets, ends_in, write_all};
+use crate::picture::check_picture_name;
 use crate::session::Session;
+use crate::target::Target;
 use std::path::Path;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::model::cell::Cell;
 use stiffarm::work::along::PathOptions;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source;
 
 impl PathArgs {
     /// The options of the library, which the result holds.
@@ -28,25 +28,12 @@ impl PathArgs {
     }
 }
 
-/// An error about [`PathOptions`] as one of the command line.
-pub fn of_path_usage(error: Error) -> Error {
-    let fields = [
-        "load_uncertainty_percent",
-        "force_n",
-        "axes",
-        "near_deg",
-        "max_step_deg",
-        "tolerance_mm",
-    ];
-    of_usage(error, &fields)
-}
-
 /// Reads a stiffness, with a caution among its doubts where it was identified with another version of the cell.
 ///
 /// # Errors
 /// As [`Source::read_stiffness`].
 pub fn read_stiffness(session: &Session, from: &str, cell: &Cell) -> Result<Saved> {
-    let mut saved = session.read_stiffness(from, cell)?;
+    let mut saved = source::read_stiffness(session, from, cell)?;
     let other = saved.of_another_cell(session.last_hash("cell").as_deref());
     saved.predictor.doubts.extend(other);
     Ok(saved)

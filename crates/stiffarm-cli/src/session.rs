@@ -3,10 +3,10 @@
 use crate::Captured;
 use crate::args::Global;
 use crate::arguments::arguments;
-use crate::files::target::Target;
 use crate::host::Host;
 use crate::identity::{FileId, Input};
 use crate::interrupt;
+use crate::target::Target;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -6,8 +6,8 @@ use pyo3::prelude::*;
 use stiffarm::findings::Finding;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
-use stiffarm_files::source::{NamedPath, Source};
-use stiffarm_files::table::{read_path, write_path};
+use stiffarm_files::source::{NamedPath, Source, read_path};
+use stiffarm_files::table::{self, write_path};
 use stiffarm_files::tool_path::{LANGUAGES, PathLanguage};
 
 /// Files of the disk, and those that are built in.
@@ -53,7 +53,7 @@ pub fn path_text(
 ) -> PyResult<(String, String)> {
     let read = py.detach(|| {
         let language = language.map(language_of).transpose()?;
-        let path = Files.read_path(from, &cell.cell, language, None, None)?;
+        let path = read_path(&Files, from, &cell.cell, language, None, None)?;
         let text = write_path(&path.table.format, &path.table.points)?;
         Ok((text, said(&path.findings)?))
     });
@@ -75,7 +75,7 @@ pub fn path_program(
 ) -> PyResult<Written> {
     let written = py.detach(|| -> Result<Written> {
         let language = language.map(language_of).transpose()?;
-        let path = Files.read_path(from, &cell.cell, language, None, None)?;
+        let path = read_path(&Files, from, &cell.cell, language, None, None)?;
         let NamedPath {
             table: nominal,
             program: Some(program),
@@ -86,7 +86,7 @@ pub fn path_program(
                 Error::new(Code::Unsupported, "This is a table, and no program.").file(from);
             return Err(error.hint("a table is written with save()"));
         };
-        let moved = read_path(table.as_bytes(), "points", &cell.cell, None)?;
+        let moved = table::read_path(table.as_bytes(), "points", &cell.cell, None)?;
         let written = program.write(&nominal.points, &moved.points)?;
         let findings = said(&written.findings())?;
         Ok((

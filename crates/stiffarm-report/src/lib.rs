@@ -16,6 +16,7 @@
 mod cell;
 pub mod figure;
 pub mod identified;
+mod level;
 mod map;
 mod order;
 pub mod page;

@@ -39,7 +39,7 @@ pub fn point_deflection_figure(points: &[PointDeflection], confidence: Option<f6
         )
     };
     let band = match confidence {
-        Some(confidence) => format!(", with its ± at {} %", crate::tell::level(confidence)),
+        Some(confidence) => format!(", with its ± at {} %", crate::level::level(confidence)),
         None => String::new(),
     };
     Figure {

@@ -1,6 +1,9 @@
 //! What the text of the code shows about its structure, checked against ARCHITECTURE.md: no module of the library
-//! imports upward, no circle of files, no long file, few public modules.
+//! imports upward, no circle of files or of the parts of a folder in any crate or in the Python package, no long file, few
+//! public modules.
 
+mod graph;
+mod python;
 mod source;
 mod uses;
 
@@ -8,6 +11,7 @@ use std::collections::BTreeSet;
 
 use crate::files;
 use crate::run::{Failure, Workspace};
+use graph::Graph;
 use uses::Crate;
 
 /// A file of code is split before it gets longer than this, its tests not counted.
@@ -16,13 +20,19 @@ const LONGEST_FILE: usize = 450;
 /// More than this nobody takes in at a glance.
 const PUBLIC_MODULES: usize = 10;
 
-/// What stands in the line above the order of modules in ARCHITECTURE.md.
+/// What stands in the line above the order of the library's modules in ARCHITECTURE.md.
 const ORDER_HEADING: &str = "```modules";
+
+/// The same above the layers of the Python package: the modules of one line may use each other.
+const LAYERS_HEADING: &str = "```layers";
+
+/// The Python package.
+const PACKAGE: &str = "crates/stiffarm-py/python/stiffarm";
 
 /// All checks of the structure; every fault is told before the first stops `cargo xtask lint`.
 pub fn check(workspace: &Workspace) -> Result<(), Failure> {
     let architecture = files::text(&workspace.root().join("ARCHITECTURE.md"))?;
-    let order = order_of_modules(&architecture);
+    let order = order_of_modules(&architecture, ORDER_HEADING);
     let mut faults = Vec::new();
     let sources = files::below(&workspace.root().join("crates"))?;
     let names = sources.keys().filter_map(|path| path.split_once("/src/"));
@@ -40,17 +50,23 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
             if lines > LONGEST_FILE {
                 faults.push(format!("{name}/src/{path}: {lines} lines of code"));
             }
+            for number in compared_as_text(code) {
+                faults.push(format!(
+                    "{name}/src/{path}:{number}: the code of a finding is compared as text"
+                ));
+            }
             codes.push((path, code.to_string()));
         }
-        let one = Crate::new(codes);
-        for (from, to) in one.circles() {
-            let (from, to) = (one.path(&from), one.path(&to));
-            faults.push(format!("{name}: in a circle, {from} uses {to}"));
-        }
+        let one = Crate::new(codes).graph();
+        faults.extend(circles(&name, &one));
         if name == "crates/stiffarm" {
-            faults.extend(upward(&one, &order));
+            faults.extend(upward(&one, &order, Beside::Refused));
         }
     }
+    let package = package(workspace)?;
+    faults.extend(circles(PACKAGE, &package));
+    let layers = order_of_modules(&architecture, LAYERS_HEADING);
+    faults.extend(upward(&package, &layers, Beside::Allowed));
     let root = files::text(&workspace.root().join("crates/stiffarm/src/lib.rs"))?;
     let count = public_modules(&root);
     if count > PUBLIC_MODULES {
@@ -62,32 +78,72 @@ pub fn check(workspace: &Workspace) -> Result<(), Failure> {
     Err(Failure::finding(
         format!("the structure of the code:\n  {}", faults.join("\n  ")),
         "move what is used upward or in a circle to a lower file or a file of its own; \
-         split a long file by what it holds",
+         split a long file by what it holds; codes that are looked for stand in findings/codes.rs",
     ))
 }
 
-/// The levels of the block that begins with [`ORDER_HEADING`], lowest first.
-fn order_of_modules(text: &str) -> Vec<Vec<&str>> {
+/// The lines, from 1, in which the code of a finding is compared with a text that stands there.
+fn compared_as_text(code: &str) -> Vec<usize> {
+    let is_compared = |line: &str| {
+        [".code == \"", ".code != \""]
+            .iter()
+            .any(|own| line.contains(own))
+    };
+    let lines = (1..).zip(code.lines());
+    let found = lines.filter(|(_, line)| is_compared(line));
+    found.map(|(number, _)| number).collect()
+}
+
+/// The modules of the Python package, and what they import of each other.
+fn package(workspace: &Workspace) -> Result<Graph, Failure> {
+    let mut codes = Vec::new();
+    for (path, place) in files::below(&workspace.root().join(PACKAGE))? {
+        if path.ends_with(".py") || path.ends_with(".pyi") {
+            codes.push((path, files::text(&place)?));
+        }
+    }
+    Ok(python::graph("stiffarm", &codes))
+}
+
+/// A sentence for each use on a circle.
+fn circles(name: &str, graph: &Graph) -> Vec<String> {
+    let found = graph.circles().into_iter();
+    let found = found.map(|(from, to)| (&graph.paths[from], &graph.paths[to]));
+    let told = found.map(|(from, to)| format!("{name}: in a circle, {from} uses {to}"));
+    told.collect()
+}
+
+/// Whether modules of one level may use each other.
+#[derive(Clone, Copy, PartialEq)]
+enum Beside {
+    Allowed,
+    Refused,
+}
+
+/// The levels of the block below `heading`, lowest first.
+fn order_of_modules<'t>(text: &'t str, heading: &str) -> Vec<Vec<&'t str>> {
     text.lines()
-        .skip_while(|line| *line != ORDER_HEADING)
+        .skip_while(|line| *line != heading)
         .skip(1)
         .take_while(|line| *line != "```")
         .map(|line| line.split_whitespace().collect())
         .collect()
 }
 
-/// The faults of `library` against `order`: a module that imports upward or sideways, and one without a level.
-fn upward(library: &Crate, order: &[Vec<&str>]) -> BTreeSet<String> {
+/// The faults of `library` against `order`: a module that imports upward, or `beside` itself, and one without a level.
+fn upward(library: &Graph, order: &[Vec<&str>], beside: Beside) -> BTreeSet<String> {
     let level = |name: &str| order.iter().position(|modules| modules.contains(&name));
     let mut faults = BTreeSet::new();
-    for (user, holder) in library.uses() {
+    for (user, holder) in &library.uses {
         // The root holds no items of its own.
         let (Some(from), Some(to)) = (user.first(), holder.first()) else {
             continue;
         };
         match (level(from), level(to)) {
-            (Some(low), Some(high)) if from != to && high >= low => {
-                let (user, holder) = (library.path(&user), library.path(&holder));
+            (Some(low), Some(high))
+                if from != to && (high > low || (high == low && beside == Beside::Refused)) =>
+            {
+                let (user, holder) = (&library.paths[user], &library.paths[holder]);
                 faults.insert(format!(
                     "{user} uses {holder}: `{from}` must not know `{to}`"
                 ));
@@ -123,14 +179,17 @@ mod tests {
         assert!(found.is_ok(), "{}", found.unwrap_err().message);
     }
 
-    fn library(files: &[(&str, &str)]) -> Crate {
+    fn library(files: &[(&str, &str)]) -> Graph {
         let codes = files.iter();
-        Crate::new(codes.map(|(path, code)| (path.to_string(), code.to_string())))
+        Crate::new(codes.map(|(path, code)| (path.to_string(), code.to_string()))).graph()
     }
 
     fn faults(files: &[(&str, &str)]) -> Vec<String> {
-        let order = order_of_modules("z\n```modules\nlow\nleft right\nhigh\n```\nd");
-        Vec::from_iter(upward(&library(files), &order))
+        let order = order_of_modules(
+            "z\n```modules\nlow\nleft right\nhigh\n```\nd",
+            ORDER_HEADING,
+        );
+        Vec::from_iter(upward(&library(files), &order, Beside::Refused))
     }
 
     #[test]
@@ -178,10 +237,20 @@ mod tests {
         let found = |files: &[(&str, &str)]| {
             let library = library(files);
             let circles = library.circles().into_iter();
-            let uses = circles.map(|(from, to)| [library.path(&from), library.path(&to)].join(" "));
+            let uses =
+                circles.map(|(from, to)| format!("{} {}", library.paths[from], library.paths[to]));
             uses.collect::<Vec<String>>()
         };
         assert_eq!(found(&files), ["a/b.rs a/c.rs", "a/c.rs a/b.rs"]);
+        // No file stands in a circle, and the folder does.
+        let folder = [
+            ("lib.rs", "mod a; mod d;"),
+            ("a/mod.rs", "mod b; mod c;"),
+            ("a/b.rs", "struct B;"),
+            ("a/c.rs", "use crate::d::D;"),
+            ("d.rs", "use crate::a::b::B;"),
+        ];
+        assert_eq!(found(&folder), ["a/c.rs d.rs", "d.rs a/b.rs"]);
         files[3].1 = "";
         assert!(found(&files).is_empty());
         files[4].1 = "use crate::a::B;";
@@ -189,6 +258,12 @@ mod tests {
             found(&files),
             ["a/mod.rs d.rs", "a/b.rs a/mod.rs", "d.rs a/b.rs"]
         );
+    }
+
+    #[test]
+    fn a_code_that_is_compared_has_a_name() {
+        let code = "a\nlet x = f.code == \"no-name\";\nlet y = f.code == codes::NAME;\n";
+        assert_eq!(compared_as_text(code), [2]);
     }
 
     #[test]

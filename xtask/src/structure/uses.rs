@@ -3,10 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use super::graph::{Graph, Module};
 use super::source::{is_name, words};
-
-/// A module of a crate, as the names from the root to it; the root itself is empty.
-pub type Module = Vec<String>;
 
 /// The files of one crate and what they use.
 pub struct Crate {
@@ -36,14 +34,9 @@ impl Crate {
         Crate { files }
     }
 
-    /// The path below `src` of the file of `module`.
-    pub fn path(&self, module: &Module) -> &str {
-        &self.files[module].path
-    }
-
     /// Every use of another file's items, each once: the module that uses, and the one that holds the item. A parent's
     /// use of its own descendants is none: that is how a folder shows what it holds.
-    pub fn uses(&self) -> BTreeSet<(Module, Module)> {
+    fn uses(&self) -> BTreeSet<(Module, Module)> {
         let mut uses = BTreeSet::new();
         for (module, file) in &self.files {
             for path in paths(module, &file.words) {
@@ -58,17 +51,13 @@ impl Crate {
         uses
     }
 
-    /// The uses on circles of files and between such circles: without them no file is both used and uses another.
-    pub fn circles(&self) -> BTreeSet<(Module, Module)> {
-        let mut uses = self.uses();
-        loop {
-            let users: BTreeSet<Module> = uses.iter().map(|(from, _)| from.clone()).collect();
-            let used: BTreeSet<Module> = uses.iter().map(|(_, to)| to.clone()).collect();
-            let count = uses.len();
-            uses.retain(|(from, to)| used.contains(from) && users.contains(to));
-            if uses.len() == count {
-                return uses;
-            }
+    /// The files and who uses whom.
+    pub fn graph(&self) -> Graph {
+        let paths = self.files.iter();
+        let paths = paths.map(|(module, file)| (module.clone(), file.path.clone()));
+        Graph {
+            paths: paths.collect(),
+            uses: self.uses(),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Pages of results.
 
 use super::values::above_zero;
-use crate::files::picture::{INSTEAD, is_foreign};
+use crate::picture::{INSTEAD, is_foreign};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
 use stiffarm_report::paper::{Format, PaperOptions};

@@ -1,9 +1,9 @@
 //! `stiffarm check`: what to know about a cell before anybody measures.
 
 use crate::args::CheckArgs;
-use crate::files::picture::check_picture_name;
 use crate::files::{only_target, write_all};
 use crate::output::Exit;
+use crate::picture::check_picture_name;
 use crate::screen::fitted;
 use crate::session::Session;
 use crate::table::title;
@@ -11,7 +11,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::check;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 use stiffarm_files::urdf::doubted_axes;
 use stiffarm_report::{Full, cell_drawing, render_drawing, usual_posture};
 
@@ -58,7 +58,7 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
 /// The postures of the picture, and which of them is drawn in full.
 fn pictured(session: &Session, args: &CheckArgs, cell: &Cell) -> Result<(Vec<Posture>, Full)> {
     let given = match &args.postures {
-        Some(from) => session.read_postures("postures", from, &cell.setup.robot)?,
+        Some(from) => read_postures(session, "postures", from, &cell.setup.robot)?,
         None if args.posture.is_none() => return Ok((vec![usual_posture(cell)?], Full::Number(0))),
         None => cell.validation.clone(),
     };

@@ -2,9 +2,8 @@
 //! the nominal one.
 
 use crate::args::{CompensateArgs, WriteChoice};
-use crate::error::of_usage;
 use crate::output::Exit;
-use crate::path::{Outputs, of_path_usage, read_stiffness};
+use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
@@ -18,7 +17,7 @@ use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::program::Language;
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_path;
 use stiffarm_files::table::{PathFormat, PathKind, PathTable, write_path};
 use stiffarm_files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm_report::{compensation_figure, render_svg};
@@ -38,11 +37,9 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         path: args.along.options(),
     };
     let wrong = options.compensate_options(&saved).map(|_| ());
-    wrong
-        .and_then(|()| options.path.posture_options(cell))
-        .map_err(of_path_usage)?;
+    wrong.and_then(|()| options.path.posture_options(cell))?;
     let (axes, log) = (options.path.axes, args.along.log.as_deref());
-    let path = session.read_path(&args.path, cell, args.along.language, axes, log)?;
+    let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
     if let Some(output) = &args.output {
@@ -154,7 +151,6 @@ fn moves(
         base: args.base.clone(),
     };
     write_moves(language, cell, &poses, &options)
-        .map_err(|error| of_usage(error, &["speed_mm_s", "write"]))
 }
 
 /// Refuses a name that says that the file is something else; `kind` is the program's, `None` that of a table; a program

@@ -8,7 +8,7 @@ use crate::session::Session;
 use serde::Serialize;
 use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 
 /// What was counted.
 #[derive(Serialize)]
@@ -33,7 +33,7 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
     }
     let named = session.read_cell(&args.cell)?;
     let robot = &named.cell.setup.robot;
-    let postures = session.read_postures("postures", &args.postures, robot)?;
+    let postures = read_postures(session, "postures", &args.postures, robot)?;
     let options = args.fit.options(robot)?;
     let described = Options {
         runs: args.runs,

@@ -5,13 +5,13 @@ use crate::output::Exit;
 use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
-use stiffarm_files::source::Source;
+use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
+use stiffarm_files::source::read_groups;
 
 /// Evaluates the groups.
 pub fn run(session: &Session, args: &EvaluateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
-    let groups = session.read_groups(&args.postures, &named.cell.setup.robot)?;
+    let groups = read_groups(session, &args.postures, &named.cell.setup.robot)?;
     let (cell, _) = with_length(named.cell.clone());
     let evaluated = Evaluated::new(&cell, &groups)?.with_forecast(&cell);
     let exit = Exit::of_findings(&evaluated.findings);

@@ -14,7 +14,7 @@ use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
-use stiffarm::plan::index::{Evaluated, EvaluatedOptions};
+use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
 use stiffarm::plan::planned::{self, Asked};
 use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;

@@ -1,9 +1,10 @@
 //! `stiffarm man`: manual pages.
 
 use crate::args::{Cli, ManArgs};
-use crate::files::{Target, make_folder, write_all};
+use crate::files::{make_folder, write_all};
 use crate::output::Exit;
 use crate::session::Session;
+use crate::target::Target;
 use clap::CommandFactory;
 use clap_mangen::Man;
 use stiffarm::{Code, Error, Result};

@@ -1,16 +1,15 @@
 //! `stiffarm predict`: how far the loaded tool bends away, and how sure that is.
 
 use crate::args::PredictArgs;
-use crate::error::{of_option, of_usage};
 use crate::files::Rows;
 use crate::output::Exit;
-use crate::path::{Outputs, of_path_usage, read_stiffness};
+use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
 use stiffarm::work::predicted::Request;
 use stiffarm::{Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
@@ -30,18 +29,16 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         cell_load: args.cell_load,
         load_case: args.load_case.clone(),
     };
-    named.cell = request
-        .under_case(named.cell)
-        .map_err(|e| of_usage(of_option(e, &["load_case"]), &["cell_load", "load_case"]))?;
-    request.predict_options(&saved).map_err(of_path_usage)?;
+    named.cell = request.under_case(named.cell)?;
+    request.predict_options(&saved)?;
     if args.path.is_some() && !args.cell_load {
         let wrong = request.path.posture_options(&named.cell);
-        wrong.map_err(of_path_usage)?;
+        wrong?;
     }
     let path = args.path.as_ref();
     let (axes, log) = (request.path.axes, args.along.log.as_deref());
     let path = path
-        .map(|path| session.read_path(path, &named.cell, args.along.language, axes, log))
+        .map(|path| read_path(session, path, &named.cell, args.along.language, axes, log))
         .transpose()?;
     let points = path.as_ref().map(|path| path.table.points.as_slice());
     let in_file = |e: Error| match &path {

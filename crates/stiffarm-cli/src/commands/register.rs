@@ -1,7 +1,6 @@
 //! `stiffarm register`: the transform from tracker to base axes.
 
 use crate::args::RegisterArgs;
-use crate::error::of_option;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
@@ -19,9 +18,7 @@ pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
         std_mm: args.std_mm,
         exclude: args.exclude.clone(),
     };
-    let pairs = options
-        .kept(read_pairs(&bytes, &file)?)
-        .map_err(|e| of_option(e, &["exclude"]))?;
+    let pairs = options.kept(read_pairs(&bytes, &file)?)?;
     let registration = options.register(&pairs).map_err(|e| e.file(&file))?;
 
     let exit = Exit::finding(registration.is_serious());

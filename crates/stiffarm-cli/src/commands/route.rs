@@ -7,14 +7,15 @@ use crate::progress::Progress;
 use crate::session::Session;
 use serde::Serialize;
 use stiffarm::Result;
-use stiffarm::findings::Finding;
+use stiffarm::findings::{Finding, codes};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::forbidden;
 use stiffarm::plan::route::{Route, RouteOptions, rounded, route, route_findings};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 use stiffarm_files::table::write_postures;
+use stiffarm_report::tell::{Given, Telling, Told, told_route};
 
 /// Options of the result.
 #[derive(Serialize)]
@@ -43,6 +44,12 @@ pub struct Routed {
     pub findings: Vec<Finding>,
 }
 
+impl Telling for Routed {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        told_route(&self.posture_names, &self.route, given)
+    }
+}
+
 /// Finds the route of a plan.
 pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
@@ -51,7 +58,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
     if args.equivalents {
         cell.setup.robot.known_controller()?;
     }
-    let plan = session.read_postures("plan", &args.plan, &cell.setup.robot)?;
+    let plan = read_postures(session, "plan", &args.plan, &cell.setup.robot)?;
     let step_deg = (args.angle_step_deg > 0.0).then_some(args.angle_step_deg);
     let mut options = RouteOptions::default();
     options.keep_order = args.keep_order;
@@ -115,7 +122,11 @@ fn not_allowed(cell: &Cell, stops: &[Posture]) -> Result<Vec<Finding>> {
         if let Some(why) = forbidden(cell, &stop.q)? {
             let subject = format!("posture {}", stop.name);
             let sentence = format!("posture {} {why}.", stop.name);
-            findings.push(Finding::serious("posture-forbidden", subject, sentence));
+            findings.push(Finding::serious(
+                codes::POSTURE_FORBIDDEN,
+                subject,
+                sentence,
+            ));
         }
     }
     Ok(findings)
@@ -126,7 +137,7 @@ fn remarks(cell: &Cell, stops: &[Posture], route: &Route) -> Result<Vec<Finding>
     let mut findings = route_findings(cell, stops, route)?;
     if !route.checked.contains(&LimitKind::Shapes) {
         findings.push(Finding::caution(
-            "moves-not-checked",
+            codes::MOVES_NOT_CHECKED,
             "moves",
             "the cell has no shapes, so nothing says whether the arm touches something on the way. Give [[robot.shape]], \
              [[tool.shape]] and [[obstacle]] (docs/shapes.md), or drive each move slowly the first time.",

@@ -2,7 +2,6 @@
 //! postures kept out of the identification, or fold by fold without any.
 
 use crate::args::ValidateArgs;
-use crate::error::{of_option, of_usage};
 use crate::files::ends_in;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -14,7 +13,7 @@ use stiffarm::findings::Severity;
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, read_measurements, read_registration, read_stiffness};
 
 /// Validates.
 pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
@@ -23,9 +22,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         tolerance_mm: args.tolerance_mm,
         only: args.only.clone(),
     };
-    request
-        .check()
-        .map_err(|e| of_usage(e, &["tolerance_mm"]))?;
+    request.check()?;
     match (&args.stiffness, args.folds) {
         (Some(stiffness), None) => held_out(session, args, &request, stiffness),
         (None, Some(folds)) => cross(session, args, &request, &args.measurements, folds),
@@ -65,7 +62,7 @@ fn held_out(
         .hint("a saved stiffness brings its own estimator, terms and confidence"));
     }
     let named = session.read_cell(&args.cell)?;
-    let saved = session.read_stiffness(stiffness, &named.cell)?;
+    let saved = read_stiffness(session, stiffness, &named.cell)?;
     let measured = measured(session, args, request, &args.measurements, &named.cell)?;
     let hash = session.last_hash("cell");
     let result = request.held_out(&named.cell, hash.as_deref(), &saved, measured)?;
@@ -96,7 +93,7 @@ fn cross(
         .and_then(|fit| request.by_folds(&fit, asked, folds))
         .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
-            _ => of_option(e, &["elastic"]),
+            _ => e,
         })?;
     drop(progress);
     let options = request.options(Some(described));
@@ -129,11 +126,9 @@ fn measured(
     from: &[String],
     cell: &Cell,
 ) -> Result<Measured> {
-    let measurements = session.read_measurements(from, args.postures.as_deref(), cell)?;
-    let reduce = session.read_registration(args.registration.as_deref())?;
+    let measurements = read_measurements(session, from, args.postures.as_deref(), cell)?;
+    let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(cell, measurements, &reduce)?;
-    request
-        .keep_only(&mut measured)
-        .map_err(|e| of_option(e, &["only"]))?;
+    request.keep_only(&mut measured)?;
     Ok(measured)
 }

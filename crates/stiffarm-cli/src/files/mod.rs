@@ -7,19 +7,17 @@
 //! made meanwhile, costs the file and not the result: it is printed.
 
 mod contents;
-pub mod picture;
-pub mod target;
 mod temporary;
 
 use crate::identity::folder_of;
 use crate::session::Session;
+use crate::target::Target;
 pub use contents::{Contents, Rows};
 use std::fs;
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
-pub use target::Target;
 use temporary::Temporary;
 
 /// Links that a link may lead over; as many as Linux follows.

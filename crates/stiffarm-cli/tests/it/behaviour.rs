@@ -217,3 +217,29 @@ fn displacements_in_metres_are_suspected() {
     // One fault is one finding: the stiffness that follows from it is none of its own.
     assert_eq!(ran.out.matches("SERIOUS").count(), 1, "{}", ran.out);
 }
+
+#[test]
+fn a_serious_finding_of_the_residuals_ends_with_one() {
+    let folder = Folder::new();
+    folder.ok("select builtin:comau --space-filling -n 24 --output plan.csv");
+    folder.ok("simulate builtin:comau plan.csv --runs 2 --measurements sound.csv");
+    assert_eq!(folder.run("identify builtin:comau sound.csv").code, Some(0));
+    // More slips than single readings explain: every third posture, each of another size.
+    let slipped = |(row, line): (usize, &str)| {
+        let mut fields: Vec<String> = line.split(',').map(String::from).collect();
+        if row % 12 == 1 {
+            let count = (row / 12) as f64;
+            let dx: f64 = fields[3].parse().unwrap();
+            let slip = (0.3 + 0.1 * count) * (-1_f64).powf(count);
+            fields[3] = (dx + slip).to_string();
+        }
+        fields.join(",") + "\n"
+    };
+    let sound = folder.read("sound.csv");
+    let slips: String = sound.lines().enumerate().map(slipped).collect();
+    folder.write("slips.csv", slips);
+    let ran = folder.run("identify builtin:comau slips.csv --report page.html");
+    assert!(ran.out.starts_with("SERIOUS: "), "{}", ran.out);
+    assert!(folder.read("page.html").contains("Not usable as it is"));
+    assert_eq!(ran.code, Some(1));
+}

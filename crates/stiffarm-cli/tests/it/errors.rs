@@ -238,3 +238,36 @@ fn with_json_errors_are_objects_on_standard_output() {
     }
     assert_snapshot!(report);
 }
+
+#[test]
+fn an_error_about_what_was_asked_names_the_option_whichever_function_finds_it() {
+    let folder = folder();
+    for (line, key) in [
+        ("select builtin:comau --index d --repeats", "--repeats"),
+        ("zones builtin:comau --q-deg 1,2", "--q-deg"),
+        (
+            "map builtin:comau prior --force-n 0,0,0 --steps 2",
+            "--force-n",
+        ),
+        (
+            "map builtin:comau prior --from-mm 1,0,0 --to-mm 0,0,0",
+            "--from-mm",
+        ),
+        (
+            "simulate builtin:comau builtin:comau-group1 --levels -1",
+            "--levels",
+        ),
+        (
+            "identify builtin:comau simulated.csv --bootstrap 1",
+            "--bootstrap",
+        ),
+        (
+            "identify builtin:comau simulated.csv --brief --free load.anchor_mm",
+            "--free",
+        ),
+    ] {
+        let ran = folder.run(&format!("{line} --json"));
+        let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+        assert_eq!(value["error"]["key"], key, "{line}: {}", ran.out);
+    }
+}

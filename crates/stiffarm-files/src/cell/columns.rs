@@ -2,8 +2,9 @@
 //! what else is to know about its files.
 
 use super::profiles::{NAMES, profile};
-use super::raw::{At, Placed, RawColumn, RawColumns, Text};
+use super::raw::{RawColumn, RawColumns};
 use super::source::Source;
+use super::value::{At, Placed, Text};
 use crate::table::own_heading;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 use stiffarm::model::cell::{Columns, DateOrder, NamePattern, Separator};

@@ -5,14 +5,14 @@ use super::elastic::{elastic, known_elements};
 use super::instruments::{sensor, tracker, uncertainty};
 use super::load::load;
 use super::raw::{
-    At, Fixed, Mm, RawCell, RawLimits, RawNoise, RawPoint, RawSeries, RawStiffness, RawTool,
-    RawValidation,
+    RawCell, RawLimits, RawNoise, RawPoint, RawSeries, RawStiffness, RawTool, RawValidation,
 };
 use super::robot;
 use super::route::{route, time};
 use super::scene::{scene, with_link_shapes};
 use super::source::Source;
 use super::task::tasks;
+use super::value::{At, Fixed, Mm};
 use super::work::work;
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result};

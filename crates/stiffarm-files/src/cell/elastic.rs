@@ -1,7 +1,8 @@
 //! `[elastic]`: how much gives way beyond the joint axes.
 
-use super::raw::{At, List, Number, RawElastic};
+use super::raw::RawElastic;
 use super::source::Source;
+use super::value::{At, List, Number};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::elastic::{ElasticSizes, KnownElement, beams};
 use stiffarm::model::observation::ExtraTerm;

@@ -1,8 +1,9 @@
 //! `[sensor]`, `[tracker]`, `[uncertainty]`: the instruments, and what no
 //! residual shows.
 
-use super::raw::{At, Deg, Fixed, Mm, Number, RawSensor, RawTracker, RawUncertainty};
+use super::raw::{RawSensor, RawTracker, RawUncertainty};
 use super::source::Source;
+use super::value::{At, Deg, Fixed, Mm, Number};
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::instruments::{Mount, Sensor, Tracker, TrackerAccuracy, Uncertainty};

@@ -1,7 +1,8 @@
 //! `[load]` and `[[load.case]]`: the kind of load and the keys that belong to it.
 
-use super::raw::{At, Placed, RawLoad, Text};
+use super::raw::RawLoad;
 use super::source::Source;
+use super::value::{At, Placed, Text};
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result, did_you_mean};
 use stiffarm::model::load::{Axes, Load, LoadCase, Wrench};

@@ -28,6 +28,7 @@ mod source;
 mod table_of_robot;
 mod task;
 mod template;
+mod value;
 mod work;
 
 pub use bounds::{BOUNDS_MARGIN_DEG, joints_kept_inside};

@@ -1,7 +1,8 @@
 //! `[robot]` and `[bounds]`: from raw keys to a chain with limits.
 
-use super::raw::{At, Deg, Fixed, List, Mm, Number, Placed, RawBounds, RawRobot, Unit};
+use super::raw::{RawBounds, RawRobot};
 use super::source::Source;
+use super::value::{At, Deg, Fixed, List, Mm, Number, Placed, Unit};
 use crate::table::other_convention;
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Result};

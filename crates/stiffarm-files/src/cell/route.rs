@@ -1,8 +1,9 @@
 //! `[route]`: how the robot drives from posture to posture; `[time]`: what measuring takes.
 
-use super::raw::{At, Minutes, Number, RawRoute, RawTime};
+use super::raw::{RawRoute, RawTime};
 use super::robot::angles;
 use super::source::Source;
+use super::value::{At, Minutes, Number};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::robot::{CatalogueEntry, Robot};

@@ -3,7 +3,7 @@
 //! A value knows its place, and the place tells the key path that a message names; list entries
 //! count from 1, as joints do.
 
-use super::raw::{At, Deg, Fixed, List, Number, Placed, Text, Unit};
+use super::value::{At, Deg, Fixed, List, Number, Placed, Text, Unit};
 use crate::check_name;
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use std::collections::HashMap;

@@ -1,9 +1,10 @@
 //! `[[task]]`: machining postures with their loads.
 
 use super::load::axes;
-use super::raw::{At, Placed, RawTask};
+use super::raw::RawTask;
 use super::robot::angles;
 use super::source::Source;
+use super::value::{At, Placed};
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::cell::Task;

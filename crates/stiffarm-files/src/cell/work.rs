@@ -1,9 +1,8 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::raw::{
-    At, Deg, Fixed, Mm, Number, Placed, RawFeature, RawForce, RawMilling, RawWork, Text, Unit,
-};
+use super::raw::{RawFeature, RawForce, RawMilling, RawWork};
 use super::source::Source;
+use super::value::{At, Deg, Fixed, Mm, Number, Placed, Text, Unit};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::implausible::FEEDS_PER_TOOTH_MM;

@@ -1,12 +1,11 @@
 //! `posture,state,fx_n,…,mz_nm[,dq1_deg,…][,q1_deg,…][,dx_mm,…,rz_deg]`:
 //! readings with the flange fixed.
 
-use super::columns::vector;
 use super::grid::{Column, Row, Table};
 use super::heading::{Known, force, moment};
+use super::line::line;
 use super::postures::{angle_names, angles};
 use super::quantity::Quantity;
-use super::write::line;
 use nalgebra::{Vector3, Vector6};
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::estimate::clamped::ClampedPosture;
@@ -373,8 +372,8 @@ impl Reader<'_> {
             return Ok(None);
         }
         Ok(Some(Wrench {
-            force: vector(self.table, row, force)?,
-            moment: vector(self.table, row, moment)?,
+            force: self.table.vector(row, force)?,
+            moment: self.table.vector(row, moment)?,
         }))
     }
 
@@ -389,8 +388,8 @@ impl Reader<'_> {
         let (Some(shift), Some(turn)) = (&self.columns.shift, &self.columns.turn) else {
             return Ok(None);
         };
-        let shift = vector(self.table, row, shift)?;
-        let turn = vector(self.table, row, turn)?;
+        let shift = self.table.vector(row, shift)?;
+        let turn = self.table.vector(row, turn)?;
         Ok(Some(Vector6::new(
             shift.x, shift.y, shift.z, turn.x, turn.y, turn.z,
         )))

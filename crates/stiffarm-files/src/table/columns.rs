@@ -128,7 +128,7 @@ impl MeasurementColumns {
 
     /// Position or displacement \[m\].
     pub(super) fn vector(&self, table: &Table<'_>, row: &Row) -> Result<Vector3<f64>> {
-        vector(table, row, &self.vector)
+        table.vector(row, &self.vector)
     }
 
     /// The column of a component of the position or displacement.
@@ -237,7 +237,7 @@ impl MeasurementColumns {
         let Some(columns) = columns.filter(|columns| columns.iter().any(filled)) else {
             return Ok(None);
         };
-        let expanded = vector(table, row, columns)?;
+        let expanded = table.vector(row, columns)?;
         match columns
             .iter()
             .zip(&expanded)
@@ -256,11 +256,9 @@ impl MeasurementColumns {
         let Some(force) = &self.force else {
             return Ok(None);
         };
-        let force = vector(table, row, force)?;
+        let force = table.vector(row, force)?;
         let moment = self.moment.as_deref();
-        let moment = moment
-            .map(|moment| vector(table, row, moment))
-            .transpose()?;
+        let moment = moment.map(|moment| table.vector(row, moment)).transpose()?;
         Ok(Some(Wrench {
             force,
             moment: moment.unwrap_or_default(),
@@ -357,14 +355,6 @@ impl MeasurementColumns {
 fn number(table: &Table<'_>, row: &Row, column: Option<Column>) -> Result<Option<f64>> {
     let column = table.filled(row, column);
     column.map(|column| table.number(row, column)).transpose()
-}
-
-pub(super) fn vector(table: &Table<'_>, row: &Row, columns: &[Column]) -> Result<Vector3<f64>> {
-    let mut vector = Vector3::zeros();
-    for (component, column) in vector.iter_mut().zip(columns) {
-        *component = table.number(row, *column)?;
-    }
-    Ok(vector)
 }
 
 /// Says which of the cell's foreign headings the table has not, for hints.

@@ -1,6 +1,6 @@
 //! A table as headings and rows, whatever file it came from.
 
-use super::foreign::own_unit;
+use super::heading_row::own_unit;
 use super::naming::{DATE, NAME, normal};
 use super::place::{by_place, left_out_by_place};
 use super::quantity::Unit;

@@ -1,10 +1,11 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
-use super::foreign::{counts, own_unit, suggestion};
 use super::grid::{Column, Table};
+use super::heading_row::own_unit;
 use super::naming::{joint_number, normal};
 use super::quantity::{Quantity, Unit};
+use super::suggest::{counts, suggestion};
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 

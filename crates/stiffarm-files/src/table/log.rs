@@ -1,13 +1,12 @@
 //! `along_mm` or `time_s`, and `fx_n,fy_n,fz_n[,mx_nm,my_nm,mz_nm]` or `power_w`: a recorded load along a path.
 
-use super::columns::vector;
 use super::grid::Table;
 use super::heading::{Known, force, moment};
 use super::quantity::Quantity;
 use nalgebra::{Vector3, Vector6};
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::Cell;
-use stiffarm::model::path::{CountedBy, LoadLog, Recorded};
+use stiffarm::model::load_log::{CountedBy, LoadLog, Recorded};
 use stiffarm::model::process::ForceAxes;
 
 /// Reads a log of the load along a path; `file_name` is for messages, `axes` are those of its forces.
@@ -87,10 +86,10 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         stations.push(station);
         let [force, moment]: [Vector3<f64>; 2] = if has_forces {
             [
-                vector(table, &row, &force)?,
+                table.vector(&row, &force)?,
                 moment
                     .as_deref()
-                    .map(|moment| vector(table, &row, moment))
+                    .map(|moment| table.vector(&row, moment))
                     .transpose()?
                     .unwrap_or_default(),
             ]

@@ -1,6 +1,7 @@
 //! Numbers as files write them.
 
 use super::grid::{Column, Row, Rows, Style, Table};
+use nalgebra::Vector3;
 use std::borrow::Cow;
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::units::{LARGEST_NUMBER, Sense};
@@ -69,6 +70,15 @@ pub(super) fn has_quoted_decimals(rows: &Rows) -> bool {
 }
 
 impl Table<'_> {
+    /// The finite numbers of three columns, in SI units.
+    pub(super) fn vector(&self, row: &Row, columns: &[Column]) -> Result<Vector3<f64>> {
+        let mut vector = Vector3::zeros();
+        for (component, column) in vector.iter_mut().zip(columns) {
+            *component = self.number(row, *column)?;
+        }
+        Ok(vector)
+    }
+
     /// A finite number in SI units.
     pub(super) fn number(&self, row: &Row, column: Column) -> Result<f64> {
         let at = column.at;

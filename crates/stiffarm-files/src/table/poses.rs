@@ -2,8 +2,8 @@
 
 use super::grid::Table;
 use super::heading::Known;
+use super::line::line;
 use super::quantity::{Quantity, rounded};
-use super::write::line;
 use nalgebra::{Isometry3, Translation3};
 use std::collections::HashMap;
 use stiffarm::error::Result;

@@ -7,8 +7,7 @@ use super::unread;
 use super::values::Values;
 use std::collections::{BTreeMap, HashMap};
 use stiffarm::error::{Code, Error, Result, did_you_mean};
-use stiffarm::findings::{Finding, list};
-use stiffarm::measure::LOADS_FROM_NAMES;
+use stiffarm::findings::{Finding, codes, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
 use stiffarm::model::measurement::{
@@ -130,7 +129,7 @@ fn loads_from_names(named: &BTreeMap<String, f64>) -> Option<Finding> {
         list(&Vec::from_iter(named.keys())),
         each.join(", ")
     );
-    let remark = Finding::note(LOADS_FROM_NAMES, "load", sentence);
+    let remark = Finding::note(codes::LOADS_FROM_NAMES, "load", sentence);
     (!named.is_empty()).then_some(remark)
 }
 

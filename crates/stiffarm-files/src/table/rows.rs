@@ -29,6 +29,15 @@ impl Field {
     }
 }
 
+/// The heading that the cell file gives to a table without one.
+pub(super) fn named(order: &[String]) -> impl Iterator<Item = Field> {
+    (1..).zip(order).map(|(column, name)| Field {
+        text: name.as_str().into(),
+        column,
+        other: false,
+    })
+}
+
 /// A row and its line, counted from 1; it has one field per heading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Row<'t> {

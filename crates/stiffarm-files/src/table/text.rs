@@ -2,7 +2,9 @@
 
 use super::foreign::{self, Names};
 use super::grid::{Field, Rows, Style, Table};
+use super::heading_row::{find, of_own_sheet};
 use super::number::has_quoted_decimals;
+use super::rows::named;
 use super::tidy;
 use super::workbook;
 use crate::text::decode;
@@ -91,10 +93,10 @@ impl<'a> Table<'a> {
             let fields = fields(line, announced.unwrap_or_else(|| by_heading(line)));
             fields.into_iter().map(|(text, _)| text)
         };
-        let own = foreign::of_own_sheet(lines.iter().map(|(_, line)| by_itself(line)), columns);
+        let own = of_own_sheet(lines.iter().map(|(_, line)| by_itself(line)), columns);
         let columns = own.as_ref().unwrap_or(columns);
         let given = columns.separator.map(Separator::character).or(announced);
-        let titles = foreign::find(
+        let titles = find(
             lines.iter().map(|(_, line)| {
                 let delimiter = given.unwrap_or_else(|| by_heading(line));
                 fields(line, delimiter).into_iter().map(|(text, _)| text)
@@ -221,15 +223,6 @@ fn spaced(text: &str) -> Vec<(String, u32)> {
         }
     }
     out
-}
-
-/// The heading that the cell file gives to a table without one.
-pub(super) fn named(order: &[String]) -> impl Iterator<Item = Field> {
-    (1..).zip(order).map(|(column, name)| Field {
-        text: name.as_str().into(),
-        column,
-        other: false,
-    })
 }
 
 /// Character columns, from 1, at which the fields of a line begin.

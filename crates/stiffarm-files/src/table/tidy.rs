@@ -6,8 +6,7 @@ use super::heading::stem;
 use super::naming::NAME;
 use super::rows::in_words;
 use std::collections::{BTreeMap, BTreeSet};
-use stiffarm::findings::{Finding, list};
-use stiffarm::measure::{CARRIED_DOWN, ROWS_LEFT_OUT};
+use stiffarm::findings::{Finding, codes, list};
 use stiffarm::model::cell::Columns;
 
 /// The columns of names, the outermost group first.
@@ -128,7 +127,7 @@ pub(super) fn leave_out(table: &mut Table<'_>, foreign: &Columns) {
     table.rows.retain(|number| !out.contains_key(&number));
     table
         .remarks
-        .push(Finding::note(ROWS_LEFT_OUT, "readings", sentence));
+        .push(Finding::note(codes::ROWS_LEFT_OUT, "readings", sentence));
 }
 
 /// Carries names down from the first row of their group where they stand in none of the others,
@@ -204,7 +203,7 @@ pub(super) fn carry_down(table: &mut Table<'_>) {
         if shown.len() == 1 { "stands" } else { "stand" },
         in_words(&lines)
     );
-    let remark = Finding::note(CARRIED_DOWN, "readings", sentence);
+    let remark = Finding::note(codes::CARRIED_DOWN, "readings", sentence);
     table.remarks.extend((!shown.is_empty()).then_some(remark));
 }
 

@@ -1,5 +1,6 @@
 //! Writing of tables.
 
+use super::line::line;
 use super::postures::angle_names;
 use super::values::Values;
 use nalgebra::Vector3;
@@ -250,27 +251,4 @@ fn components(vector: Option<Vector3<f64>>) -> [String; 3] {
 pub(super) fn degrees(q: &[f64]) -> impl Iterator<Item = String> {
     q.iter()
         .map(|angle| rad_to_shortest_deg(*angle).to_string())
-}
-
-/// One line of a table, with quotation marks where a field needs them.
-pub(crate) fn line(fields: &[String]) -> String {
-    separated(fields, ',')
-}
-
-/// The same with columns separated by `separator`: a comma, a semicolon or a tab.
-pub(super) fn separated(fields: &[String], separator: char) -> String {
-    let quoted = |field: &String| {
-        let mut special = vec![separator, '"', '\n', '\r'];
-        if separator == ',' {
-            special.push(';');
-        }
-        // A name that begins with # would make its line a comment.
-        if field.contains(special.as_slice()) || field.starts_with('#') {
-            format!("\"{}\"", field.replace('"', "\"\""))
-        } else {
-            field.clone()
-        }
-    };
-    let fields: Vec<String> = fields.iter().map(quoted).collect();
-    fields.join(separator.to_string().as_str()) + "\n"
 }

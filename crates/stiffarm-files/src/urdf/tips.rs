@@ -6,7 +6,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_PI_2;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::Finding;
+use stiffarm::findings::{Finding, codes};
 
 /// Links that by custom are the flange, the first one first: taken where there are several ends.
 const TIPS: [&str; 2] = ["tool0", "flange"];
@@ -90,7 +90,7 @@ pub fn doubted_axes(joints: &[&str]) -> Vec<Finding> {
         )
     };
     found
-        .map(|name| Finding::caution("urdf-gripper", *name, sentence(name)))
+        .map(|name| Finding::caution(codes::URDF_GRIPPER, *name, sentence(name)))
         .collect()
 }
 
@@ -207,7 +207,7 @@ pub(super) fn doubted<'a>(tree: &Tree<'a>, path: &[&'a Joint]) -> Option<Finding
         found.sign, found.flange, found.flange
     );
     let name = found.joint.name.as_str();
-    Some(Finding::caution("urdf-gripper", name, sentence))
+    Some(Finding::caution(codes::URDF_GRIPPER, name, sentence))
 }
 
 /// The option that ends a chain before its gripper, where it has one.

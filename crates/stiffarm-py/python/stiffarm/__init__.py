@@ -18,7 +18,8 @@ radians unless ``degrees=True``; other numbers have their unit in their name. Ev
 
 from . import plot
 from ._errors import StiffarmError, StiffarmWarning
-from ._result import Record, Result
+from ._record import Record
+from ._result import Result
 from ._stiffarm import __version__, set_threads
 from ._table import Table
 from .arrays import certificate, index_names, indices, observation_matrix, simulate_measurements

@@ -1,4 +1,4 @@
-"""Robots of other libraries: what their Jacobian says at zero angles is the chain."""
+"""Robots of other libraries: what their Jacobian says at zero angles is the chain, as :meth:`stiffarm.Robot.of_axes` takes it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import StiffarmError
-from .robot import Robot
 
 Floats = NDArray[np.float64]
 
@@ -18,7 +17,7 @@ Floats = NDArray[np.float64]
 _ROUNDING = 1e-9
 
 
-def of_pinocchio(model: Any, frame: str | None) -> Robot:
+def of_pinocchio(model: Any, frame: str | None) -> dict[str, Any]:
     """See :meth:`stiffarm.Robot.of_pinocchio`."""
     try:
         pinocchio: Any = importlib.import_module("pinocchio")
@@ -57,7 +56,7 @@ def of_pinocchio(model: Any, frame: str | None) -> Robot:
     return _of_columns(str(model.name) or "robot", joints, np.array(columns), flange, limits)
 
 
-def of_toolbox(robot: Any) -> Robot:
+def of_toolbox(robot: Any) -> dict[str, Any]:
     """See :meth:`stiffarm.Robot.of_toolbox`."""
     zero = np.zeros(robot.n)
     flange = np.array(robot.fkine(zero).A, dtype=float)
@@ -77,8 +76,8 @@ def _of_columns(
     columns: Floats,
     flange: Floats,
     limits: Sequence[tuple[float, float]],
-) -> Robot:
-    """A robot of the columns of its Jacobian at the flange, base axes: translation, then rotation."""
+) -> dict[str, Any]:
+    """The axes of a robot by the columns of its Jacobian at the flange, base axes: translation, then rotation."""
     points, directions = [], []
     for joint, column in zip(joints, columns, strict=True):
         shift, turn = column[:3], column[3:]
@@ -89,14 +88,14 @@ def _of_columns(
         directions.append(turn)
     whole = [(max(low, -2 * np.pi), min(high, 2 * np.pi)) for low, high in limits]
     known = all(np.isfinite(low) and np.isfinite(high) and low < high for low, high in whole)
-    return Robot.of_axes(
-        np.array(points).reshape(-1, 3),
-        np.array(directions).reshape(-1, 3),
-        flange,
-        limits=whole if known else None,
-        joint_names=list(joints),
-        name=name,
-    )
+    return {
+        "points": np.array(points).reshape(-1, 3),
+        "directions": np.array(directions).reshape(-1, 3),
+        "flange": flange,
+        "limits": whole if known else None,
+        "joint_names": list(joints),
+        "name": name,
+    }
 
 
 def _not_a_turn(joint: str) -> StiffarmError:

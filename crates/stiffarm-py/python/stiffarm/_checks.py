@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._errors import StiffarmError
 from ._stiffarm import MOST_POSTURES
@@ -129,28 +129,33 @@ def path(value: Any, what: str = "path") -> str:
     return found
 
 
-def cell(value: Any, key: str) -> Any:
-    """A cell."""
-    from .cell import Cell
-
-    if not isinstance(value, Cell):
-        hint = f'stiffarm.Cell("{value}")' if isinstance(value, str) else 'stiffarm.Cell("cell.toml")'
-        raise StiffarmError(f"A Cell is needed, got {shown(value)}.", "wrong-type", {"key": key}, hint=hint)
-    return value
-
-
-def native(value: Any) -> Any:
-    """What the extension module has of a cell, or of the cell file of this name."""
-    from .cell import Cell
-
-    try:
-        return value._native
-    except AttributeError:
-        is_name = isinstance(value, (str, os.PathLike))
-        return (Cell(value) if is_name else cell(value, "cell"))._native
-
-
 def shown(value: Any) -> str:
     """A value in a message, in a few words."""
     found = repr(value).replace("\n", " ")
     return found if len(found) <= 40 else f"{type(value).__name__} {found[:30]}..."
+
+
+def depth(values: Any) -> int:
+    """How deep lists or arrays are nested; 0 for what is neither, or not even."""
+    try:
+        return int(np.ndim(values))
+    except ValueError:
+        return 0
+
+
+def floats(values: ArrayLike, dimensions: int, what: str) -> NDArray[np.float64]:
+    """An array of so many dimensions, as the library reads it; a copy only where it must be one."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise StiffarmError(f"{what} must be numbers, all of them there: some are masked.", "wrong-type")
+    try:
+        given = np.asarray(values)
+        if given.dtype.kind == "c":
+            raise TypeError("they are complex")
+        array = np.ascontiguousarray(given, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise StiffarmError(f"{what} must be numbers: {error}.", "wrong-type") from None
+    if array.ndim != dimensions:
+        raise StiffarmError(
+            f"{what} must be an array of {dimensions} dimensions, got {array.ndim}.", "dimension"
+        )
+    return array

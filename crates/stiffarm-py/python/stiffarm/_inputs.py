@@ -6,19 +6,16 @@ import json
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, Union
+from typing import Any, TypeAlias, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _stiffarm
-from ._checks import shown, vector
+from ._checks import depth, shown, vector
 from ._errors import StiffarmError, StiffarmWarning
 from ._result import Result
 from ._table import Table, has_columns
-
-if TYPE_CHECKING:
-    from .postures import Postures
+from .postures import Postures
 
 Floats: TypeAlias = NDArray[np.float64]
 
@@ -28,46 +25,10 @@ TableLike: TypeAlias = Union[str, "os.PathLike[str]", Table, Mapping[str, Sequen
 
 #: Postures: a table with the columns of a posture file, :class:`stiffarm.Postures`, a result that has postures, or an
 #: array of angles, one row per posture [rad].
-PosturesLike: TypeAlias = Union[TableLike, "Postures", Result, ArrayLike]
+PosturesLike: TypeAlias = Union[TableLike, Postures, Result, ArrayLike]
 
 #: Called as ``progress(what, done, of)`` while long work runs; ``True`` shows a bar of tqdm where that is installed.
 Progress: TypeAlias = Union[Callable[[str, int, int], Any], bool, None]
-
-
-def angles(values: Any, degrees: bool, dimensions: int = 2, what: str = "Postures") -> Floats:
-    """Angles of postures [rad]: of an array, or of what has postures under names."""
-    from .postures import Postures
-
-    if isinstance(values, Postures) or has_columns(values):
-        return Postures.of(values).angles
-    of_array: Any = values
-    return _stiffarm.radians(floats(of_array, dimensions, what), degrees)
-
-
-def depth(values: Any) -> int:
-    """How deep lists or arrays are nested; 0 for what is neither, or not even."""
-    try:
-        return int(np.ndim(values))
-    except ValueError:
-        return 0
-
-
-def floats(values: ArrayLike, dimensions: int, what: str) -> Floats:
-    """An array of so many dimensions, as the library reads it; a copy only where it must be one."""
-    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
-        raise StiffarmError(f"{what} must be numbers, all of them there: some are masked.", "wrong-type")
-    try:
-        given = np.asarray(values)
-        if given.dtype.kind == "c":
-            raise TypeError("they are complex")
-        array = np.ascontiguousarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise StiffarmError(f"{what} must be numbers: {error}.", "wrong-type") from None
-    if array.ndim != dimensions:
-        raise StiffarmError(
-            f"{what} must be an array of {dimensions} dimensions, got {array.ndim}.", "dimension"
-        )
-    return array
 
 
 def is_table(value: object) -> bool:
@@ -77,8 +38,6 @@ def is_table(value: object) -> bool:
 
 def contents(key: str, value: Any, degrees: bool, cell: Any) -> bytes:
     """What is no file, as the bytes of one: a saved result, or a table."""
-    from .postures import Postures
-
     if isinstance(value, Result) and (key == "results" or "postures_deg" not in set(value)):
         other = value.inputs.get("cell", "")
         if key == "stiffness" and cell is not None and other not in ("", cell.inputs["cell"]):
@@ -112,15 +71,11 @@ def _stiffness(value: Any) -> bytes:
 
 def named(path: str | os.PathLike[str], cell: Any) -> Postures:
     """Postures of a file that is a group under another name than its own."""
-    from .postures import Postures
-
     return Postures.read(path, cell)
 
 
 def groups(value: Any) -> list[tuple[str, Any]]:
     """Groups of postures with their names: one, several, or several by name; a file without one has its own."""
-    from .postures import Postures
-
     if isinstance(value, Mapping) and not isinstance(value, (Result, Table)) and not _is_columns(value):
         return [(str(name), one) for name, one in value.items()]
     listed: Sequence[Any] = value if isinstance(value, (list, tuple)) else ()

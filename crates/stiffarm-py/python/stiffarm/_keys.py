@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ._result import Record
+from ._record import Record
 
 
 def __getattr__(name: str) -> Any:

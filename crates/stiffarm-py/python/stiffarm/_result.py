@@ -2,105 +2,23 @@
 
 from __future__ import annotations
 
-import copy
 import html
 import json
 import os
 import shlex
-import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
-
-import numpy as np
+from typing import Any, ClassVar, TypeVar
 
 from . import _checks, _stiffarm
 from ._errors import StiffarmError
+from ._files import write_file
+from ._record import Record
 from ._table import Table
-
-if TYPE_CHECKING:
-    from .cell import Cell
+from .cell import Cell
 
 _R = TypeVar("_R", bound="Result")
-
-
-class Record(Mapping[str, Any]):
-    """A part of a result: keys as attributes, lists of numbers as NumPy arrays, objects as records.
-
-    Names are those of the command's JSON; each has its unit in it where it has one.
-    """
-
-    __slots__ = ("_data",)
-
-    def __init__(self, data: dict[str, Any]) -> None:
-        self._data = data
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        try:
-            return wrapped(self._data[name])
-        except KeyError:
-            known = ", ".join(sorted(self._data))
-            raise AttributeError(f"There is no {name!r} here; there are: {known}") from None
-
-    def __getitem__(self, name: str) -> Any:
-        return wrapped(self._data[name])
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._data)
-
-    def __len__(self) -> int:
-        return len(self._data)
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._data]
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{k}={_short(v)}' for k, v in self._data.items())})"
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self._data,)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain dictionaries, lists and numbers: a copy of one's own."""
-        return copy.deepcopy(self._data)
-
-
-def _short(value: Any) -> str:
-    text = repr(value)
-    return text if len(text) <= 40 else f"{text[:37]}..."
-
-
-def wrapped(value: Any) -> Any:
-    """Records of objects, arrays of lists of numbers."""
-    if isinstance(value, dict):
-        return Record(value)
-    if isinstance(value, list):
-        array = _array(value)
-        return [wrapped(one) for one in value] if array is None else array
-    return value
-
-
-def _array(values: list[Any]) -> np.ndarray | None:
-    """An array of a list of numbers, or of lists of as many numbers each; null is NaN."""
-    if not values:
-        return None
-    number = (int, float)
-    if all(v is None or (isinstance(v, number) and not isinstance(v, bool)) for v in values):
-        whole = all(isinstance(v, int) for v in values)
-        return _fixed(np.array(values if whole else [np.nan if v is None else v for v in values]))
-    if all(isinstance(v, list) for v in values):
-        rows = [_array(v) for v in values]
-        if all(row is not None for row in rows) and len({row.shape for row in rows if row is not None}) == 1:
-            return _fixed(np.array(rows))
-    return None
-
-
-def _fixed(array: np.ndarray) -> np.ndarray:
-    """It is made afresh at each look: what one writes into it would be lost."""
-    array.flags.writeable = False
-    return array
+_D = TypeVar("_D", bound="Callable[..., Any]")
 
 
 class Result(Record):
@@ -116,10 +34,18 @@ class Result(Record):
     _rows: ClassVar[tuple[str, ...]] = ()
 
     #: Function of :mod:`stiffarm.plot` that draws it.
-    _figure: ClassVar[str] = ""
+    _figure: ClassVar[Callable[..., Any] | None] = None
+
+    #: Classes by the command whose results they are, and by its mode where it answers several questions.
+    _classes: ClassVar[dict[tuple[str, str], type[Result]]] = {}
 
     #: True where Ctrl-C stopped the work and this is the best so far.
     interrupted: bool
+
+    def __init_subclass__(cls, command: str = "", mode: str = "") -> None:
+        super().__init_subclass__()
+        if command:
+            Result._classes[command, mode] = cls
 
     def __init__(self, text: str, interrupted: bool = False, cell: Cell | None = None) -> None:
         self._text = text
@@ -185,8 +111,6 @@ class Result(Record):
         Raises:
             StiffarmError: It cannot be read, or is the result of another function.
         """
-        from .results import result_of
-
         file = _checks.path(path)
         try:
             text = Path(file).read_text(encoding="utf-8")
@@ -238,11 +162,10 @@ class Result(Record):
         Raises:
             StiffarmError: A result that has no figure, or matplotlib is not installed.
         """
-        if not self._figure:
+        draw = type(self)._figure
+        if draw is None:
             raise StiffarmError(f"A {type(self).__name__} has no figure.", "unsupported", hint="page() has what can be seen of it")
-        from . import plot
-
-        return getattr(plot, self._figure)(self, **options)
+        return draw(self, **options)
 
     def table(self) -> Table:
         """The main table of the result, a row each; see :meth:`to_frame`."""
@@ -251,7 +174,7 @@ class Result(Record):
             rows = rows[key]
         if not self._rows or not isinstance(rows, list):
             raise StiffarmError(f"A {type(self).__name__} has no table.", "unsupported")
-        return _table_of(rows)
+        return table_of(rows)
 
     def to_frame(self, library: str | None = None) -> Any:
         """The main table as a frame of ``"pandas"`` or ``"polars"``; vectors become a column per component."""
@@ -285,6 +208,27 @@ class Result(Record):
     __hash__ = None  # type: ignore[assignment]
 
 
+def result_of(text: str, document: dict[str, Any], interrupted: bool = False, cell: Cell | None = None) -> Result:
+    """The result of a command as its class."""
+    command = document["command"]
+    mode = document["options"]["mode"] if command == "select" else ""
+    if command == "map" and "candidates" in document["result"]:
+        mode = "place"
+    of_command = Result._classes.get((command, ""), Result)
+    return Result._classes.get((command, mode), of_command)(text, interrupted, cell)
+
+
+def draws(*kinds: type[Result]) -> Callable[[_D], _D]:
+    """Marks the function that draws results of these classes: :meth:`Result.plot` calls it."""
+
+    def mark(function: _D) -> _D:
+        for kind in kinds:
+            kind._figure = function
+        return function
+
+    return mark
+
+
 class Page(str):
     """A page of HTML; a notebook shows it in a frame of its own."""
 
@@ -298,30 +242,7 @@ class Page(str):
         return f'<iframe srcdoc="{html.escape(self)}" style="width: 100%; height: 800px; border: 0"></iframe>'
 
 
-def write_file(to: str | os.PathLike[str], contents: str | bytes, *, overwrite: bool) -> Path:
-    """Writes a file by a temporary name in its folder, so that there is never half of it."""
-    path = Path(_checks.path(to))
-    place = {"file": os.fspath(path)}
-    if path.exists() and not overwrite:
-        raise StiffarmError("The file exists.", "file-exists", place, hint="overwrite=True")
-    name = ""
-    try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as out:
-            name = out.name
-            out.write(contents.encode() if isinstance(contents, str) else contents)
-        # A temporary file is its owner's alone; a result is like any other file.
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
-        os.replace(name, path)
-    except OSError as error:
-        if name and os.path.exists(name):
-            os.unlink(name)
-        raise StiffarmError(f"The file cannot be written: {error.strerror}.", "file-write", place) from None
-    return path
-
-
-def _table_of(rows: list[dict[str, Any]]) -> Table:
+def table_of(rows: list[dict[str, Any]]) -> Table:
     """Plain columns of records: numbers and text as they are, vectors by component, records by key."""
     names: dict[str, None] = {}
     flat = [dict(_cells("", row)) for row in rows]

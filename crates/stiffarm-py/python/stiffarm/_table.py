@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from . import _checks, _stiffarm
+from . import _checks, _html, _stiffarm
 from ._errors import StiffarmError
 
 
@@ -139,9 +139,7 @@ class Table(Mapping[str, Any]):
         return f"<Table of {self._length} rows: {', '.join(self._columns)}>"
 
     def _repr_html_(self) -> str:
-        from ._html import table
-
-        return table(self)
+        return _html.table(self, self._length)
 
 
 def has_columns(value: object) -> bool:

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _inputs, _stiffarm
-from ._checks import native, number, text, texts, truth, whole
+from . import _checks, _inputs, _native_cell, _stiffarm
+from ._checks import number, text, texts, truth, whole
 from ._inputs import PosturesLike, Progress
-from ._result import Record
+from ._record import Record
 from ._table import Table
 from .cell import Cell
-from .postures import Postures
+from .postures import Postures, angles_of
 
 #: Indices that :func:`indices` gives unless others are named: all but ``prediction``, which takes longer than all others
 #: together.
@@ -59,7 +59,7 @@ def certificate(
     before = np.zeros((0, own.shape[1])) if given is None else _postures(cell, given, degrees).angles
     limit = None if samples is None else whole(samples, "samples")
     with _inputs.Watching(progress) as told:
-        found, _ = _stiffarm.certificate(native(cell), text(index, "index"), own, before, limit, told)
+        found, _ = _stiffarm.certificate(_native_cell.of(cell), text(index, "index"), own, before, limit, told)
     return Record(json.loads(found))
 
 
@@ -93,12 +93,12 @@ def indices(
     Raises:
         StiffarmError: An unknown index, angles of the wrong number or not finite.
     """
-    own = native(cell)
+    own = _native_cell.of(cell)
     in_degrees = truth(degrees, "degrees")
-    if _inputs.depth(postures) == 3:
-        array = _inputs.angles(postures, in_degrees, 3, "Groups")
+    if _checks.depth(postures) == 3:
+        array = angles_of(postures, in_degrees, 3, "Groups")
     else:
-        array = _inputs.angles(postures, in_degrees)
+        array = angles_of(postures, in_degrees)
     wanted = list(USUAL) if names is None else texts(names, "names")
     if array.ndim == 3:
         return _stiffarm.indices(own, array, wanted)
@@ -133,8 +133,8 @@ def observation_matrix(
     Raises:
         StiffarmError: Angles of the wrong number or not finite; a load that only a measurement gives.
     """
-    own = native(cell)
-    array = _inputs.angles(postures, truth(degrees, "degrees"))
+    own = _native_cell.of(cell)
+    array = angles_of(postures, truth(degrees, "degrees"))
     length = None if rotation_length is None else number(rotation_length, "rotation_length")
     return _stiffarm.observation_matrix(own, array, length)
 
@@ -170,5 +170,5 @@ def simulate_measurements(
     """
     own = _postures(cell, postures, degrees)
     raw = truth(readings, "readings")
-    made = _stiffarm.simulate_measurements(native(cell), own.names, own.angles, whole(seed, "seed"), raw)
+    made = _stiffarm.simulate_measurements(_native_cell.of(cell), own.names, own.angles, whole(seed, "seed"), raw)
     return Table.from_csv(made)

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _checks, _stiffarm
+from . import _checks, _native_cell, _stiffarm
 from ._errors import StiffarmError
-from ._result import write_file
+from ._files import write_file
 from .robot import Robot
 
 
@@ -32,7 +32,7 @@ def tool(
     """
     given = _checks.mapping(measuring_points_mm, "measuring_points_mm")
     points = [{"name": name, "position_mm": _checks.vector(at, f"measuring_points_mm.{name}", 3)} for name, at in given.items()]
-    return {"loading_point_mm": _checks.vector(loading_point_mm, "loading_point_mm", 3), "measuring_point": points, **_plain(keys)}
+    return {"loading_point_mm": _checks.vector(loading_point_mm, "loading_point_mm", 3), "measuring_point": points, **_native_cell.plain(keys)}
 
 
 def rope(anchor_mm: ArrayLike, magnitude_n: float) -> dict[str, Any]:
@@ -56,7 +56,7 @@ def wrench(force_n: ArrayLike, moment_nm: ArrayLike = (0.0, 0.0, 0.0), *, axes: 
 
 def cases(**loads: Mapping[str, Any]) -> dict[str, Any]:
     """The ``[load]`` of several loads under which every posture is measured, by name."""
-    return {"kind": "cases", "case": [{"name": name, **_plain(_checks.mapping(load, name))} for name, load in loads.items()]}
+    return {"kind": "cases", "case": [{"name": name, **_native_cell.plain(_checks.mapping(load, name))} for name, load in loads.items()]}
 
 
 def measured() -> dict[str, Any]:
@@ -87,20 +87,7 @@ class Cell:
         Raises:
             StiffarmError: It cannot be read, or anything in it is wrong, with file, line, column and key.
         """
-        name = _checks.path(path)
-        if name.startswith("builtin:"):
-            self._native = _stiffarm.Cell.built_in(name.removeprefix("builtin:"))
-            return
-        try:
-            text = Path(name).read_bytes()
-        except OSError as error:
-            raise StiffarmError(
-                f"The file cannot be read: {error.strerror}.",
-                "file-read",
-                {"file": name},
-                hint='Cell.built_in("comau") is built in',
-            ) from None
-        self._native = _stiffarm.Cell(name, text, {}, str(Path(name).parent))
+        self._native = _native_cell.of_file(_checks.path(path))
 
     @classmethod
     def _of(cls, native: _stiffarm.Cell) -> Cell:
@@ -134,8 +121,8 @@ class Cell:
         Raises:
             StiffarmError: As for a file; the place is a key, and a line of the text that is made of it.
         """
-        text = _toml({"format": 1, **_checks.mapping(keys, "keys")})
-        return cls.from_toml(text, "<dict>", folder=folder)
+        where = None if folder is None else _checks.path(folder, "folder")
+        return cls._of(_native_cell.of_keys(_checks.mapping(keys, "keys"), where))
 
     @classmethod
     def of(
@@ -176,7 +163,7 @@ class Cell:
         if name is not None:
             made["name"] = name
         if stiffness_nm_per_rad is not None:
-            made["stiffness"] = {"prior_nm_per_rad": _plain(stiffness_nm_per_rad)}
+            made["stiffness"] = {"prior_nm_per_rad": _native_cell.plain(stiffness_nm_per_rad)}
         if obstacles:
             made["obstacle"] = [_checks.mapping(one, "obstacles") for one in obstacles]
         return cls.from_dict(made)
@@ -190,7 +177,7 @@ class Cell:
         Raises:
             StiffarmError: Anything wrong with the new values.
         """
-        text = _toml(_merged(self.to_dict(), _plain(_checks.mapping(changes, "changes"))))
+        text = _native_cell.toml(_merged(self.to_dict(), _native_cell.plain(_checks.mapping(changes, "changes"))))
         # A changed cell is built in no more.
         name = "<cell>" if self.file.startswith("builtin:") else self.file
         native = _stiffarm.Cell(name, text.encode(), self._native.files, None)
@@ -294,28 +281,6 @@ class Cell:
 
     def __repr__(self) -> str:
         return f"<Cell {self.name!r}: {self._native.robot_name}, {self.joint_count} joints, from {self.file}>"
-
-
-def _toml(keys: Mapping[str, Any]) -> str:
-    """The text of a cell file."""
-    try:
-        return _stiffarm.toml_of_json(json.dumps(_plain(keys)))
-    except TypeError as error:
-        hint = "values are text, numbers, true, false, lists and dictionaries"
-        raise StiffarmError(f"A cell file cannot hold this: {error}.", "wrong-type", hint=hint) from None
-
-
-def _plain(value: Any) -> Any:
-    """Numbers, lists and dictionaries as JSON has them."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(one) for key, one in value.items()}
-    if isinstance(value, np.ndarray):
-        return value.tolist()
-    if isinstance(value, np.generic):
-        return value.item()
-    if isinstance(value, (list, tuple)):
-        return [_plain(one) for one in value]
-    return value
 
 
 def _merged(old: dict[str, Any], new: dict[str, Any]) -> dict[str, Any]:

@@ -15,13 +15,13 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from . import _checks, _inputs, _stiffarm
+from . import _checks, _inputs, _native_cell, _stiffarm
 from ._errors import StiffarmError, StiffarmWarning, nearest
-
-if TYPE_CHECKING:
-    from ._result import Result
+from ._result import Result
+from .cell import Cell
+from .results import result_of
 
 #: Arguments that every function has, or some, beside those of the command.
 _PROGRESS = "progress: Called as ``progress(what, done, of)`` while work is long; ``True`` shows a bar."
@@ -163,8 +163,6 @@ class _Call:
 
     def answer(self, code: int, out: str, err: str, interrupted: bool) -> Result | dict[str, Any]:
         """The result, or what is wrong as an exception."""
-        from .results import result_of
-
         try:
             document = json.loads(out)
         except ValueError:
@@ -200,8 +198,6 @@ class _Call:
 
     def file(self, key: str, value: Any, name: str) -> str:
         """The name of an input; what is no file is handed over under it."""
-        from .cell import Cell
-
         if key == "cell" and isinstance(value, (str, os.PathLike)):
             value = Cell(value)
         if isinstance(value, Cell):
@@ -212,7 +208,7 @@ class _Call:
                 known = f"<{known}>"
             return known
         if key == "cell":
-            _checks.cell(value, key)
+            raise _native_cell.no_cell(value, key)
         if isinstance(value, (str, os.PathLike)):
             path = _checks.path(value, key)
             # A name with a dash in front would be an option.

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _stiffarm
-from ._checks import cell as checked_cell
+from . import _native_cell, _stiffarm
 from ._checks import count as count_of
 from ._checks import number, text
 from ._errors import StiffarmError
@@ -48,7 +47,8 @@ class Objective:
         Raises:
             StiffarmError: An unknown index; a cell without what it needs.
         """
-        checked_cell(cell, "cell")
+        if not isinstance(cell, Cell):
+            raise _native_cell.no_cell(cell, "cell")
         count = count_of(postures, "postures")
         own = np.zeros((0, cell.joint_count)) if given is None else Postures.of(given).angles
         self._native = _stiffarm.Objective(cell._native, text(index, "index"), count, np.ascontiguousarray(own))

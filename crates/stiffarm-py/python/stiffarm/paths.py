@@ -6,16 +6,13 @@ import json
 import os
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-from . import _checks, _stiffarm
+from . import _checks, _native_cell, _stiffarm
 from ._errors import StiffarmWarning
 from ._inputs import TableLike
-from ._result import Record, write_file
+from ._files import write_file
+from ._record import Record
 from ._table import Table
-
-if TYPE_CHECKING:
-    from .cell import Cell
+from .cell import Cell
 
 
 class PathTable(Table):
@@ -43,7 +40,7 @@ def read_path(
     Raises:
         StiffarmError: It cannot be read, with file, line and column.
     """
-    text, said = _stiffarm.path_text(_checks.native(cell), _checks.path(path), _language(language))
+    text, said = _stiffarm.path_text(_native_cell.of(cell), _checks.path(path), _language(language))
     table = PathTable.from_csv(text)
     table.findings = _findings(said)
     return table
@@ -79,7 +76,7 @@ def write_path(
     name, to = _checks.path(path), Path(_checks.path(output, "output"))
     overwrite = _checks.truth(overwrite, "overwrite")
     moved = read_path(cell, points) if isinstance(points, (str, os.PathLike)) else Table.of(points)
-    files, said = _stiffarm.path_program(_checks.native(cell), name, moved.to_csv(), _language(language))
+    files, said = _stiffarm.path_program(_native_cell.of(cell), name, moved.to_csv(), _language(language))
     _findings(said)
     for number, contents in enumerate(files):
         write_file(to.with_suffix(".dat") if number else to, contents, overwrite=overwrite)

@@ -6,19 +6,16 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from . import _checks, _stiffarm
+from . import _checks, _native_cell, _stiffarm
 from ._errors import StiffarmError
-from ._result import Result, write_file
+from ._files import write_file
+from ._record import Record
 from ._table import Table, has_columns
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-    from .cell import Cell
 
 
 class Postures:
@@ -52,9 +49,7 @@ class Postures:
         Raises:
             StiffarmError: Angles that are no numbers, not finite, or not in rows; names of another number.
         """
-        from ._inputs import floats
-
-        array = floats(angles, 2, "Postures")
+        array = _checks.floats(angles, 2, "Postures")
         if not np.isfinite(array).all():
             row, joint = np.argwhere(~np.isfinite(array))[0]
             raise StiffarmError(
@@ -79,7 +74,7 @@ class Postures:
         """
         if isinstance(value, Postures):
             return value
-        if isinstance(value, Result):
+        if isinstance(value, Record):
             data = value.to_dict()
             if "postures_deg" not in data or "posture_names" not in data:
                 raise StiffarmError(f"A {type(value).__name__} has no postures.", "wrong-type")
@@ -111,13 +106,13 @@ class Postures:
         return cls(np.column_stack([table[name] for name in columns]), names, degrees=True)
 
     @classmethod
-    def read(cls, path: str | os.PathLike[str], cell: Cell) -> Postures:
+    def read(cls, path: str | os.PathLike[str], cell: Any) -> Postures:
         """Reads a posture table (``.csv``, ``.xlsx``, ``builtin:NAME``) for the robot of a cell.
 
         Raises:
             StiffarmError: It cannot be read, or anything in it is wrong, with file, line and column.
         """
-        names, angles = _stiffarm.read_postures(_checks.native(cell), _checks.path(path))
+        names, angles = _stiffarm.read_postures(_native_cell.of(cell), _checks.path(path))
         return cls(angles, names, name=Path(os.fspath(path)).stem)
 
     @property
@@ -179,3 +174,11 @@ class Postures:
 
 def _again(angles: Any, names: list[str], name: str) -> Postures:
     return Postures(angles, names, name=name)
+
+
+def angles_of(values: Any, degrees: bool, dimensions: int = 2, what: str = "Postures") -> NDArray[np.float64]:
+    """Angles of postures [rad]: of an array, or of what has postures under names."""
+    if isinstance(values, Postures) or has_columns(values):
+        return Postures.of(values).angles
+    of_array: Any = values
+    return _stiffarm.radians(_checks.floats(of_array, dimensions, what), degrees)

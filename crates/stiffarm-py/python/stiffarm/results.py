@@ -5,20 +5,17 @@ Their keys are those of the command's JSON; ``stiffarm schema result-COMMAND`` o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import _keys
 from ._errors import StiffarmError
-from ._result import Record, Result, _fixed
+from ._record import Record, fixed
+from ._result import Result, result_of, table_of
 from ._table import Table
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from .cell import Cell
-    from .postures import Postures
+from .postures import Postures
 
 
 #: Endings of what an identification says of a joint in N·m/rad.
@@ -31,8 +28,6 @@ class _WithPostures(Result):
     @property
     def postures(self) -> Postures:
         """The postures, under their names."""
-        from .postures import Postures
-
         return Postures.of(self)
 
     def table(self) -> Table:
@@ -40,33 +35,32 @@ class _WithPostures(Result):
         return self.postures.table()
 
 
-class Checked(Result, _keys.CheckedKeys):
+class Checked(Result, _keys.CheckedKeys, command="check"):
     """What to know about a cell before anybody measures: :func:`stiffarm.check`."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("joints",)
 
 
-class Plan(_WithPostures, _keys.PlanKeys):
+class Plan(_WithPostures, _keys.PlanKeys, command="select"):
     """Postures to measure, and what they are worth: :func:`stiffarm.select`."""
 
     __slots__ = ()
-    _figure: ClassVar[str] = "expected"
 
 
-class Chosen(_WithPostures, _keys.ChosenKeys):
+class Chosen(_WithPostures, _keys.ChosenKeys, command="select", mode="candidates"):
     """The best postures of a list: :func:`stiffarm.select` with ``candidates``."""
 
     __slots__ = ()
 
 
-class SpaceFilling(_WithPostures, _keys.SpaceFillingKeys):
+class SpaceFilling(_WithPostures, _keys.SpaceFillingKeys, command="select", mode="space_filling"):
     """Postures that cover the joint space evenly: :func:`stiffarm.select` with ``space_filling``."""
 
     __slots__ = ()
 
 
-class Dropped(_WithPostures, _keys.DroppedKeys):
+class Dropped(_WithPostures, _keys.DroppedKeys, command="select", mode="drop"):
     """What each given posture is worth, and which ones stay: :func:`stiffarm.select` with ``drop``."""
 
     __slots__ = ()
@@ -85,19 +79,17 @@ class Dropped(_WithPostures, _keys.DroppedKeys):
         )
 
 
-class Curve(Result, _keys.CurveKeys):
+class Curve(Result, _keys.CurveKeys, command="select", mode="curve"):
     """The best value for each number of postures: :func:`stiffarm.select` with ``curve``."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("sizes",)
-    _figure: ClassVar[str] = "number_of_postures"
 
 
-class Evaluated(Result, _keys.EvaluatedKeys):
+class Evaluated(Result, _keys.EvaluatedKeys, command="evaluate"):
     """Every index of groups of postures: :func:`stiffarm.evaluate`."""
 
     __slots__ = ()
-    _figure: ClassVar[str] = "expected"
 
     def table(self) -> Table:
         """A row per group: its name, number of postures, and every index; two are lengths, all others ratios."""
@@ -113,11 +105,10 @@ class Evaluated(Result, _keys.EvaluatedKeys):
         return Table(columns)
 
 
-class Simulation(Result, _keys.SimulationKeys):
+class Simulation(Result, _keys.SimulationKeys, command="simulate"):
     """Monte Carlo of identifications with tracker noise: :func:`stiffarm.simulate`."""
 
     __slots__ = ()
-    _figure: ClassVar[str] = "simulation"
 
     def table(self) -> Table:
         """A row per group, noise level and joint: simulated and expected deviation (fractions)."""
@@ -140,30 +131,27 @@ class Simulation(Result, _keys.SimulationKeys):
                             "expected_deviation": level["expected_deviation"][j],
                         }
                     )
-        from ._result import _table_of
-
-        return _table_of(rows)
+        return table_of(rows)
 
 
-class Coverage(Result, _keys.CoverageKeys):
+class Coverage(Result, _keys.CoverageKeys, command="coverage"):
     """How often intervals held the truth in simulation: :func:`stiffarm.coverage`."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("joints",)
 
 
-class Identified(Result, _keys.IdentifiedKeys):
+class Identified(Result, _keys.IdentifiedKeys, command="identify"):
     """Joint stiffness and how far to trust it: :func:`stiffarm.identify`."""
 
     __slots__ = ()
-    _figure: ClassVar[str] = "stiffness"
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
         """Joint stiffness [N·m/rad], one per spring; NaN where the readings tell nothing of a joint. Whether a value can be
         used says ``verdict`` of the joint."""
         values = [joint["stiffness"] for joint in self._estimates()["joints"]]
-        return _fixed(np.array([np.nan if value is None else value for value in values]))
+        return fixed(np.array([np.nan if value is None else value for value in values]))
 
     @property
     def diagnosis(self) -> Record | None:
@@ -178,7 +166,8 @@ class Identified(Result, _keys.IdentifiedKeys):
         readings = self._data.get("readings") or {}
         of_readings = [readings.get("reduction") or {}, readings.get("screening") or {}, self._data.get("screening") or {}]
         parts = [*of_readings, self._data.get("diagnosis") or {}, systematic, self._data]
-        return [Record(finding) for part in parts for finding in part.get("findings", [])]
+        implausible = [Record(own) for own in [self._data.get("implausible")] if own]
+        return implausible + [Record(finding) for part in parts for finding in part.get("findings", [])]
 
     def _estimates(self) -> dict[str, Any]:
         estimates: dict[str, Any] = self._data.get("estimates", self._data)
@@ -190,8 +179,6 @@ class Identified(Result, _keys.IdentifiedKeys):
         ``interval_holds`` says ``"all_errors"``, or ``"readings"`` where nothing else was examined
         (``brief=True``, ``clamped=True``).
         """
-        from ._result import _table_of
-
         rows = []
         for joint in self._estimates()["joints"]:
             row: dict[str, Any] = {}
@@ -203,15 +190,14 @@ class Identified(Result, _keys.IdentifiedKeys):
                 elif not isinstance(value, (dict, list)):
                     row[{"name": "joint", "half_width": "relative_half_width"}.get(key, f"{key}{unit}")] = value
             rows.append(row)
-        return _table_of(rows)
+        return table_of(rows)
 
 
-class Validated(Result, _keys.ValidatedKeys):
+class Validated(Result, _keys.ValidatedKeys, command="validate"):
     """Calculated against measured displacements: :func:`stiffarm.validate`."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("points",)
-    _figure: ClassVar[str] = "validation"
 
     @property
     def findings(self) -> list[Record]:
@@ -220,79 +206,42 @@ class Validated(Result, _keys.ValidatedKeys):
         return [Record(f) for f in own]
 
 
-class Registered(Result, _keys.RegisteredKeys):
+class Registered(Result, _keys.RegisteredKeys, command="register"):
     """The transform from tracker to base axes: :func:`stiffarm.register`."""
 
     __slots__ = ()
 
     def table(self) -> Table:
         """A row per pair: its name, and what the transform leaves of it."""
-        from ._result import _table_of
-
-        return _table_of([{"pair": name, "residual_m": left} for name, left in zip(self._data["pairs"], self._data["residuals_m"], strict=True)])
+        return table_of([{"pair": name, "residual_m": left} for name, left in zip(self._data["pairs"], self._data["residuals_m"], strict=True)])
 
 
-class Predicted(Result, _keys.PredictedKeys):
+class Predicted(Result, _keys.PredictedKeys, command="predict"):
     """How far the loaded tool bends away along a path: :func:`stiffarm.predict`."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("points",)
-    _figure: ClassVar[str] = "deflection"
 
 
-class Compensated(Result, _keys.CompensatedKeys):
+class Compensated(Result, _keys.CompensatedKeys, command="compensate"):
     """The commands that make up for the deflection: :func:`stiffarm.compensate`."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("points",)
-    _figure: ClassVar[str] = "deflection"
 
 
-class StiffnessMap(Result, _keys.StiffnessMapKeys):
+class StiffnessMap(Result, _keys.StiffnessMapKeys, command="map"):
     """Stiffness over a region of the workspace: :func:`stiffarm.map`."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("nodes",)
-    _figure: ClassVar[str] = "stiffness_map"
 
 
-class Placement(Result, _keys.PlacementKeys):
+class Placement(Result, _keys.PlacementKeys, command="map", mode="place"):
     """The best place of a workpiece: :func:`stiffarm.map` with ``place``."""
 
     __slots__ = ()
     _rows: ClassVar[tuple[str, ...]] = ("candidates",)
-
-
-_CLASSES: dict[str, type[Result]] = {
-    "check": Checked,
-    "compensate": Compensated,
-    "coverage": Coverage,
-    "evaluate": Evaluated,
-    "identify": Identified,
-    "map": StiffnessMap,
-    "predict": Predicted,
-    "register": Registered,
-    "select": Plan,
-    "simulate": Simulation,
-    "validate": Validated,
-}
-#: Commands that answer several questions, by the mode of their options.
-_MODES: dict[str, type[Result]] = {
-    "candidates": Chosen,
-    "curve": Curve,
-    "drop": Dropped,
-    "space_filling": SpaceFilling,
-}
-
-
-def result_of(text: str, document: dict[str, Any], interrupted: bool = False, cell: Cell | None = None) -> Result:
-    """The result of a command as its class."""
-    kind = _CLASSES.get(document["command"], Result)
-    if kind is Plan:
-        kind = _MODES.get(document["options"]["mode"], Plan)
-    elif kind is StiffnessMap and "candidates" in document["result"]:
-        kind = Placement
-    return kind(text, interrupted, cell)
 
 
 __all__ = [
@@ -315,4 +264,5 @@ __all__ = [
     "StiffarmError",
     "StiffnessMap",
     "Validated",
+    "result_of",
 ]

@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _checks, _inputs, _stiffarm
+from . import _adapters, _checks, _native_cell, _stiffarm
 from ._errors import StiffarmError
+from .postures import angles_of
 
 
 class Branch(NamedTuple):
@@ -42,14 +43,11 @@ class Robot:
         Raises:
             StiffarmError: Anything wrong with a key or value.
         """
-        from .cell import Cell, measured, tool
-
         self._keys = _checks.mapping(keys, "keys")
         # One reader for robots: that of cell files, with a tool that nothing asks for.
-        cell = Cell.from_dict(
-            {"robot": self._keys, "tool": tool([0.0] * 3, {"flange": [0.0] * 3}), "load": measured()}
-        )
-        self._native = cell._native
+        at = [0.0, 0.0, 0.0]
+        tool = {"loading_point_mm": at, "measuring_point": [{"name": "flange", "position_mm": at}]}
+        self._native = _native_cell.of_keys({"robot": self._keys, "tool": tool, "load": {"kind": "measured"}})
 
     @classmethod
     def _in(cls, native: _stiffarm.Cell, keys: dict[str, Any]) -> Robot:
@@ -167,9 +165,7 @@ class Robot:
         Raises:
             StiffarmError: Pinocchio is not installed, there is no such frame, or a joint does not turn about one axis.
         """
-        from ._adapters import of_pinocchio
-
-        return of_pinocchio(model, frame)
+        return cls.of_axes(**_adapters.of_pinocchio(model, frame))
 
     @classmethod
     def of_toolbox(cls, robot: Any) -> Robot:
@@ -178,9 +174,7 @@ class Robot:
         Raises:
             StiffarmError: A joint does not turn about one axis.
         """
-        from ._adapters import of_toolbox
-
-        return of_toolbox(robot)
+        return cls.of_axes(**_adapters.of_toolbox(robot))
 
     def to_dict(self) -> dict[str, Any]:
         """The keys of ``[robot]`` of a cell file."""
@@ -261,7 +255,7 @@ class Robot:
 
 
 def _row(angles: ArrayLike, degrees: bool) -> NDArray[np.float64]:
-    return _inputs.angles(angles, _checks.truth(degrees, "degrees"), max(1, _inputs.depth(angles)), "Angles").reshape(-1)
+    return angles_of(angles, _checks.truth(degrees, "degrees"), max(1, _checks.depth(angles)), "Angles").reshape(-1)
 
 
 def _pose(pose: ArrayLike) -> NDArray[np.float64]:

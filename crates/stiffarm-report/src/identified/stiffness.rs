@@ -30,7 +30,7 @@ pub fn stiffness_figure(
     confidence: f64,
 ) -> Figure {
     let joints: Vec<&str> = rows.iter().map(|row| row.joint.as_str()).collect();
-    let level = crate::tell::level(confidence);
+    let level = crate::level::level(confidence);
     let drawn = |label: &str, style: Style, of: &dyn Fn(&StiffnessRow) -> Option<f64>| {
         let known = rows.iter().enumerate().filter_map(|(j, row)| {
             let ends = row.interval.map(|end| end.map(|k| 1e-6 * k));

@@ -3,90 +3,99 @@
 use super::described::beside_arm;
 use super::postures::coarse;
 use crate::cell::usual_posture;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
+};
 use stiffarm::Result;
-use stiffarm::findings::{Finding, Severity, list, minutes, visible};
+use stiffarm::findings::{Finding, Severity, codes, list, minutes, visible};
 use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, MeasuringTime, Noise, PointBound};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::check::{CellCheck, LEFT_OUT, ONE_LOAD};
+use stiffarm::plan::check::CellCheck;
 use stiffarm::units::rad_to_shortest_deg;
 
-/// What a result says of `check`.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    let check: CellCheck = given.saved.result()?;
-    let done = Text::new("The cell was looked at in ")
-        .number(given.number("/postures_sampled").decimals(0))
-        .words(" postures spread over its bounds; ")
-        .number(given.number("/postures_within_limits").decimals(0))
-        .words(" of them meet its limits.");
-    let of = |severity: Severity| {
-        check
+impl Telling for CellCheck {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        let check = self;
+        let done = Text::new("The cell was looked at in ")
+            .number(given.number("/postures_sampled").decimals(0))
+            .words(" postures spread over its bounds; ")
+            .number(given.number("/postures_within_limits").decimals(0))
+            .words(" of them meet its limits.");
+        let of = |severity: Severity| {
+            check
+                .findings
+                .iter()
+                .filter(move |f| f.severity == severity)
+        };
+        let cautions = of(Severity::Caution).count();
+        let left_out = check
             .findings
             .iter()
-            .filter(move |f| f.severity == severity)
-    };
-    let cautions = of(Severity::Caution).count();
-    let left_out = check.findings.iter().filter(|f| f.code == LEFT_OUT);
-    let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
-    let came = if check.is_serious() {
-        Text::default().strong("The cell cannot be used as it is.")
-    } else if cautions > 0 {
-        let things = counted(cautions, "thing");
-        let but = if left_out.is_empty() {
-            String::new()
-        } else {
-            format!(", but not for {}", list(&left_out))
-        };
-        Text::new(format!("The cell can be used{but}; {things} to look at."))
-    } else if check.findings.iter().all(|f| f.code == ONE_LOAD) {
-        Text::default().strong("Nothing to complain about.")
-    } else {
-        Text::new("The cell can be used; see the notes.")
-    };
-    let one_load = check.findings.iter().find(|f| f.code == ONE_LOAD);
-    let came = match one_load {
-        Some(found) if !check.is_serious() => came.words(format!(" {}", visible(&found.sentence))),
-        _ => came,
-    };
-    let next = if check.is_serious() {
-        Text::new("Correct the cell file, and check it again.")
-    } else {
-        Text::new("Choose the postures to measure with ")
-            .code("stiffarm select")
-            .words(".")
-    };
-    let mut sections = Vec::new();
-    if let Some(cell) = given.cell {
-        sections
-            .push(Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary());
-        if given.pictures {
-            let group = if cell.validation.is_empty() {
-                vec![usual_posture(cell)?]
+            .filter(|f| f.code == codes::JOINT_LEFT_OUT);
+        let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
+        let came = if check.is_serious() {
+            Text::default().strong("The cell cannot be used as it is.")
+        } else if cautions > 0 {
+            let things = counted(cautions, "thing");
+            let but = if left_out.is_empty() {
+                String::new()
             } else {
-                cell.validation.clone()
+                format!(", but not for {}", list(&left_out))
             };
-            let group = PostureGroup {
-                name: "the cell".to_string(),
-                postures: group,
-            };
-            sections.push(given.cell_section(&[group], "The cell as its file describes it.")?);
+            Text::new(format!("The cell can be used{but}; {things} to look at."))
+        } else if check.findings.iter().all(|f| f.code == codes::ONE_LOAD) {
+            Text::default().strong("Nothing to complain about.")
+        } else {
+            Text::new("The cell can be used; see the notes.")
+        };
+        let one_load = check.findings.iter().find(|f| f.code == codes::ONE_LOAD);
+        let came = match one_load {
+            Some(found) if !check.is_serious() => {
+                came.words(format!(" {}", visible(&found.sentence)))
+            }
+            _ => came,
+        };
+        let next = if check.is_serious() {
+            Text::new("Correct the cell file, and check it again.")
+        } else {
+            Text::new("Choose the postures to measure with ")
+                .code("stiffarm select")
+                .words(".")
+        };
+        let mut sections = Vec::new();
+        if let Some(cell) = given.cell {
+            sections.push(
+                Section::new("set-up", "Set-up", vec![Block::Table(setup(cell))]).in_summary(),
+            );
+            if given.pictures {
+                let group = if cell.validation.is_empty() {
+                    vec![usual_posture(cell)?]
+                } else {
+                    cell.validation.clone()
+                };
+                let group = PostureGroup {
+                    name: "the cell".to_string(),
+                    postures: group,
+                };
+                sections.push(given.cell_section(&[group], "The cell as its file describes it.")?);
+            }
         }
+        // It stands in the verdict.
+        let notes = of(Severity::Note).filter(|f| f.code != codes::ONE_LOAD);
+        let notes: Vec<Finding> = notes.cloned().collect();
+        if !notes.is_empty() {
+            let notes = vec![Block::Findings(notes)];
+            sections.push(Section::new("notes", "Notes", notes).in_summary());
+        }
+        let key = joints(given, check);
+        let heading = "The cell before measuring".to_string();
+        let mut told = given.told(heading, [done, came, next], Some(key), sections);
+        // They stand in a section of their own.
+        told.findings
+            .retain(|found| found.severity != Severity::Note);
+        Ok(told)
     }
-    // It stands in the verdict.
-    let notes = of(Severity::Note).filter(|f| f.code != ONE_LOAD);
-    let notes: Vec<Finding> = notes.cloned().collect();
-    if !notes.is_empty() {
-        let notes = vec![Block::Findings(notes)];
-        sections.push(Section::new("notes", "Notes", notes).in_summary());
-    }
-    let key = joints(given, &check);
-    let heading = "The cell before measuring".to_string();
-    let mut told = given.told(heading, [done, came, next], Some(key), sections);
-    // They stand in a section of their own.
-    told.findings
-        .retain(|found| found.severity != Severity::Note);
-    Ok(told)
 }
 
 /// The joints with what the load does to them.

@@ -7,48 +7,54 @@ use super::points::{
 };
 use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::compensate::Compensation;
 use stiffarm::work::compensated::Compensated;
 
-/// What a result says of `compensate`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let result = context.result(|made: &Compensated| &made.compensation)?;
-    let result: &Compensation = &result;
-    let count = result.points.len();
-    let done = Text::new(format!(
-        "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
-    ));
-    let verdict = [
-        done.then(how_found(context)),
-        came(context, result),
-        next(result),
-    ];
-    let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
-    let key = corrections(
-        context,
-        result,
-        "The largest corrections, each with the ± of the deflection that it makes up for",
-        &order[..count.min(KEY_ROWS)],
-    );
-    let mut sections = Vec::new();
-    if context.pictures {
-        sections.push(cell_section(context, result)?);
-        sections.push(path_section(context, result));
+impl Telling for Compensation {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let result = self;
+        let count = result.points.len();
+        let done = Text::new(format!(
+            "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
+        ));
+        let verdict = [
+            done.then(how_found(context)),
+            came(context, result),
+            next(result),
+        ];
+        let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
+        let key = corrections(
+            context,
+            result,
+            "The largest corrections, each with the ± of the deflection that it makes up for",
+            &order[..count.min(KEY_ROWS)],
+        );
+        let mut sections = Vec::new();
+        if context.pictures {
+            sections.push(cell_section(context, result)?);
+            sections.push(path_section(context, result));
+        }
+        sections.extend(features_section(context));
+        sections.extend(band_section(context, result));
+        sections.extend(stiffness_section(context, result));
+        sections.push(all_points(
+            context,
+            "The corrections",
+            count,
+            |caption, rows| corrections(context, result, caption, rows),
+        ));
+        Ok(context.told("Compensated path", verdict, Some(key), sections))
     }
-    sections.extend(features_section(context));
-    sections.extend(band_section(context, result));
-    sections.extend(stiffness_section(context, result));
-    sections.push(all_points(
-        context,
-        "The corrections",
-        count,
-        |caption, rows| corrections(context, result, caption, rows),
-    ));
-    Ok(context.told("Compensated path", verdict, Some(key), sections))
+}
+
+impl Telling for Compensated {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        self.compensation.told(context)
+    }
 }
 
 fn came(context: &Given<'_>, result: &Compensation) -> Text {

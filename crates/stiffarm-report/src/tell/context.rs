@@ -3,14 +3,10 @@
 use super::{Block, DataTable, Given, Outcome, Section, Text, Told};
 use crate::cell::{Full, cell_drawing};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
-use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::any::Any;
-use std::borrow::Cow;
 use std::cmp::Reverse;
 use stiffarm::Result;
-use stiffarm::estimate::mixed::NEVER_LOADED;
-use stiffarm::findings::{Finding, Severity, list, visible};
+use stiffarm::findings::{Finding, Severity, codes, list, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 use stiffarm_files::result::SavedResult;
 
@@ -18,7 +14,7 @@ use stiffarm_files::result::SavedResult;
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
 
 /// Codes of findings that are the result, and not about its numbers.
-const NOWHERE: [&str; 2] = ["nothing-reachable", "nowhere"];
+const NOWHERE: [&str; 2] = [codes::NOTHING_REACHABLE, codes::NOWHERE];
 
 /// Codes of findings that a command was stopped.
 const STOPPED: [&str; 2] = ["interrupted", "stopped"];
@@ -34,21 +30,6 @@ impl<'a> Given<'a> {
         ))
     }
 
-    /// What is told of the result: a part of what its command made, or as the file holds it.
-    ///
-    /// # Errors
-    /// As [`SavedResult::result`].
-    pub(super) fn result<R, T>(&self, part: impl Fn(&'a R) -> &'a T) -> Result<Cow<'a, T>>
-    where
-        R: Any,
-        T: DeserializeOwned + Clone,
-    {
-        match self.made.and_then(|made| made.downcast_ref()) {
-            Some(made) => Ok(Cow::Borrowed(part(made))),
-            None => self.saved.result().map(Cow::Owned),
-        }
-    }
-
     /// What all results say, around what is their own.
     pub(super) fn told(
         &self,
@@ -59,7 +40,7 @@ impl<'a> Given<'a> {
     ) -> Told {
         let mut findings = self.saved.findings();
         let serious = |f: &&Finding| f.severity == Severity::Serious;
-        let doubtful = |f: &Finding| f.code == "stiffness-doubtful";
+        let doubtful = |f: &Finding| f.code == codes::STIFFNESS_DOUBTFUL;
         let [done, came, next] = verdict;
         // Whatever else could be done next would rest on it.
         let next = if findings.iter().filter(serious).any(doubtful) {
@@ -85,7 +66,9 @@ impl<'a> Given<'a> {
         findings.sort_by_key(|finding| Reverse(finding.severity));
         let outcome = Outcome::of(&findings);
         // What rules the ± belongs to what came out.
-        let (ruling, findings) = findings.into_iter().partition(|f| f.code == NEVER_LOADED);
+        let (ruling, findings) = findings
+            .into_iter()
+            .partition(|f| f.code == codes::NEVER_LOADED);
         let said = |came: Text, f: &Finding| came.words(format!(" {}", f.sentence));
         let ruling: Vec<Finding> = ruling;
         let came = ruling.iter().fold(came, said);

@@ -1,6 +1,6 @@
 //! What `coverage` says: how often the intervals held the truth, joint by joint.
 
-use super::{DataTable, Given, Number, Quantity, Text, Told};
+use super::{DataTable, Given, Number, Quantity, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::findings::visible;
@@ -10,51 +10,52 @@ const SHARE: Quantity = Quantity::PERCENT.digits(3);
 /// Standard errors away from what is promised where chance no longer explains it.
 const FAR: f64 = 3.0;
 
-/// What a result of `coverage` says.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    let found: Coverage = given.saved.result()?;
-    let promised = given.saved.number("/options/confidence").unwrap_or(0.95);
-    let off = (found.coverage - promised) / found.standard_error.max(f64::MIN_POSITIVE);
-    let done = Text::new(format!(
-        "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the cell\u{2019}s prior.",
-        found.experiments
-    ));
-    let came = Text::new("The intervals held the truth in ")
-        .number(given.number("/coverage").of(SHARE))
-        .words(" (standard error ")
-        .number(given.number("/standard_error").of(Quantity::PERCENT))
-        .words(") of all these joints and experiments; they promise ")
-        .number(Number::computed(promised).of(SHARE))
-        .words(".");
-    let next = match off {
-        off if off < -FAR => {
-            "They are too narrow for this plan: choose another estimator, or measure more postures."
-        }
-        off if off > FAR => "They are wider than they need to be, which is safe.",
-        _ => "They keep what they promise, as far as noise alone is concerned.",
-    };
-    let number = |j: usize, key: &str| Some(given.number(&format!("/joints/{j}/{key}")));
-    let share = |j: usize, key: &str, value: f64| number(j, key).filter(|_| value > 0.0);
-    let names = found.joints.iter().map(|j| visible(&j.name).into_owned());
-    let key = DataTable::of(
-        "How often the interval of each joint held its stiffness",
-        "joint",
-        names,
-    )
-    .numbers("held", SHARE, |j| number(j, "coverage"))
-    .numbers("mean half width", Quantity::PERCENT, |j| {
-        number(j, "relative_half_width")
-    })
-    .numbers("only a lower end", Quantity::PERCENT, |j| {
-        share(j, "open_above", found.joints[j].open_above)
-    })
-    .numbers("no interval", Quantity::PERCENT, |j| {
-        share(j, "without_interval", found.joints[j].without_interval)
-    });
-    Ok(given.told(
-        "Coverage of the intervals",
-        [done, came, next.into()],
-        Some(key),
-        Vec::new(),
-    ))
+impl Telling for Coverage {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        let found = self;
+        let promised = given.saved.number("/options/confidence").unwrap_or(0.95);
+        let off = (found.coverage - promised) / found.standard_error.max(f64::MIN_POSITIVE);
+        let done = Text::new(format!(
+            "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the cell\u{2019}s prior.",
+            found.experiments
+        ));
+        let came = Text::new("The intervals held the truth in ")
+            .number(given.number("/coverage").of(SHARE))
+            .words(" (standard error ")
+            .number(given.number("/standard_error").of(Quantity::PERCENT))
+            .words(") of all these joints and experiments; they promise ")
+            .number(Number::computed(promised).of(SHARE))
+            .words(".");
+        let next = match off {
+            off if off < -FAR => {
+                "They are too narrow for this plan: choose another estimator, or measure more postures."
+            }
+            off if off > FAR => "They are wider than they need to be, which is safe.",
+            _ => "They keep what they promise, as far as noise alone is concerned.",
+        };
+        let number = |j: usize, key: &str| Some(given.number(&format!("/joints/{j}/{key}")));
+        let share = |j: usize, key: &str, value: f64| number(j, key).filter(|_| value > 0.0);
+        let names = found.joints.iter().map(|j| visible(&j.name).into_owned());
+        let key = DataTable::of(
+            "How often the interval of each joint held its stiffness",
+            "joint",
+            names,
+        )
+        .numbers("held", SHARE, |j| number(j, "coverage"))
+        .numbers("mean half width", Quantity::PERCENT, |j| {
+            number(j, "relative_half_width")
+        })
+        .numbers("only a lower end", Quantity::PERCENT, |j| {
+            share(j, "open_above", found.joints[j].open_above)
+        })
+        .numbers("no interval", Quantity::PERCENT, |j| {
+            share(j, "without_interval", found.joints[j].without_interval)
+        });
+        Ok(given.told(
+            "Coverage of the intervals",
+            [done, came, next.into()],
+            Some(key),
+            Vec::new(),
+        ))
+    }
 }

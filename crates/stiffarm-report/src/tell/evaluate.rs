@@ -1,91 +1,93 @@
 //! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{DataTable, Depth, Form, Given, Quantity, Text, Told, counted, shown};
+use crate::tell::{DataTable, Depth, Form, Given, Quantity, Telling, Text, Told, counted, shown};
 use stiffarm::Result;
-use stiffarm::findings::{list, visible};
+use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::check::LEFT_OUT;
-use stiffarm::plan::index::{Evaluated, EvaluatedGroup};
+use stiffarm::plan::evaluated::{Evaluated, EvaluatedGroup};
 
-/// What a result says of `evaluate`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let result: Evaluated = context.saved.result()?;
-    let groups: Vec<Worth<'_>> = result
-        .groups
-        .iter()
-        .enumerate()
-        .map(|(g, group)| Worth {
-            at: format!("/groups/{g}"),
-            evaluation: &group.evaluation,
-            posture_names: &group.posture_names,
-        })
-        .collect();
-    let name = |g: usize| visible(&result.groups[g].evaluation.name).into_owned();
-    let done = match groups.len() {
-        1 => Text::new(format!(
-            "{} with {} was evaluated: what it can tell of the joint stiffness, before anything is measured.",
-            name(0),
-            counted(groups[0].evaluation.posture_count, "posture")
-        )),
-        count => Text::new(format!(
-            "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
-        )),
-    };
-    let best = best(&groups);
-    let came = came(context, &result, &groups, best);
-    let next = match best {
-        None => Text::new("Add postures that differ, or measuring points: ")
-            .code("stiffarm check")
-            .words(" looks for the reason, and ")
-            .code("stiffarm select")
-            .words(" chooses postures that determine every joint."),
-        Some(g) if is_beyond_first_order(groups[g].evaluation) => {
-            Text::new("That is too unsure to rely on; ")
+impl Telling for Evaluated {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let result = self;
+        let groups: Vec<Worth<'_>> = result
+            .groups
+            .iter()
+            .enumerate()
+            .map(|(g, group)| Worth {
+                at: format!("/groups/{g}"),
+                evaluation: &group.evaluation,
+                posture_names: &group.posture_names,
+            })
+            .collect();
+        let name = |g: usize| visible(&result.groups[g].evaluation.name).into_owned();
+        let done = match groups.len() {
+            1 => Text::new(format!(
+                "{} with {} was evaluated: what it can tell of the joint stiffness, before anything is measured.",
+                name(0),
+                counted(groups[0].evaluation.posture_count, "posture")
+            )),
+            count => Text::new(format!(
+                "{count} groups of postures were evaluated: what each can tell of the joint stiffness, before anything is measured."
+            )),
+        };
+        let best = best(&groups);
+        let came = came(context, result, &groups, best);
+        let next = match best {
+            None => Text::new("Add postures that differ, or measuring points: ")
+                .code("stiffarm check")
+                .words(" looks for the reason, and ")
                 .code("stiffarm select")
-                .words(" finds postures that tell more.")
-        }
-        Some(_) if is_outside(context) => Text::new("Do not drive there as they are: ")
-            .code("stiffarm select --initial")
-            .words(" moves the postures inside the limits of the cell."),
-        Some(_) => Text::new("Measure it, or let ")
-            .code("stiffarm select")
-            .words(" find out how much better another plan of as many postures could be."),
-    };
-    let shown: Vec<PostureGroup> = result
-        .groups
-        .iter()
-        .filter(|group| !group.postures.is_empty())
-        .map(EvaluatedGroup::group)
-        .collect();
-    let mut sections = Vec::new();
-    if !shown.is_empty() {
-        sections.push(context.cell_section(
+                .words(" chooses postures that determine every joint."),
+            Some(g) if is_beyond_first_order(groups[g].evaluation) => {
+                Text::new("That is too unsure to rely on; ")
+                    .code("stiffarm select")
+                    .words(" finds postures that tell more.")
+            }
+            Some(_) if is_outside(context) => Text::new("Do not drive there as they are: ")
+                .code("stiffarm select --initial")
+                .words(" moves the postures inside the limits of the cell."),
+            Some(_) => Text::new("Measure it, or let ")
+                .code("stiffarm select")
+                .words(" find out how much better another plan of as many postures could be."),
+        };
+        let shown: Vec<PostureGroup> = result
+            .groups
+            .iter()
+            .filter(|group| !group.postures.is_empty())
+            .map(EvaluatedGroup::group)
+            .collect();
+        let mut sections = Vec::new();
+        if !shown.is_empty() {
+            sections.push(context.cell_section(
             &shown,
             "Step through the postures of a group in measuring order, and lay other groups over them.",
         )?);
-    }
-    sections.extend(worth_sections(context, &result.joints, &groups, &[]));
-    // All indices are what one asks for.
-    sections.iter_mut().for_each(|section| {
-        if section.id == "indices" {
-            section.depth = Depth::Summary;
         }
-    });
-    let key = key(context, &groups);
-    let heading = match groups.len() {
-        1 => format!("What {} can tell", name(0)),
-        _ => "What groups of postures can tell".to_string(),
-    };
-    let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
-    let told = context.told(heading, [done, came, next], Some(key), sections);
-    Ok(told.caution("evaluate", unsure.then_some(UNSURE)))
+        sections.extend(worth_sections(context, &result.joints, &groups, &[]));
+        // All indices are what one asks for.
+        sections.iter_mut().for_each(|section| {
+            if section.id == "indices" {
+                section.depth = Depth::Summary;
+            }
+        });
+        let key = key(context, &groups);
+        let heading = match groups.len() {
+            1 => format!("What {} can tell", name(0)),
+            _ => "What groups of postures can tell".to_string(),
+        };
+        let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
+        let told = context.told(heading, [done, came, next], Some(key), sections);
+        Ok(told.caution("evaluate", unsure.then_some(UNSURE)))
+    }
 }
 
 /// Whether some posture lies outside bounds or limits.
 fn is_outside(context: &Given<'_>) -> bool {
     let findings = context.saved.findings();
-    findings.iter().any(|found| found.code == "posture-outside")
+    findings
+        .iter()
+        .any(|found| found.code == codes::POSTURE_OUTSIDE)
 }
 
 /// The group with the smallest expected error, else with the smallest condition number.
@@ -159,7 +161,7 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
     let findings = context.saved.findings();
-    let left_out = findings.iter().filter(|f| f.code == LEFT_OUT);
+    let left_out = findings.iter().filter(|f| f.code == codes::JOINT_LEFT_OUT);
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let which = if left_out.is_empty() {
         "every joint".to_string()

@@ -3,15 +3,16 @@
 use super::at_work::{
     AtWork, GivesWay, POSITION, TIP_STIFFNESS, WorkPoint, principal_table, wrench,
 };
-use super::place;
 use super::points::{position, region, vector};
 use crate::map_figure;
 use crate::path::norm;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, of_saved,
+};
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::model::stiffness::Model;
-use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, StiffnessMap};
+use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
 use stiffarm::work::mapped::LoadSource;
 
 /// Deflection of a tip under a small load, from m.
@@ -24,50 +25,55 @@ const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
 /// What a result says of `map`, with a workpiece to place or without.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     if context.saved.json["result"]["candidates"].is_array() {
-        return place::told(context);
+        return of_saved::<Placement>(context);
     }
-    let map = context.result(|made: &StiffnessMap| made)?;
-    let map: &StiffnessMap = &map;
-    let verdict = [done(context, map), came(context, map), next(map)];
-    let mut sections = Vec::new();
-    let mut shown = Vec::new();
-    if context.pictures {
-        sections.push(cell_section(context, map)?);
-        shown.push(Block::Figure(map_figure(map)));
+    of_saved::<StiffnessMap>(context)
+}
+
+impl Telling for StiffnessMap {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let map = self;
+        let verdict = [done(context, map), came(context, map), next(map)];
+        let mut sections = Vec::new();
+        let mut shown = Vec::new();
+        if context.pictures {
+            sections.push(cell_section(context, map)?);
+            shown.push(Block::Figure(map_figure(map)));
+        }
+        if map.extremes.is_some() {
+            shown.push(Block::Table(ranges(context, map)));
+        }
+        if !shown.is_empty() {
+            sections.push(Section::new("map", "The map", shown).in_summary());
+        }
+        if let Some(extremes) = map.extremes {
+            sections.push(postures(map, extremes));
+        }
+        if let Some(principal) = map.extremes.and_then(|e| e.principal) {
+            let names = ["stiffest place", "softest place"].into_iter();
+            let places = names.zip(principal).enumerate();
+            let places = places.map(|(i, (name, principal))| {
+                let pointer = format!("/extremes/principal/{i}");
+                (name.to_string(), pointer, principal)
+            });
+            let places: Vec<GivesWay> = places.collect();
+            let table = Block::Table(principal_table(context, &places));
+            let title = "Which way the tip gives way";
+            sections.push(Section::new("stiffness", title, vec![table]));
+        }
+        let counts = Block::Table(counts(context, map));
+        sections.push(Section::new(
+            "nodes",
+            "What the arm may reach",
+            vec![counts],
+        ));
+        Ok(context.told(
+            "Stiffness of the tool tip over the workspace",
+            verdict,
+            map.extremes.map(|extremes| key(context, map, extremes)),
+            sections,
+        ))
     }
-    if map.extremes.is_some() {
-        shown.push(Block::Table(ranges(context, map)));
-    }
-    if !shown.is_empty() {
-        sections.push(Section::new("map", "The map", shown).in_summary());
-    }
-    if let Some(extremes) = map.extremes {
-        sections.push(postures(map, extremes));
-    }
-    if let Some(principal) = map.extremes.and_then(|e| e.principal) {
-        let names = ["stiffest place", "softest place"].into_iter();
-        let places = names.zip(principal).enumerate();
-        let places = places.map(|(i, (name, principal))| {
-            let pointer = format!("/extremes/principal/{i}");
-            (name.to_string(), pointer, principal)
-        });
-        let places: Vec<GivesWay> = places.collect();
-        let table = Block::Table(principal_table(context, &places));
-        let title = "Which way the tip gives way";
-        sections.push(Section::new("stiffness", title, vec![table]));
-    }
-    let counts = Block::Table(counts(context, map));
-    sections.push(Section::new(
-        "nodes",
-        "What the arm may reach",
-        vec![counts],
-    ));
-    Ok(context.told(
-        "Stiffness of the tool tip over the workspace",
-        verdict,
-        map.extremes.map(|extremes| key(context, map, extremes)),
-        sections,
-    ))
 }
 
 fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {

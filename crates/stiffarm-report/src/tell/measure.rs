@@ -2,7 +2,7 @@
 
 use super::identify::MORE_THAN_NOISE;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Text, Told, counted,
+    Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Telling, Text, Told, counted,
 };
 use stiffarm::Result;
 use stiffarm::estimate::standing::Standing;
@@ -14,28 +14,26 @@ const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));
 /// Deflections at the tasks, from m.
 const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
 
-/// What a result says of `measure`.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    let found: Judgement = given.saved.result()?;
-    let verdict = [done(&found), came(given, &found), next(given, &found)];
-    let key = found
-        .standing
-        .as_ref()
-        .map(|own| joints(given, &found, own));
-    let mut sections = Vec::new();
-    if !found.measured.is_empty() {
-        let block = Block::Text(shown(&found.measured).into());
-        sections.push(Section::new("measured", "Postures measured", vec![block]));
+impl Telling for Judgement {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        let found = self;
+        let verdict = [done(found), came(given, found), next(given, found)];
+        let key = found.standing.as_ref().map(|own| joints(given, found, own));
+        let mut sections = Vec::new();
+        if !found.measured.is_empty() {
+            let block = Block::Text(shown(&found.measured).into());
+            sections.push(Section::new("measured", "Postures measured", vec![block]));
+        }
+        if !found.left.is_empty() {
+            let block = Block::Text(shown(&found.left).into());
+            sections.push(Section::new("left", "Postures left", vec![block]));
+        }
+        let mut told = given.told("A day of measuring", verdict, key, sections);
+        if found.is_missed() || found.standing.is_none() {
+            told.outcome = told.outcome.max(Outcome::Caution);
+        }
+        Ok(told)
     }
-    if !found.left.is_empty() {
-        let block = Block::Text(shown(&found.left).into());
-        sections.push(Section::new("left", "Postures left", vec![block]));
-    }
-    let mut told = given.told("A day of measuring", verdict, key, sections);
-    if found.is_missed() || found.standing.is_none() {
-        told.outcome = told.outcome.max(Outcome::Caution);
-    }
-    Ok(told)
 }
 
 /// Names from files in words.

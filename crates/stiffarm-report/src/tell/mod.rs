@@ -36,24 +36,49 @@ mod zones;
 
 pub(crate) use context::{plain, quoted};
 pub use number::{Form, Number, Quantity, significant};
+use route::Routed;
+pub use route::told_route;
 pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
-pub(crate) use text::level;
 pub use text::{Piece, Text, counted};
 pub use worth::index_quantity;
 
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
-use std::any::Any;
+use serde::de::DeserializeOwned;
 use std::cmp::Reverse;
+use stiffarm::estimate::coverage::Coverage;
+use stiffarm::estimate::validated::Validated;
 use stiffarm::findings::{Finding, Severity};
+use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::model::cell::Cell;
+use stiffarm::plan::check::CellCheck;
+use stiffarm::plan::evaluated::Evaluated;
+use stiffarm::plan::zones::Zones;
+use stiffarm::work::compensate::Compensation;
+use stiffarm::work::judged::Judgement;
+use stiffarm::work::predict::Prediction;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::result::SavedResult;
 
 /// Cautions that are seen without asking for details.
 pub const SEEN_AT_ONCE: usize = 4;
+
+/// A result that can be told.
+pub trait Telling {
+    /// What it says; `given` has what its file says beside it, and the places of its numbers there.
+    ///
+    /// # Errors
+    /// A cell that cannot take its postures.
+    fn told(&self, given: &Given<'_>) -> Result<Told>;
+}
+
+impl<R: Telling> Telling for &R {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        (**self).told(given)
+    }
+}
 
 /// A saved result with its cell, where that is at hand.
 #[derive(Debug, Clone, Copy)]
@@ -64,31 +89,34 @@ pub struct Given<'a> {
     pub cell: Option<&'a Cell>,
     /// Whether there are figures and the cell is drawn: a terminal shows none of it.
     pub pictures: bool,
-    /// The result as its command made it, where that is at hand: `saved` need not hold its points then.
-    pub made: Option<&'a dyn Any>,
 }
 
 /// The telling of each command's results.
-const TELLINGS: &[(&str, Telling)] = &[
-    ("check", check::told),
-    ("compensate", compensate::told),
-    ("coverage", coverage::told),
-    ("evaluate", evaluate::told),
+const TELLERS: &[(&str, Teller)] = &[
+    ("check", of_saved::<CellCheck>),
+    ("compensate", of_saved::<Compensation>),
+    ("coverage", of_saved::<Coverage>),
+    ("evaluate", of_saved::<Evaluated>),
     ("identify", identify::told),
     ("map", map::told),
-    ("measure", measure::told),
-    ("predict", predict::told),
-    ("register", register::told),
-    ("route", route::told),
+    ("measure", of_saved::<Judgement>),
+    ("predict", of_saved::<Prediction>),
+    ("register", of_saved::<RegistrationRecord>),
+    ("route", of_saved::<Routed>),
     ("select", select::told),
     ("simulate", simulate::told),
     ("study", study::told),
-    ("validate", validate::told),
-    ("zones", zones::told),
+    ("validate", of_saved::<Validated>),
+    ("zones", of_saved::<Zones>),
 ];
 
-/// Tells a result.
-type Telling = fn(&Given<'_>) -> Result<Told>;
+/// Tells a saved result.
+type Teller = fn(&Given<'_>) -> Result<Told>;
+
+/// Tells a saved result of this type.
+fn of_saved<R: Telling + DeserializeOwned>(given: &Given<'_>) -> Result<Told> {
+    given.saved.result::<R>()?.told(given)
+}
 
 /// What a result says.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,8 +141,8 @@ pub struct Told {
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
 pub fn tell(given: &Given<'_>) -> Result<Told> {
     let command = given.saved.command.as_str();
-    let Some((_, told)) = TELLINGS.iter().find(|(name, _)| *name == command) else {
-        let names: Vec<&str> = TELLINGS.iter().map(|(name, _)| *name).collect();
+    let Some((_, told)) = TELLERS.iter().find(|(name, _)| *name == command) else {
+        let names: Vec<&str> = TELLERS.iter().map(|(name, _)| *name).collect();
         let message = format!("Results of `{command}` are not told.");
         return Err(Error::new(Code::Unsupported, message)
             .file(&given.saved.name)
@@ -130,7 +158,6 @@ impl<'a> Given<'a> {
             saved,
             cell,
             pictures: true,
-            made: None,
         }
     }
 

@@ -3,7 +3,7 @@
 use super::at_work::{AtWork, POSITION, WorkPoint, wrench};
 use super::points::{position, region};
 use crate::placement_figure;
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
@@ -12,26 +12,26 @@ use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
 /// A gain from which on moving the workpiece is worth it.
 const WORTH: f64 = 1.05;
 
-/// What a result says of a search for the best place.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let placement = context.result(|made: &Placement| made)?;
-    let placement: &Placement = &placement;
-    let verdict = [
-        done(context, placement),
-        came(context, placement),
-        next(placement),
-    ];
-    let mut sections = Vec::new();
-    let mut places = Vec::new();
-    if context.pictures {
-        sections.push(cell_section(context, placement)?);
-        places.push(Block::Figure(placement_figure(placement)));
+impl Telling for Placement {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let placement = self;
+        let verdict = [
+            done(context, placement),
+            came(context, placement),
+            next(placement),
+        ];
+        let mut sections = Vec::new();
+        let mut places = Vec::new();
+        if context.pictures {
+            sections.push(cell_section(context, placement)?);
+            places.push(Block::Figure(placement_figure(placement)));
+        }
+        sections.extend(placement.best.as_ref().map(lines));
+        places.push(Block::Table(counts(placement)));
+        sections.push(Section::new("places", "The places", places));
+        let key = key(context, placement);
+        Ok(context.told("Place of the workpiece", verdict, Some(key), sections))
     }
-    sections.extend(placement.best.as_ref().map(lines));
-    places.push(Block::Table(counts(placement)));
-    sections.push(Section::new("places", "The places", places));
-    let key = key(context, placement);
-    Ok(context.told("Place of the workpiece", verdict, Some(key), sections))
 }
 
 fn done(context: &Given<'_>, placement: &Placement) -> Text {

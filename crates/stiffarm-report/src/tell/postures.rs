@@ -1,7 +1,7 @@
 //! Tables of postures, their room and the moves between them.
 
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, counted};
-use stiffarm::findings::{list, visible};
+use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::cell::LimitKind;
 use stiffarm::model::limit::MarginUnit;
 use stiffarm::plan::feasibility::{NearestLimit, PostureLimits};
@@ -213,7 +213,7 @@ fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
         );
     }
     let findings = given.saved.findings();
-    let is_said = findings.iter().any(|f| f.code == "moves-not-checked");
+    let is_said = findings.iter().any(|f| f.code == codes::MOVES_NOT_CHECKED);
     if !route.checked.contains(&LimitKind::Shapes) && !is_said {
         said = said.words(
             " The cell has no shapes, so nothing says what the arm may touch on the way: drive each move slowly the \

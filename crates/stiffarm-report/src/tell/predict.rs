@@ -5,13 +5,13 @@ use super::points::{
     KEY_ROWS, all_points, along_axes, extreme_places, features_section, heading, how_found,
     largest_first,
 };
+use crate::level::level;
 use crate::path::{along, norm, prediction_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, level};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
-use stiffarm::estimate::mixed::NEVER_LOADED;
-use stiffarm::findings::visible;
+use stiffarm::findings::{codes, visible};
 use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
 use stiffarm::work::predicted::Predicted;
 
@@ -22,40 +22,46 @@ const STIFFNESS: Quantity = Quantity::new("", 1e-3, Form::Significant(5));
 /// Entries of a matrix below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// What a result says of `predict`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let prediction = context.result(|made: &Predicted| &made.prediction)?;
-    let prediction: &Prediction = &prediction;
-    let work = What::of(context);
-    let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
-    let worst = order.first().copied();
-    let verdict = [
-        done(context, prediction, &work),
-        came(context, prediction, worst),
-        next(context, prediction, &work, worst),
-    ];
-    let shown = &order[..order.len().min(KEY_ROWS)];
-    let caption = "Deflection of the tool tip where it is largest";
-    let key = points_table(context, prediction, caption, shown);
-    let mut sections = Vec::new();
-    if context.pictures {
-        sections.push(cell_section(context, prediction, &work)?);
-        sections.push(path_section(context, prediction, &work));
+impl Telling for Prediction {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let prediction = self;
+        let work = What::of(context);
+        let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
+        let worst = order.first().copied();
+        let verdict = [
+            done(context, prediction, &work),
+            came(context, prediction, worst),
+            next(context, prediction, &work, worst),
+        ];
+        let shown = &order[..order.len().min(KEY_ROWS)];
+        let caption = "Deflection of the tool tip where it is largest";
+        let key = points_table(context, prediction, caption, shown);
+        let mut sections = Vec::new();
+        if context.pictures {
+            sections.push(cell_section(context, prediction, &work)?);
+            sections.push(path_section(context, prediction, &work));
+        }
+        sections.extend(features_section(context));
+        sections.extend(matrices_section(context, prediction));
+        sections.extend(worst.and_then(|worst| band_section(context, prediction, worst)));
+        sections.extend(stiffness_section(context, prediction));
+        let count = prediction.points.len();
+        sections.push(all_points(context, "The points", count, |caption, rows| {
+            with_parts(
+                context,
+                prediction,
+                rows,
+                points_table(context, prediction, caption, rows),
+            )
+        }));
+        Ok(context.told("Predicted deflection", verdict, Some(key), sections))
     }
-    sections.extend(features_section(context));
-    sections.extend(matrices_section(context, prediction));
-    sections.extend(worst.and_then(|worst| band_section(context, prediction, worst)));
-    sections.extend(stiffness_section(context, prediction));
-    let count = prediction.points.len();
-    sections.push(all_points(context, "The points", count, |caption, rows| {
-        with_parts(
-            context,
-            prediction,
-            rows,
-            points_table(context, prediction, caption, rows),
-        )
-    }));
-    Ok(context.told("Predicted deflection", verdict, Some(key), sections))
+}
+
+impl Telling for Predicted {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        self.prediction.told(context)
+    }
 }
 
 /// What was predicted.
@@ -131,7 +137,7 @@ fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> T
 /// True where directions that no reading has loaded rule the ±.
 fn is_untold(context: &Given<'_>) -> bool {
     let mut findings = context.saved.findings().into_iter();
-    findings.any(|finding| finding.code == NEVER_LOADED)
+    findings.any(|finding| finding.code == codes::NEVER_LOADED)
 }
 
 fn next(context: &Given<'_>, prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {

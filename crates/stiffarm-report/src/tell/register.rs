@@ -1,7 +1,7 @@
 //! What `register` says: where the tracker stands, and which points disagree.
 
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::measure::registration::RegistrationRecord;
@@ -13,56 +13,57 @@ const TURN: Quantity = Quantity::new("mrad", 1e3, Form::Significant(2));
 /// Places of the points, from m.
 const PLACE: Quantity = Quantity::new("mm", 1e3, Form::Decimals(0));
 
-/// What a result says of `register`.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    let found: RegistrationRecord = given.saved.result()?;
-    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
-    let done = Text::new(format!(
-        "The tracker was registered to the robot's base by {} points that both know.",
-        found.pairs.len()
-    ));
-    let came = Text::new("The points agree within ")
-        .number(mm("/rms_m"))
-        .words(" (RMS); a coordinate scatters by ")
-        .number(mm("/residual_std_m"))
-        .words(format!(
-            ", from {} degrees of freedom",
-            found.degrees_of_freedom
+impl Telling for RegistrationRecord {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        let found = self;
+        let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+        let done = Text::new(format!(
+            "The tracker was registered to the robot's base by {} points that both know.",
+            found.pairs.len()
         ));
-    let came = match found.known_std_m {
-        Some(_) => came
-            .words(", where ")
-            .number(mm("/known_std_m"))
-            .words(" are given."),
-        None => came.words("."),
-    };
-    let is_serious = found
-        .findings
-        .iter()
-        .any(|f| f.severity == Severity::Serious);
-    let next = if is_serious {
-        Text::default()
-            .strong("Settle what is marked serious first")
-            .words(": the points at the top of the table, then register again.")
-    } else {
-        Text::new("Save it with ")
-            .code("--output registration.json")
-            .words(" and give it to the readings with ")
-            .code("--registration")
-            .words("; or copy the transform into [tracker] of the cell.")
-    };
-    let sections = vec![
-        transform(given, is_serious).in_summary(),
-        uncertainty(given, &found).in_summary(),
-        Section::new(
-            "residuals",
-            "Point by point",
-            vec![Block::Figure(figure(&found))],
-        ),
-    ];
-    let heading = "Registration of the tracker";
-    let key = residuals(given, &found);
-    Ok(given.told(heading, [done, came, next], Some(key), sections))
+        let came = Text::new("The points agree within ")
+            .number(mm("/rms_m"))
+            .words(" (RMS); a coordinate scatters by ")
+            .number(mm("/residual_std_m"))
+            .words(format!(
+                ", from {} degrees of freedom",
+                found.degrees_of_freedom
+            ));
+        let came = match found.known_std_m {
+            Some(_) => came
+                .words(", where ")
+                .number(mm("/known_std_m"))
+                .words(" are given."),
+            None => came.words("."),
+        };
+        let is_serious = found
+            .findings
+            .iter()
+            .any(|f| f.severity == Severity::Serious);
+        let next = if is_serious {
+            Text::default()
+                .strong("Settle what is marked serious first")
+                .words(": the points at the top of the table, then register again.")
+        } else {
+            Text::new("Save it with ")
+                .code("--output registration.json")
+                .words(" and give it to the readings with ")
+                .code("--registration")
+                .words("; or copy the transform into [tracker] of the cell.")
+        };
+        let sections = vec![
+            transform(given, is_serious).in_summary(),
+            uncertainty(given, found).in_summary(),
+            Section::new(
+                "residuals",
+                "Point by point",
+                vec![Block::Figure(figure(found))],
+            ),
+        ];
+        let heading = "Registration of the tracker";
+        let key = residuals(given, found);
+        Ok(given.told(heading, [done, came, next], Some(key), sections))
+    }
 }
 
 /// A pair's name as it is shown.

@@ -1,26 +1,32 @@
 //! What `route` says: the order of a plan's postures, and the moves between them.
 
 use super::postures::{posture_table, route_section};
-use crate::tell::{Given, Text, Told, counted};
+use crate::tell::{Given, Telling, Text, Told, counted};
 use serde::Deserialize;
 use stiffarm::Result;
+use stiffarm::findings::codes;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::route::Route;
 
-/// What `route` writes, beside its findings.
+/// A route with the names of its stops, as `route` writes it beside its findings.
 #[derive(Deserialize)]
-struct Routed {
+pub(super) struct Routed {
     posture_names: Vec<String>,
     #[serde(flatten)]
     route: Route,
 }
 
-/// What a result says of `route`.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    let Routed {
-        posture_names,
-        route,
-    } = given.saved.result()?;
+impl Telling for Routed {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        told_route(&self.posture_names, &self.route, given)
+    }
+}
+
+/// What a route says whose stops have these names.
+///
+/// # Errors
+/// A cell that cannot take its postures.
+pub fn told_route(posture_names: &[String], route: &Route, given: &Given<'_>) -> Result<Told> {
     let count = counted(route.postures.len(), "posture");
     let kept = given.saved.json["options"]["keep_order"] == true;
     let done = Text::new(if kept {
@@ -31,7 +37,7 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     let blocked = route.moves.iter().filter(|one| !one.free).count();
     let moves = counted(route.moves.len(), "move");
     let findings = given.saved.findings();
-    let is_forbidden = findings.iter().any(|f| f.code == "posture-forbidden");
+    let is_forbidden = findings.iter().any(|f| f.code == codes::POSTURE_FORBIDDEN);
     let came = match blocked {
         _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
         0 if route.checked.is_empty() => {
@@ -61,13 +67,13 @@ pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     let key = posture_table(
         given,
         "The postures in this order, controller angles",
-        &posture_names,
+        posture_names,
         ("/postures_deg", &route.postures),
         &[],
     );
     let mut sections = Vec::new();
-    sections.extend(route_section(given, &posture_names, &route, ""));
-    let group = PostureGroup::named("route", &posture_names, route.postures.iter().cloned());
+    sections.extend(route_section(given, posture_names, route, ""));
+    let group = PostureGroup::named("route", posture_names, route.postures.iter().cloned());
     sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
     let heading = "Order of the postures and moves between them";
     Ok(given.told(heading, [done, came, next], Some(key), sections))

@@ -2,10 +2,14 @@
 
 use super::tables::data_table;
 use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told, counted};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
+    of_saved,
+};
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::PostureGroup;
+use stiffarm::study::MeasuredStudy;
 use stiffarm::study::{Study, StudyGroup};
 
 /// Findings that are the story itself, in its order; the others stand where they belong.
@@ -28,81 +32,86 @@ const INDICES: &str = "Group 1 is the initial group. Each other group is selecte
 /// What a result says of `study`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     if context.saved.json["options"]["measured"] == true {
-        return super::study_measured::told(context);
+        return of_saved::<MeasuredStudy>(context);
     }
-    let study: Study = context.saved.result()?;
-    let groups = &study.groups;
-    let done = Text::new(format!(
-        "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated measurements \
+    of_saved::<Study>(context)
+}
+
+impl Telling for Study {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let study = self;
+        let groups = &study.groups;
+        let done = Text::new(format!(
+            "On {}, {} of postures were compared: Group 1 and what each index makes of it, in {} simulated measurements \
          per noise level with tracker noise.",
-        visible(&study.cell),
-        counted(groups.len(), "group"),
-        study.simulation.runs,
-    ));
-    let best = best(&study);
-    let came = match best {
-        None => Text::new("No group determines every joint."),
-        Some(best) => {
-            let deviation = groups[best].evaluation.mean_expected_deviation();
-            let mut text = Text::new("The group ")
+            visible(&study.cell),
+            counted(groups.len(), "group"),
+            study.simulation.runs,
+        ));
+        let best = best(study);
+        let came = match best {
+            None => Text::new("No group determines every joint."),
+            Some(best) => {
+                let deviation = groups[best].evaluation.mean_expected_deviation();
+                let mut text = Text::new("The group ")
                 .strong(visible(&groups[best].name).into_owned())
                 .words(format!(
                     " measures the joint stiffness best: {} expected on average over the joints",
                     percent(deviation)
                 ));
-            if let Some(first) = groups.first().filter(|_| best > 0) {
-                text = text.words(format!(
-                    ", against {} for {}",
-                    percent(first.evaluation.mean_expected_deviation()),
-                    visible(&first.name)
-                ));
+                if let Some(first) = groups.first().filter(|_| best > 0) {
+                    text = text.words(format!(
+                        ", against {} for {}",
+                        percent(first.evaluation.mean_expected_deviation()),
+                        visible(&first.name)
+                    ));
+                }
+                text.words(".")
             }
-            text.words(".")
-        }
-    };
-    let next = Text::new("For your own robot: ")
-        .code("stiffarm init")
-        .words(" writes its cell, and ")
-        .code("stiffarm select cell.toml --sheet sheet.xlsx")
-        .words(" chooses such a group of postures and writes the sheet for the readings.");
-    let mut sections = Vec::new();
-    sections.push(cell_section(context, &study)?);
-    let pictures = figures(&study);
-    let lists = tables(&study);
-    let picture = |id: &str| {
-        let found = pictures.iter().find(|figure| figure.id == id);
-        found.map(|figure| Block::Figure(figure.clone()))
-    };
-    let table = |id: &str| {
-        let found = lists.iter().find(|table| table.id == id);
-        found.map(|table| Block::Table(data_table(table)))
-    };
-    let said = |codes: &[&str]| {
-        let findings = study.findings.iter();
-        let found =
-            findings.filter(|f| f.severity == Severity::Note && codes.contains(&f.code.as_str()));
-        let points: Vec<Text> = found.map(|f| Text::from(f.sentence.as_str())).collect();
-        (!points.is_empty()).then_some(Block::List(points))
-    };
-    let section = |id: &str, title: &str, blocks: Vec<Option<Block>>| {
-        Section::new(id, title, blocks.into_iter().flatten().collect())
-    };
-    let postures = groups.iter().map(|group| {
-        let id = format!("postures-{}", crate::study::slug(&group.name));
-        let blocks = [picture(&id), table(&id)].into_iter().flatten().collect();
-        Block::Details(format!("Postures of {}", visible(&group.name)), blocks)
-    });
-    let is_papers = published_for(&study.robot).is_some();
-    let text = |words: &str| Some(Block::Text(words.into()));
-    let of_paper = |words: &str| is_papers.then(|| Block::Text(words.into()));
-    let is_validated = groups.iter().any(|group| group.validation.is_some());
-    let has_starts = !study.starts.kinds.is_empty();
-    sections.extend([
+        };
+        let next = Text::new("For your own robot: ")
+            .code("stiffarm init")
+            .words(" writes its cell, and ")
+            .code("stiffarm select cell.toml --sheet sheet.xlsx")
+            .words(" chooses such a group of postures and writes the sheet for the readings.");
+        let mut sections = Vec::new();
+        sections.push(cell_section(context, study)?);
+        let pictures = figures(study);
+        let lists = tables(study);
+        let picture = |id: &str| {
+            let found = pictures.iter().find(|figure| figure.id == id);
+            found.map(|figure| Block::Figure(figure.clone()))
+        };
+        let table = |id: &str| {
+            let found = lists.iter().find(|table| table.id == id);
+            found.map(|table| Block::Table(data_table(table)))
+        };
+        let said = |codes: &[&str]| {
+            let findings = study.findings.iter();
+            let found = findings
+                .filter(|f| f.severity == Severity::Note && codes.contains(&f.code.as_str()));
+            let points: Vec<Text> = found.map(|f| Text::from(f.sentence.as_str())).collect();
+            (!points.is_empty()).then_some(Block::List(points))
+        };
+        let section = |id: &str, title: &str, blocks: Vec<Option<Block>>| {
+            Section::new(id, title, blocks.into_iter().flatten().collect())
+        };
+        let postures = groups.iter().map(|group| {
+            let id = format!("postures-{}", crate::study::slug(&group.name));
+            let blocks = [picture(&id), table(&id)].into_iter().flatten().collect();
+            Block::Details(format!("Postures of {}", visible(&group.name)), blocks)
+        });
+        let is_papers = published_for(&study.robot).is_some();
+        let text = |words: &str| Some(Block::Text(words.into()));
+        let of_paper = |words: &str| is_papers.then(|| Block::Text(words.into()));
+        let is_validated = groups.iter().any(|group| group.validation.is_some());
+        let has_starts = !study.starts.kinds.is_empty();
+        sections.extend([
         section("story", "What it says about the paper", vec![said(&STORY)]).in_summary(),
         section(
             "set-up",
             "Set-up",
-            vec![Some(Block::Text(set_up(context, &study)))],
+            vec![Some(Block::Text(set_up(context, study)))],
         ),
         section(
             "expected",
@@ -129,14 +138,14 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         section(
             "bound",
             "The bound of Eq. (19)",
-            vec![said(&["error-bound"]), Some(Block::Table(bound(context, &study)))],
+            vec![said(&["error-bound"]), Some(Block::Table(bound(context, study)))],
         ),
         section(
             "starts",
             "Other initial groups",
             vec![
                 picture("other-starts"),
-                has_starts.then(|| Block::Table(data_table(&starts_summary(&study)))),
+                has_starts.then(|| Block::Table(data_table(&starts_summary(study)))),
                 picture("classical-q1"),
                 said(&["classical-q1"]),
             ],
@@ -150,7 +159,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
                      this shows what the tracker allows, not what an experiment reaches, and each column is one draw: \
                      differences of the size of the intervals are luck.",
                 ),
-                Some(Block::Table(data_table(&stiffness_side_by_side(&study)))),
+                Some(Block::Table(data_table(&stiffness_side_by_side(study)))),
                 of_paper(
                     "The paper's columns are its experiment (Table 6): there the true stiffness is unknown, and its three \
                      groups differ up to fourfold. Its raw readings are not published, so they cannot be recomputed.",
@@ -173,13 +182,14 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
         Section::new("postures", "The postures", postures.collect()),
         section("model", "The model", vec![said(&["model-order"])]),
     ]);
-    sections.retain(|section| !section.blocks.is_empty());
-    let heading = format!("Posture selection study: {}", visible(&study.cell));
-    let verdict = [done, came, next];
-    let mut told = context.told(heading, verdict, Some(key(context, &study)), sections);
-    // The notes are all told above.
-    told.findings.retain(|f| f.severity > Severity::Note);
-    Ok(told)
+        sections.retain(|section| !section.blocks.is_empty());
+        let heading = format!("Posture selection study: {}", visible(&study.cell));
+        let verdict = [done, came, next];
+        let mut told = context.told(heading, verdict, Some(key(context, study)), sections);
+        // The notes are all told above.
+        told.findings.retain(|f| f.severity > Severity::Note);
+        Ok(told)
+    }
 }
 
 /// The expected deviation of each joint and group.

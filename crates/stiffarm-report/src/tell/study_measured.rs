@@ -2,45 +2,45 @@
 
 use super::tables::data_table;
 use crate::study::{measured_figure, measured_table};
-use crate::tell::{Block, DataTable, Given, Quantity, Section, Text, Told};
+use crate::tell::{Block, DataTable, Given, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::study::{Choice, MeasuredStudy};
 
-/// What a result says of `study --measured`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let study: MeasuredStudy = context.saved.result()?;
-    let done = Text::new(format!(
-        "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were chosen from \
+impl Telling for MeasuredStudy {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let study = self;
+        let done = Text::new(format!(
+            "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were chosen from \
          the pool by chance and by index, and predicted the others.",
-        study.posture_count,
-        visible(&study.robot),
-        study.split_count,
-        study.pool_count,
-        study.posture_count - study.pool_count
-    ));
-    let number = |i: usize, key: &str| {
-        let number = context.number(&format!("/choices/{i}/{key}"));
-        number.of(Quantity::LENGTH)
-    };
-    let fewest = study.options.counts.iter().copied().min().unwrap_or(0);
-    let known = |i: &usize| study.choices[*i].mean_m.is_finite();
-    let mean = |i: &usize| study.choices[*i].mean_m;
-    let of_fewest = (0..study.choices.len())
-        .filter(|i| study.choices[*i].postures == fewest)
-        .filter(|i| study.choices[*i].choice != Choice::Pool)
-        .filter(known);
-    let best = of_fewest.min_by(|a, b| mean(a).total_cmp(&mean(b)));
-    let whole = (0..study.choices.len()).find(|i| {
-        let own = &study.choices[*i];
-        own.choice == Choice::Pool && own.model == ElasticChoice::Axes
-    });
-    let came = match best {
-        None => Text::new("No choice of postures predicts the others."),
-        Some(i) => {
-            let own = &study.choices[i];
-            let mut text = Text::new(format!(
+            study.posture_count,
+            visible(&study.robot),
+            study.split_count,
+            study.pool_count,
+            study.posture_count - study.pool_count
+        ));
+        let number = |i: usize, key: &str| {
+            let number = context.number(&format!("/choices/{i}/{key}"));
+            number.of(Quantity::LENGTH)
+        };
+        let fewest = study.options.counts.iter().copied().min().unwrap_or(0);
+        let known = |i: &usize| study.choices[*i].mean_m.is_finite();
+        let mean = |i: &usize| study.choices[*i].mean_m;
+        let of_fewest = (0..study.choices.len())
+            .filter(|i| study.choices[*i].postures == fewest)
+            .filter(|i| study.choices[*i].choice != Choice::Pool)
+            .filter(known);
+        let best = of_fewest.min_by(|a, b| mean(a).total_cmp(&mean(b)));
+        let whole = (0..study.choices.len()).find(|i| {
+            let own = &study.choices[*i];
+            own.choice == Choice::Pool && own.model == ElasticChoice::Axes
+        });
+        let came = match best {
+            None => Text::new("No choice of postures predicts the others."),
+            Some(i) => {
+                let own = &study.choices[i];
+                let mut text = Text::new(format!(
                 "With {fewest} postures, those chosen by {} with the {} predict best: the others are missed by ",
                 in_words(own.choice),
                 own.model.in_words()
@@ -48,47 +48,46 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
             .number(number(i, "mean_m"))
             .words(" ")
             .number(number(i, "standard_error_m").plus_minus());
-            if let Some(whole) = whole.filter(known) {
-                text = text
-                    .words(format!(
-                        ", all {} of the pool with the joint axes alone miss them by ",
-                        study.pool_count
-                    ))
-                    .number(number(whole, "mean_m"));
-            }
-            text.words(" (RMS of a component).")
-        }
-    };
-    let next = match best.map(|i| &study.choices[i]) {
-        Some(own) => {
-            let text = Text::new("For the next robot of this kind choose postures with ");
-            let text = match own.choice {
-                Choice::Index(index) => text.code(format!(
-                    "stiffarm select --index {}",
-                    in_words(Choice::Index(index))
-                )),
-                _ => text.code("stiffarm select"),
-            };
-            match own.model {
-                ElasticChoice::Mixed => {
-                    text.words(", and identify as ever: more than the joint axes gives way here.")
+                if let Some(whole) = whole.filter(known) {
+                    text = text
+                        .words(format!(
+                            ", all {} of the pool with the joint axes alone miss them by ",
+                            study.pool_count
+                        ))
+                        .number(number(whole, "mean_m"));
                 }
-                _ => text
-                    .words(", and identify with ")
-                    .code("--elastic axes")
-                    .words("."),
+                text.words(" (RMS of a component).")
             }
-        }
-        None => {
-            Text::new("Measure more postures: these do not determine every joint in any split.")
-        }
-    };
-    let notes = study
-        .findings
-        .iter()
-        .filter(|f| f.severity == Severity::Note);
-    let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
-    let how = Text::new("The measured displacements have an RMS of ")
+        };
+        let next = match best.map(|i| &study.choices[i]) {
+            Some(own) => {
+                let text = Text::new("For the next robot of this kind choose postures with ");
+                let text = match own.choice {
+                    Choice::Index(index) => text.code(format!(
+                        "stiffarm select --index {}",
+                        in_words(Choice::Index(index))
+                    )),
+                    _ => text.code("stiffarm select"),
+                };
+                match own.model {
+                    ElasticChoice::Mixed => text
+                        .words(", and identify as ever: more than the joint axes gives way here."),
+                    _ => text
+                        .words(", and identify with ")
+                        .code("--elastic axes")
+                        .words("."),
+                }
+            }
+            None => {
+                Text::new("Measure more postures: these do not determine every joint in any split.")
+            }
+        };
+        let notes = study
+            .findings
+            .iter()
+            .filter(|f| f.severity == Severity::Note);
+        let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
+        let how = Text::new("The measured displacements have an RMS of ")
         .number(context.number("/displacement_rms_m").of(Quantity::LENGTH))
         .words(
             ". An index knows angles and wrenches but no reading. Joint stiffness, or the mixed model with its sizes, is \
@@ -96,31 +95,32 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
              postures for the work to be done. Splits share postures: standard errors are those of the mean over splits, \
              not over robots.",
         );
-    let mut blocks = vec![Block::Figure(measured_figure(&study)), Block::Text(how)];
-    if !notes.is_empty() {
-        blocks.push(Block::List(notes));
+        let mut blocks = vec![Block::Figure(measured_figure(study)), Block::Text(how)];
+        if !notes.is_empty() {
+            blocks.push(Block::List(notes));
+        }
+        let sections = vec![
+            Section::new("choices", "Ways to choose postures", blocks),
+            Section::new(
+                "table",
+                "All ways with both models",
+                vec![Block::Table(data_table(&measured_table(study)))],
+            ),
+        ];
+        let heading = format!(
+            "Choosing postures on measured readings: {}",
+            visible(&study.cell)
+        );
+        let mut told = context.told(
+            heading,
+            [done, came, next],
+            Some(key(context, study)),
+            sections,
+        );
+        // The notes are all told above.
+        told.findings.retain(|f| f.severity > Severity::Note);
+        Ok(told)
     }
-    let sections = vec![
-        Section::new("choices", "Ways to choose postures", blocks),
-        Section::new(
-            "table",
-            "All ways with both models",
-            vec![Block::Table(data_table(&measured_table(&study)))],
-        ),
-    ];
-    let heading = format!(
-        "Choosing postures on measured readings: {}",
-        visible(&study.cell)
-    );
-    let mut told = context.told(
-        heading,
-        [done, came, next],
-        Some(key(context, &study)),
-        sections,
-    );
-    // The notes are all told above.
-    told.findings.retain(|f| f.severity > Severity::Note);
-    Ok(told)
 }
 
 /// Every way to choose, with both models side by side.

@@ -113,11 +113,6 @@ pub fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
-/// A confidence in percent, without the last bits of a binary fraction.
-pub(crate) fn level(confidence: f64) -> f64 {
-    (1e6 * confidence).round() / 1e4
-}
-
 impl From<&str> for Text {
     fn from(words: &str) -> Self {
         Text::new(words)

@@ -4,13 +4,15 @@ use super::arrows::{Residuals, residual_section};
 use super::identify::readings;
 use crate::order::in_order;
 use crate::path::norm;
-use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
+use crate::tell::{
+    Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
+};
 use crate::validated::validation_figure;
 use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
 use stiffarm::estimate::validated::Validated;
-use stiffarm::findings::{Severity, list, visible};
+use stiffarm::findings::{Severity, codes, list, visible};
 use stiffarm::measure::is_of_table;
 use stiffarm::model::observation::ExtraTerm;
 
@@ -19,47 +21,48 @@ const MODEL: f64 = 3.0;
 /// Postures of the table to read first.
 const MOST_ROWS: usize = 8;
 
-/// What a result says of `validate`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let all: Validated = context.saved.result()?;
-    let found = &all.validation;
-    let verdict = [
-        done(context, found),
-        came(context, found),
-        next(context, found),
-    ];
-    let mut sections = Vec::new();
-    if context.pictures {
-        sections.push(Section::new(
-            "deviations",
-            "Calculated against measured",
-            vec![Block::Figure(validation_figure(found))],
-        ));
+impl Telling for Validated {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let all = self;
+        let found = &all.validation;
+        let verdict = [
+            done(context, found),
+            came(context, found),
+            next(context, found),
+        ];
+        let mut sections = Vec::new();
+        if context.pictures {
+            sections.push(Section::new(
+                "deviations",
+                "Calculated against measured",
+                vec![Block::Figure(validation_figure(found))],
+            ));
+        }
+        sections.push(points(context, found));
+        if context.pictures {
+            sections.extend(cell(context, found)?);
+        }
+        let readings = all.readings.as_ref();
+        let screening = readings.map(|readings| &readings.screening);
+        sections.extend(readings::section(context, screening, readings));
+        let heading = match found.folds {
+            Some(_) => "Cross-validation of the joint stiffness",
+            None => "Validation of the joint stiffness",
+        };
+        let mut told = context.told(heading, verdict, Some(key(context, found)), sections);
+        // What the table does not hold yet belongs to what was done.
+        let [done, ..] = &mut told.verdict;
+        for finding in told.findings.iter().filter(|f| is_of_table(f)) {
+            *done = std::mem::take(done).words(format!(" {}", finding.sentence));
+        }
+        told.findings.retain(|f| !is_of_table(f));
+        told.outcome = match (found.passed, found.unpredicted.is_empty()) {
+            (Some(false), _) => Outcome::Serious,
+            (_, false) if told.outcome == Outcome::Good => Outcome::Caution,
+            _ => told.outcome,
+        };
+        Ok(told)
     }
-    sections.push(points(context, found));
-    if context.pictures {
-        sections.extend(cell(context, found)?);
-    }
-    let readings = all.readings.as_ref();
-    let screening = readings.map(|readings| &readings.screening);
-    sections.extend(readings::section(context, screening, readings));
-    let heading = match found.folds {
-        Some(_) => "Cross-validation of the joint stiffness",
-        None => "Validation of the joint stiffness",
-    };
-    let mut told = context.told(heading, verdict, Some(key(context, found)), sections);
-    // What the table does not hold yet belongs to what was done.
-    let [done, ..] = &mut told.verdict;
-    for finding in told.findings.iter().filter(|f| is_of_table(f)) {
-        *done = std::mem::take(done).words(format!(" {}", finding.sentence));
-    }
-    told.findings.retain(|f| !is_of_table(f));
-    told.outcome = match (found.passed, found.unpredicted.is_empty()) {
-        (Some(false), _) => Outcome::Serious,
-        (_, false) if told.outcome == Outcome::Good => Outcome::Caution,
-        _ => told.outcome,
-    };
-    Ok(told)
 }
 
 fn done(context: &Given<'_>, found: &Validation) -> Text {
@@ -202,7 +205,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
                 ": {others} determine every joint that moves there."
             ));
     }
-    let outside = findings.iter().any(|f| f.code == "outside-bands");
+    let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
     if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
         let noise = context.number("/noise_expectation_m").mm().decimals(4);
@@ -224,7 +227,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
             "More is wrong there than estimate and noise explain: look at the postures at the top of the table.",
         );
     }
-    if findings.iter().any(|f| f.code == "seen-postures") {
+    if findings.iter().any(|f| f.code == codes::SEEN_POSTURES) {
         return Text::new("Validate on postures that took no part: ")
             .code("stiffarm identify --exclude")
             .words(" keeps some of those measured out, or ")

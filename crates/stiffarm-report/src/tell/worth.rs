@@ -1,11 +1,12 @@
 //! What groups of postures are worth, as sections that several results share.
 
 use super::postures::name_of;
+use crate::level::level;
 use crate::selection::{
     Deviations, correlation_figure, dexterity_figure, expected_deviation_figure,
     singular_values_figure,
 };
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, level, shown};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::cell::Cell;

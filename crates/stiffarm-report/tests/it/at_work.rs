@@ -3,7 +3,6 @@
 use crate::common::saved;
 use serde::Serialize;
 use serde_json::json;
-use std::any::Any;
 use stiffarm::Control;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::findings::{Finding, Severity};
@@ -19,7 +18,7 @@ use stiffarm::work::{compensated, mapped};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
-use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Text, Told, tell};
+use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, tell};
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
@@ -49,7 +48,7 @@ fn contour(cell: &Cell) -> Vec<PathPoint> {
 
 /// What is said of a result of `command`, checked to be the same from the result as it was made, without its points in the
 /// file, as from the file.
-fn told<R: Serialize + Any, P>(
+fn told<R: Serialize + Telling, P>(
     command: &str,
     cell: &Cell,
     result: &mut R,
@@ -60,9 +59,8 @@ fn told<R: Serialize + Any, P>(
     let all = std::mem::take(points(result));
     let without = saved(command, json!(result));
     *points(result) = all;
-    let mut given = Given::new(&without, Some(cell)).in_words();
-    given.made = Some(result);
-    let made = tell(&given).unwrap();
+    let given = Given::new(&without, Some(cell)).in_words();
+    let made = result.told(&given).unwrap();
     assert_eq!(words(&made), words(&from_file));
     // The page has pictures beside the same words.
     let page = tell(&Given::new(&whole, Some(cell))).unwrap();

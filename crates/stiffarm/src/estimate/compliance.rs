@@ -8,7 +8,7 @@ use crate::estimate::identify::{
     Estimates, Estimator, Identification, JointEstimate, MeasuredSystem, NoiseSource, Solution,
     Verdict,
 };
-use crate::findings::{Finding, Severity, list};
+use crate::findings::{Finding, Severity, codes, list};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::lists;
@@ -72,9 +72,6 @@ pub struct IdentifiedCompliance {
     pub doubts: Vec<Finding>,
 }
 
-/// Code of what forbids to use a stiffness.
-const DOUBTFUL: &str = "stiffness-doubtful";
-
 /// What a serious finding about readings means for whatever is calculated with their stiffness.
 fn doubt(finding: &Finding) -> Finding {
     let said = finding.sentence.trim_end_matches('.');
@@ -83,7 +80,7 @@ fn doubt(finding: &Finding) -> Finding {
     let sentence = format!(
         "The stiffness cannot be used as it is, its readings have a serious fault ({first}): correct them and identify again."
     );
-    Finding::serious(DOUBTFUL, "stiffness", sentence)
+    Finding::serious(codes::STIFFNESS_DOUBTFUL, "stiffness", sentence)
 }
 
 /// What springs that are no ordinary ones mean for whatever is calculated with them.
@@ -106,12 +103,17 @@ pub(crate) fn open_springs<'a>(springs: impl Iterator<Item = &'a JointEstimate>)
             out.push(Finding::new(code, severity, "stiffness", sentence));
         }
     };
-    add(&negative, DOUBTFUL, Severity::Serious, &|names| {
-        format!(
-            "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise explains, \
+    add(
+        &negative,
+        codes::STIFFNESS_DOUBTFUL,
+        Severity::Serious,
+        &|names| {
+            format!(
+                "The stiffness cannot be used as it is: the compliance of {names} came out negative beyond what noise explains, \
              a fault of sign or model. Find it and identify again."
-        )
-    });
+            )
+        },
+    );
     add(&open, "stiffness-open", Severity::Caution, &|names| {
         format!(
             "The readings do not tell the compliance of {names} from none. It counts as it came out, with all of its \

@@ -14,7 +14,8 @@ use crate::error::{Code, Error, Result};
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::plan::check::determinable;
-use crate::plan::index::{Evaluated, Forecast, GroupEvaluation};
+use crate::plan::evaluated::Evaluated;
+use crate::plan::index::{Forecast, GroupEvaluation};
 use crate::plan::planned::{Chosen, MOST_POSTURES, Plan, Planned};
 use nalgebra::DVector;
 

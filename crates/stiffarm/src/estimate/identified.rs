@@ -14,7 +14,7 @@ use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
 use crate::estimate::setup::{self, Freed};
 use crate::estimate::systematic::{SystematicErrors, systematic_errors_with};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, codes};
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
 use crate::measure::screening::Screening;
@@ -136,6 +136,10 @@ pub struct Identified {
     /// it stands in `readings`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub screening: Option<Screening>,
+    /// That the stiffness as a whole is of a size that no robot has; missing where it is not, or a wrong scale of the
+    /// table explains it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub implausible: Option<Finding>,
     /// Interval from the profile of the likelihood; `null` where there is none.
     pub profile: Option<Profile>,
     /// Interval from resampled postures; `null` unless asked for.
@@ -183,6 +187,19 @@ impl Identified {
         self.diagnosis.as_ref().and_then(Diagnosis::rejected)
     }
 
+    /// Whether some finding says that the stiffness cannot be used as it is.
+    pub fn is_serious(&self) -> bool {
+        let of_joints = self.identification.estimates.findings();
+        let reduced = self.readings.iter().flat_map(|r| &r.reduction.findings);
+        let screened = self.screening().into_iter().flat_map(|s| &s.findings);
+        let diagnosed = self.diagnosis.iter().flat_map(|d| &d.findings);
+        let systematic = self.systematic_errors.iter().flat_map(|b| &b.findings);
+        let all = self.implausible.iter().chain(reduced).chain(screened);
+        let all = all.chain(diagnosed).chain(systematic).chain(&of_joints);
+        let profiled = self.profile.iter().map(|profile| &profile.finding);
+        all.chain(profiled).any(Finding::is_serious)
+    }
+
     /// What was found wrong with the table.
     pub fn screening(&self) -> Option<&Screening> {
         let readings = self.readings.as_ref().map(|readings| &readings.screening);
@@ -215,6 +232,7 @@ impl Identified {
             freed: freed.unwrap_or_default(),
             readings: Reduced::of(fit.measured()),
             screening: screening(fit.measured()),
+            implausible: None,
             profile: None,
             bootstrap: None,
             systematic_errors: None,
@@ -242,6 +260,9 @@ impl Identified {
         if let (Some(mixed), Some(elastic)) = (&mixed, &mut out.elastic) {
             let joints = &mut out.identification.estimates.joints;
             elastic.axes = std::mem::replace(joints, mixed.joints()?);
+        }
+        if !is_misread(fit) {
+            out.implausible = implausible_scale(fit.cell(), &out.identification);
         }
         if let Some(resamples) = wanted.bootstrap {
             let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
@@ -334,7 +355,10 @@ impl Identified {
                 .push(Finding::caution(code, "stiffness", sentence));
         }
         let measured = fit.measured();
-        let own = doubts(fit, self.diagnosis.as_ref()).ok()?;
+        // What a wrong scale of the table explains is no finding of its own.
+        let diagnosed = self.diagnosis.iter().flat_map(|own| &own.findings);
+        let diagnosed = diagnosed.filter(|_| !is_misread(fit));
+        let own = self.implausible.iter().chain(diagnosed);
         let displacements = measured.postures.iter().flat_map(|m| &m.displacements);
         let seen = fit.experiment().with_terms().map(|(m, terms)| {
             let setup = cell.setup.of_state(&m.state)?;
@@ -345,7 +369,7 @@ impl Identified {
         Some(Sealed {
             springs: cell.setup.robot.spring_names(),
             flange_m: Some(flange_of(cell).into()),
-            predictor: found.with_doubts(measured.findings().chain(&own)),
+            predictor: found.with_doubts(measured.findings().chain(own)),
             postures: once(self.identification.postures.iter().map(|p| &p.posture)),
             largest_displacement_m: displacements.map(|d| d.value.norm()).reduce(f64::max),
             largest_force_n: fit.experiment().largest_force(),
@@ -361,7 +385,7 @@ impl Identified {
 /// As [`diagnose`].
 pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis> {
     let mut out = diagnose_in(fit, mixed)?;
-    let of_axes = ["residuals-above-noise", "further-term"];
+    let of_axes = [codes::RESIDUALS_ABOVE_NOISE, codes::FURTHER_TERM];
     out.findings
         .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
     if !setup::is_doubtful(fit.measured()) {
@@ -387,14 +411,19 @@ pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis
 /// # Errors
 /// As [`Fit::identification`].
 pub(crate) fn doubts(fit: &Fit, diagnosis: Option<&Diagnosis>) -> Result<Vec<Finding>> {
-    let screening = fit.measured().screening.iter();
-    let mut scales = screening.flat_map(|screening| screening.scales());
-    if scales.any(|scale| scale.severity == Severity::Serious) {
+    if is_misread(fit) {
         return Ok(Vec::new());
     }
     let implausible = implausible_scale(fit.cell(), fit.identification()?);
     let diagnosed = diagnosis.iter().flat_map(|own| &own.findings).cloned();
     Ok(implausible.into_iter().chain(diagnosed).collect())
+}
+
+/// Whether the table has a wrong scale.
+fn is_misread(fit: &Fit) -> bool {
+    let screening = fit.measured().screening.iter();
+    let mut scales = screening.flat_map(Screening::scales);
+    scales.any(Finding::is_serious)
 }
 
 /// Findings about a table of displacements, where there are any.

@@ -14,6 +14,7 @@ pub mod identified;
 pub mod identify;
 pub mod mixed;
 pub mod next_posture;
+mod noise;
 pub(crate) mod quantity;
 pub mod saved;
 pub mod setup;

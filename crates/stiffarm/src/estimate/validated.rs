@@ -10,7 +10,7 @@ use crate::estimate::saved::Saved;
 use crate::estimate::validate::{
     Model, ValidatedPosture, Validation, cross_validate, cross_validate_mixed, validate_with,
 };
-use crate::findings::{Finding, list};
+use crate::findings::{Finding, codes, list};
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -294,7 +294,11 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
         "{verb} {} took part in the identification: {them} say little.",
         list(&seen)
     );
-    Some(Finding::caution("seen-postures", "stiffness", sentence))
+    Some(Finding::caution(
+        codes::SEEN_POSTURES,
+        "stiffness",
+        sentence,
+    ))
 }
 
 /// Whether the same posture was driven to, as far as a controller repeats it.

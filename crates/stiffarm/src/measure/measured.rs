@@ -1,15 +1,15 @@
 //! What an experiment measured, ready to be identified from.
 
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, codes};
 use crate::measure::pending::{not_measured_yet, nothing_measured};
-use crate::measure::reduction::{IDENTICAL_READINGS, ReduceOptions, Reduction, reduce_series};
+use crate::measure::reduction::stations;
+use crate::measure::reduction::{ReduceOptions, Reduction, reduce_series};
 use crate::measure::resolution::Resolution;
 use crate::measure::screening::{
     Cause, Evidence, Screening, Suspicion, screen_displacements, screen_series,
 };
 use crate::measure::series::PostureSeries;
-use crate::measure::stations;
 use crate::model::cell::{Cell, Noise};
 use crate::model::measurement::{
     MeasuredPosture, Measurements, ReadingScatter, ReadingTable, Role,
@@ -247,7 +247,8 @@ pub fn prepare(
     })?;
     // Rounded coarsely, readings repeat each other without being copied.
     let is_coarse = resolution.as_ref().is_some_and(|rounded| rounded.is_coarse);
-    let follows_rounding = |finding: &Finding| is_coarse && finding.code == IDENTICAL_READINGS;
+    let follows_rounding =
+        |finding: &Finding| is_coarse && finding.code == codes::IDENTICAL_READINGS;
     reduction
         .findings
         .retain(|finding| !follows(&screening, finding) && !follows_rounding(finding));
@@ -276,11 +277,11 @@ pub fn prepare(
 fn follows(screening: &Screening, finding: &Finding) -> bool {
     let any = |of: &dyn Fn(&Suspicion) -> bool| screening.suspicions.iter().any(of);
     match finding.code.as_str() {
-        "force-magnitude" => any(&|s| matches!(s.cause, Cause::LoadUnits | Cause::LoadEntry)),
-        "registration-outlier" | "registration-residual" | "given-registration" => {
+        codes::FORCE_MAGNITUDE => any(&|s| matches!(s.cause, Cause::LoadUnits | Cause::LoadEntry)),
+        codes::REGISTRATION_OUTLIER | codes::REGISTRATION_RESIDUAL | codes::GIVEN_REGISTRATION => {
             any(&|s| s.cause == Cause::MovedTracker)
         }
-        "loading-point" | "unexplained-moment" => any(&|s| {
+        codes::LOADING_POINT | codes::UNEXPLAINED_MOMENT => any(&|s| {
             s.cause == Cause::MomentUnits
                 || s.cause == Cause::LoadEntry
                 || (s.cause == Cause::LoadUnits && s.evidence == Some(Evidence::Readings))

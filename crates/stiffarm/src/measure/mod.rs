@@ -10,12 +10,8 @@ pub mod registration;
 mod resolution;
 pub mod screening;
 mod series;
-mod stations;
 
 pub use measured::{Measured, prepare};
 pub(crate) use measured::{all_excluded, check_names};
-pub use pending::{
-    CARRIED_DOWN, HIDDEN_CELLS, LOADS_FROM_NAMES, MERGED_CELLS, NAMES_BY_SHEET, NOT_MEASURED_YET,
-    READING_RESOLUTION, ROWS_LEFT_OUT, is_of_table, not_measured_yet,
-};
-pub use stations::StationRegistration;
+pub use pending::{is_of_table, not_measured_yet};
+pub use reduction::StationRegistration;

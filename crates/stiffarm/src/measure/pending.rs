@@ -1,41 +1,23 @@
 //! What is said of a table itself: what of it is not measured yet, what was taken for granted.
 
 use crate::error::{Code, Error};
-use crate::findings::{Finding, list};
+use crate::findings::{Finding, codes, list};
 use crate::model::measurement::{PendingReading, ReadingTable};
 
 /// Postures that the sentence names one by one.
 const MOST_NAMED: usize = 12;
 
-/// The code of the finding about rows that are not filled in yet.
-pub const NOT_MEASURED_YET: &str = "not-measured-yet";
-/// The code of the finding about merged cells, each row of which has the value of the first.
-pub const MERGED_CELLS: &str = "merged-cells";
-/// The code of the finding about readings that a sheet names, row by row.
-pub const NAMES_BY_SHEET: &str = "names-by-sheet";
-/// The code of the finding about forces that stand in the names of states alone.
-pub const LOADS_FROM_NAMES: &str = "loads-from-names";
-
-/// The code of the finding about rows and columns of a worksheet that are hidden and count.
-pub const HIDDEN_CELLS: &str = "hidden-cells";
-/// The code of the finding about names and values that stand in the first row of a group alone.
-pub const CARRIED_DOWN: &str = "carried-down";
-/// The code of the finding about rows below the readings that are none: remarks, means.
-pub const ROWS_LEFT_OUT: &str = "rows-left-out";
-/// The code of the finding about the step in which readings were written down.
-pub const READING_RESOLUTION: &str = "reading-resolution";
-
 /// True for what is said of the table itself and not of its numbers.
 pub fn is_of_table(finding: &Finding) -> bool {
     [
-        NOT_MEASURED_YET,
-        MERGED_CELLS,
-        NAMES_BY_SHEET,
-        LOADS_FROM_NAMES,
-        HIDDEN_CELLS,
-        CARRIED_DOWN,
-        ROWS_LEFT_OUT,
-        READING_RESOLUTION,
+        codes::NOT_MEASURED_YET,
+        codes::MERGED_CELLS,
+        codes::NAMES_BY_SHEET,
+        codes::LOADS_FROM_NAMES,
+        codes::HIDDEN_CELLS,
+        codes::CARRIED_DOWN,
+        codes::ROWS_LEFT_OUT,
+        codes::READING_RESOLUTION,
     ]
     .contains(&finding.code.as_str())
 }
@@ -77,7 +59,7 @@ pub fn not_measured_yet(table: &ReadingTable) -> Option<Finding> {
         ),
     };
     Some(Finding::note(
-        NOT_MEASURED_YET,
+        codes::NOT_MEASURED_YET,
         "readings",
         format!(
             "Not measured yet: {} {}; {filled} of {rows} rows are filled in.{left_out}",

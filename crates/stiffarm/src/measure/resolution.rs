@@ -4,8 +4,7 @@
 //! (B. Widrow, I. Kollár, Quantization Noise, 2008, Section 1). It is independent from reading to
 //! reading where the positions differ by more than a step, and counts like noise of the tracker.
 
-use crate::findings::{Finding, length};
-use crate::measure::pending::READING_RESOLUTION;
+use crate::findings::{Finding, codes, length};
 use crate::model::cell::Cell;
 use crate::model::measurement::{Reading, ReadingTable};
 use crate::units::{in_to_m, mm_to_m};
@@ -72,9 +71,9 @@ impl Resolution {
         let advice = " Export the readings with all their digits.";
         let is_coarse = std >= SMALL * own;
         let finding = if !is_coarse {
-            Finding::note(READING_RESOLUTION, "readings", sentence)
+            Finding::note(codes::READING_RESOLUTION, "readings", sentence)
         } else {
-            Finding::caution(READING_RESOLUTION, "readings", sentence + advice)
+            Finding::caution(codes::READING_RESOLUTION, "readings", sentence + advice)
         };
         Some(Resolution {
             cell: with,

@@ -10,6 +10,7 @@ pub mod inverse;
 pub mod kinematics;
 pub mod limit;
 pub mod load;
+pub mod load_log;
 pub mod measurement;
 pub mod observation;
 pub mod path;

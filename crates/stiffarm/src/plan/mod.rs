@@ -7,6 +7,7 @@ mod random;
 pub mod certificate;
 pub mod characteristic_length;
 pub mod check;
+pub mod evaluated;
 pub mod feasibility;
 pub mod index;
 pub mod planned;

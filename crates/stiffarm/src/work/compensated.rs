@@ -6,7 +6,7 @@ use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::units::mm_to_m;
 use crate::work::along::{Followed, PathOptions};
-use crate::work::compensate::{CompensateOptions, Compensation, compensate};
+use crate::work::compensate::{CompensateOptions, Compensation, compensate_on};
 use crate::work::features::{Deviation, Feature, features};
 use crate::work::never_loaded::never_loaded_at_work;
 use crate::work::posture_path::PosturePathSummary;
@@ -52,7 +52,7 @@ impl Options {
     /// Compensates a path whose postures [`PathOptions::follow`] found.
     ///
     /// # Errors
-    /// As [`Options::compensate_options`] and [`compensate`].
+    /// As [`Options::compensate_options`] and [`compensate`](crate::work::compensate::compensate).
     pub fn compensate(
         &self,
         cell: &Cell,
@@ -61,8 +61,9 @@ impl Options {
         control: Control<'_>,
     ) -> Result<Compensated> {
         let options = self.compensate_options(saved)?;
-        let mut compensation = compensate(
-            cell,
+        let arm = LoadedArm::new(cell, &saved.predictor)?;
+        let mut compensation = compensate_on(
+            (cell, &arm),
             &saved.predictor,
             &followed.postures,
             &options,
@@ -77,14 +78,8 @@ impl Options {
             }
         };
         let tolerance = self.path.tolerance_mm.map(mm_to_m);
-        let (features, finding) = features(
-            (cell, &saved.predictor),
-            &followed.postures,
-            tolerance,
-            deviation,
-        )?;
+        let (features, finding) = features((cell, &arm), &followed.postures, tolerance, deviation)?;
         compensation.findings.extend(finding);
-        let arm = LoadedArm::new(cell, &saved.predictor)?;
         let points = followed.postures.iter().zip(&compensation.points);
         let points =
             points.map(|(posture, point)| (posture, point.uncompensated_shift_m, point.band));

@@ -1,7 +1,6 @@
 //! What the deflection does to the features of a part: how far they come out beside where they should be.
 
 use crate::error::Result;
-use crate::estimate::compliance::IdentifiedCompliance;
 use crate::findings::{Finding, length, length_with_error};
 use crate::model::cell::Cell;
 use crate::model::path::{LoadedPosture, feed_axes};
@@ -94,9 +93,9 @@ impl Verdict {
 /// `given`; none where the path names none and no tolerance is given.
 ///
 /// # Errors
-/// As [`LoadedArm::new`].
+/// Angles of the wrong number.
 pub(super) fn features(
-    (cell, predictor): (&Cell, &IdentifiedCompliance),
+    (cell, arm): (&Cell, &LoadedArm),
     postures: &[LoadedPosture],
     given: Option<f64>,
     deviation: impl Fn(usize) -> Deviation,
@@ -104,7 +103,6 @@ pub(super) fn features(
     if given.is_none() && postures.iter().all(|posture| posture.feature.is_none()) {
         return Ok((Vec::new(), None));
     }
-    let arm = LoadedArm::new(cell, predictor)?;
     let angles: Vec<&[f64]> = postures.iter().map(|p| p.q.as_slice()).collect();
     let tips = arm.tip_poses(&angles)?;
     let feeds = feed_axes(&tips);

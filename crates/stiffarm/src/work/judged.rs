@@ -6,9 +6,9 @@ use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
 use crate::estimate::standing::{SoFar, Standing, is_better, standing};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, codes};
+use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
-use crate::measure::{NOT_MEASURED_YET, prepare};
 use crate::model::cell::Cell;
 use crate::model::measurement::Measurements;
 use crate::model::posture::Posture;
@@ -24,11 +24,11 @@ use std::collections::BTreeSet;
 const ROUNDS: u64 = 1;
 /// Findings on what single joints carry and what residuals cannot tell yet: other postures may bring it.
 const MAY_COME: [&str; 5] = [
-    "weak-joint",
-    "unloaded-joint",
-    "correlated",
-    "posture-needed",
-    "residuals-untested",
+    codes::WEAK_JOINT,
+    codes::UNLOADED_JOINT,
+    codes::CORRELATED,
+    codes::POSTURE_NEEDED,
+    codes::RESIDUALS_UNTESTED,
 ];
 /// Steps of the angles of a posture that is proposed \[deg\].
 const STEP_DEG: f64 = 0.01;
@@ -165,7 +165,9 @@ pub fn judge(
     let known: BTreeSet<String> = done.iter().cloned().collect();
     let left = plan.iter().filter(|posture| !known.contains(&posture.name));
     let left: Vec<Posture> = left.cloned().collect();
-    let readings = measured.findings().filter(|f| f.code != NOT_MEASURED_YET);
+    let readings = measured
+        .findings()
+        .filter(|f| f.code != codes::NOT_MEASURED_YET);
     let mut out = Judgement {
         begun: begun
             .into_iter()
@@ -191,7 +193,7 @@ pub fn judge(
         }
     };
     let of_fit = of_fit(&fit, &so_far, left.len())?;
-    if of_fit.iter().any(|finding| finding.code == setup::REJECTS) {
+    if of_fit.iter().any(|finding| finding.code == codes::SET_UP) {
         out.readings.retain(|finding| !setup::is_explained(finding));
     }
     out.readings.extend(of_fit);
@@ -224,7 +226,7 @@ fn of_fit(fit: &Fit, so_far: &SoFar<'_>, left: usize) -> Result<Vec<Finding>> {
     // A joint that yields against its torque follows from a set-up that is rejected.
     let diagnosis = so_far.diagnosis.as_ref();
     let is_rejected = diagnosis.is_some_and(|own| own.rejected().is_some());
-    let joints = joints.filter(|f| f.code == "negative-compliance" && !is_rejected);
+    let joints = joints.filter(|f| f.code == codes::NEGATIVE_COMPLIANCE && !is_rejected);
     let of_fit = doubts(fit, diagnosis)?;
     Ok(joints.chain(of_fit.into_iter().filter(is_due)).collect())
 }

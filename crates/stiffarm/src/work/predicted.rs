@@ -16,7 +16,7 @@ use crate::work::along::{Followed, PathOptions};
 use crate::work::features::{Deviation, Feature, features};
 use crate::work::never_loaded::never_loaded_at_work;
 use crate::work::posture_path::PosturePathSummary;
-use crate::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict};
+use crate::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict_on};
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
@@ -157,7 +157,7 @@ impl Request {
     /// Predicts at postures and loads of [`Request::loaded`].
     ///
     /// # Errors
-    /// As [`Request::predict_options`] and [`predict`].
+    /// As [`Request::predict_options`] and [`predict`](crate::work::predict::predict).
     pub fn predict(
         &self,
         loaded: &Loaded,
@@ -165,8 +165,12 @@ impl Request {
         control: Control<'_>,
     ) -> Result<Predicted> {
         let options = self.predict_options(saved)?;
-        let mut prediction = predict(
-            &loaded.cell,
+        let mut arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
+        if self.cell_load {
+            arm = arm.loaded_by(&loaded.cell);
+        }
+        let mut prediction = predict_on(
+            (&loaded.cell, &arm),
             &saved.predictor,
             &loaded.postures,
             &options,
@@ -181,17 +185,9 @@ impl Request {
             }
         };
         let tolerance = self.path.tolerance_mm.map(mm_to_m);
-        let (features, finding) = features(
-            (&loaded.cell, &saved.predictor),
-            &loaded.postures,
-            tolerance,
-            deviation,
-        )?;
+        let (features, finding) =
+            features((&loaded.cell, &arm), &loaded.postures, tolerance, deviation)?;
         prediction.findings.extend(finding);
-        let mut arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
-        if self.cell_load {
-            arm = arm.loaded_by(&loaded.cell);
-        }
         let points = loaded.postures.iter().zip(&prediction.points);
         let points = points.map(|(posture, point)| (posture, point.shift_m, point.band));
         let untold = never_loaded_at_work((&loaded.cell, &arm), saved, points)?;

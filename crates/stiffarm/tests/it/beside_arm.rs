@@ -1,10 +1,11 @@
 //! Sizes, places and angles that no cell has beside its arm are doubted; those of sound cells are not.
 
 use crate::common::prelude::*;
+use stiffarm::findings::codes;
 use stiffarm::model::robot::catalogue;
-use stiffarm::plan::check::{START_TOUCHES, check};
-use stiffarm::plan::index::Evaluated;
-use stiffarm::plan::route::{MOVE_BLOCKED, RouteOptions, route, route_findings};
+use stiffarm::plan::check::check;
+use stiffarm::plan::evaluated::Evaluated;
+use stiffarm::plan::route::{RouteOptions, route, route_findings};
 use stiffarm_files::cell::template;
 
 /// A built-in cell with parts of its file replaced, and more behind it.
@@ -201,7 +202,7 @@ fn a_start_inside_something_is_told_once_by_all_commands() {
         "\n[route]\nstart_deg = [0, 20, -120, 0, 50, 0]\n",
     );
     let checked = check(&cell).unwrap();
-    let own = |f: &&Finding| f.code == START_TOUCHES;
+    let own = |f: &&Finding| f.code == codes::START_TOUCHES;
     let told: Vec<&Finding> = checked.findings.iter().filter(own).collect();
     let [told] = told.as_slice() else {
         panic!("{:#?}", checked.findings)
@@ -230,7 +231,7 @@ fn a_start_inside_something_is_told_once_by_all_commands() {
     let findings = route_findings(&cell, &group.postures, &found).unwrap();
     assert_eq!(findings.iter().filter(own).count(), 1);
     assert!(
-        findings.iter().all(|f| f.code != MOVE_BLOCKED),
+        findings.iter().all(|f| f.code != codes::MOVE_BLOCKED),
         "{findings:#?}"
     );
 
@@ -242,7 +243,7 @@ fn a_start_inside_something_is_told_once_by_all_commands() {
     );
     let findings = check(&open).unwrap().findings;
     assert!(
-        findings.iter().all(|f| f.code != START_TOUCHES),
+        findings.iter().all(|f| f.code != codes::START_TOUCHES),
         "{findings:#?}"
     );
 }
@@ -267,7 +268,7 @@ fn moves_that_are_blocked_alike_are_one_sentence_with_their_names() {
     let [blocked] = findings.as_slice() else {
         panic!("{findings:#?}")
     };
-    assert_eq!(blocked.code, MOVE_BLOCKED);
+    assert_eq!(blocked.code, codes::MOVE_BLOCKED);
     let named = "for the moves 1 to 2 and 2 to 3: on the straight joint move";
     assert!(blocked.sentence.contains(named), "{}", blocked.sentence);
 }

@@ -2,7 +2,8 @@
 //! agrees with what an evaluation of many postures finds.
 
 use crate::common::prelude::*;
-use stiffarm::plan::check::{CellCheck, LEFT_OUT, SAMPLES, check};
+use stiffarm::findings::codes;
+use stiffarm::plan::check::{CellCheck, SAMPLES, check};
 
 fn comau() -> Cell {
     builtin::cell("comau").unwrap()
@@ -85,7 +86,7 @@ fn joints_that_no_posture_determines() {
         (&anchored, "joint 1", "the rope's anchor lies on its axis"),
     ] {
         let checked = check(cell).unwrap();
-        let finding = the(&checked, LEFT_OUT, words);
+        let finding = the(&checked, codes::JOINT_LEFT_OUT, words);
         assert_eq!(finding.subject, joint);
         assert_eq!(finding.severity, Severity::Caution);
         let (checked, evaluated) = undetermined(cell);
@@ -114,7 +115,11 @@ fn reflectors_on_the_last_axis() {
     cell.setup.tool.measuring_points.truncate(2);
     cell.setup.tool.measuring_points[0].position = Vector3::new(0.0, 0.0, 0.3);
     let checked = check(&cell).unwrap();
-    the(&checked, LEFT_OUT, "every measuring point lies on its axis");
+    the(
+        &checked,
+        codes::JOINT_LEFT_OUT,
+        "every measuring point lies on its axis",
+    );
     assert_eq!(found(&checked, "blind-point").len(), 0);
 }
 
@@ -135,7 +140,7 @@ fn a_load_of_nothing_and_a_moment_about_nothing() {
     // A pure moment across the last axis, turning with the tool.
     cell.setup.load = constant(zero, Vector3::new(100.0, 0.0, 0.0));
     let checked = check(&cell).unwrap();
-    let finding = the(&checked, LEFT_OUT, "no moment about its axis");
+    let finding = the(&checked, codes::JOINT_LEFT_OUT, "no moment about its axis");
     assert_eq!(finding.subject, "joint 6");
 }
 

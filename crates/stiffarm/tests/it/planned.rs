@@ -4,12 +4,13 @@ use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::time::Duration;
+use stiffarm::findings::codes;
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::elastic::ElasticSizes;
 use stiffarm::model::load::LoadCase;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::feasibility::{NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, PostureLimits, on_limits};
-use stiffarm::plan::index::Evaluated;
+use stiffarm::plan::evaluated::Evaluated;
+use stiffarm::plan::feasibility::{PostureLimits, on_limits};
 use stiffarm::plan::planned::{
     CandidateRequest, CurveRequest, CurveSize, DropRequest, Mode, PlanRequest, SpaceFillingRequest,
     Stage, plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
@@ -645,12 +646,12 @@ fn postures_on_limits_and_without_room_to_spare_are_named() {
     let own = evaluated
         .findings
         .iter()
-        .find(|f| f.code == ON_MACHINE_LIMIT);
+        .find(|f| f.code == codes::ON_MACHINE_LIMIT);
     assert_eq!(own.unwrap().subject, "mine");
 
     let found = on_limits(&cell, &postures, &limits);
     let codes: Vec<&str> = found.iter().map(|f| f.code.as_str()).collect();
-    assert_eq!(codes, [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE]);
+    assert_eq!(codes, [codes::ON_MACHINE_LIMIT, codes::NO_ROOM_TO_SPARE]);
     assert_eq!(found[0].severity, Severity::Caution);
     assert_eq!(found[0].subject, "bounds.q_deg[2]");
     let named = format!("Posture {} has", postures[1].name);

@@ -7,7 +7,7 @@ use stiffarm::findings::is_hidden;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::envelope::to_json;
-use stiffarm_files::source::{Source, beside};
+use stiffarm_files::source::{Source, beside, read_cell, read_groups, read_stiffness};
 use stiffarm_files::table::sha256_hex;
 
 #[test]
@@ -76,13 +76,13 @@ fn all_that_a_plan_needs_comes_through_one_method() {
     let mut memory = Memory::default();
     memory.files.insert("a/plan.csv".into(), group.into());
     memory.files.insert("b/plan.csv".into(), group.into());
-    let cell = memory.read_cell("builtin:comau").unwrap();
+    let cell = read_cell(&memory, "builtin:comau").unwrap();
     assert_eq!(cell.name, "builtin:comau");
     let from = ["a/plan.csv", "b/plan.csv"].map(String::from);
-    let groups = memory.read_groups(&from, &cell.cell.setup.robot).unwrap();
+    let groups = read_groups(&memory, &from, &cell.cell.setup.robot).unwrap();
     assert_eq!(groups[0].postures, groups[1].postures);
     assert_eq!((&*groups[0].name, &*groups[1].name), ("plan", "plan (2)"));
-    let prior = memory.read_stiffness("prior", &cell.cell).unwrap();
+    let prior = read_stiffness(&memory, "prior", &cell.cell).unwrap();
     assert_eq!(prior.name, "prior");
     let hashes = memory.hashes.borrow();
     let roles: Vec<&str> = hashes.keys().map(String::as_str).collect();

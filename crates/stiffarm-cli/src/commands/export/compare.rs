@@ -2,7 +2,7 @@
 
 use super::Task;
 use crate::args::ExportArgs;
-use crate::commands::wrapped_line;
+use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::output::Exit;
 use crate::screen::{columns, wrapped};
@@ -52,8 +52,7 @@ pub struct Compared {
 pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Exit> {
     let files = files(session, args)?;
     let joints = task.cell.cell.setup.robot.joint_count();
-    let found =
-        read_program(&files, task.language, &task.options, joints).map_err(super::as_option)?;
+    let found = read_program(&files, task.language, &task.options, joints)?;
     // As the language holds it: rounded, in whole pulses.
     let (_, planned) = task.written()?;
     let wanted = |target: &&Move| task.start.is_some() || target.kind != MoveKind::Start;
@@ -124,8 +123,7 @@ fn other_lines(task: &Task, files: &[ProgramFile], found: &Program) -> Result<Ve
         planned.name.clone_from(&found.name);
     }
     let joints = task.cell.cell.setup.robot.joint_count();
-    let written =
-        write_program(&planned, task.language, &task.options).map_err(super::as_option)?;
+    let written = write_program(&planned, task.language, &task.options)?;
     Ok(compare_statements(&written, files, task.language, joints))
 }
 

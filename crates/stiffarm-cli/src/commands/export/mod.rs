@@ -4,8 +4,8 @@ pub mod compare;
 mod moves;
 
 use crate::args::{ControllerArgs, ExportArgs};
-use crate::commands::wrapped_line;
 use crate::files::{check_folder, write_folder};
+use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::numbers::counted;
 use crate::output::Exit;
@@ -29,7 +29,7 @@ use stiffarm_files::program::{
     Language, Move, Program, ProgramFile, ProgramOptions, program_of_stops, read_program,
     write_program,
 };
-use stiffarm_files::source::{NamedCell, Source, group_name};
+use stiffarm_files::source::{NamedCell, group_name, read_postures};
 use stiffarm_files::table::{SheetOptions, sha256_hex};
 
 /// Name of the start that the cell gives.
@@ -134,8 +134,8 @@ impl Task {
         let language = args
             .language
             .map_or_else(|| language_of(robot, asked), Ok)?;
-        language.check_robot(robot, asked).map_err(as_option)?;
-        let plan = session.read_postures("plan", &args.plan, robot)?;
+        language.check_robot(robot, asked)?;
+        let plan = read_postures(session, "plan", &args.plan, robot)?;
         let start = match args.start.as_deref() {
             Some(from) => Some(only_posture(session, from, &cell)?),
             None => cell.cell.route.start.clone().map(|q| Posture {
@@ -199,8 +199,7 @@ impl Task {
     /// The files, and what is read from them again.
     fn written(&self) -> Result<(Vec<ProgramFile>, Program)> {
         let joints = self.cell.cell.setup.robot.joint_count();
-        let files =
-            write_program(&self.program, self.language, &self.options).map_err(as_option)?;
+        let files = write_program(&self.program, self.language, &self.options)?;
         let read = read_program(&files, self.language, &self.options, joints)?;
         Ok((files, read))
     }
@@ -231,16 +230,6 @@ impl Task {
     }
 }
 
-/// Keys of options as the command line calls them; keys of the cell stay.
-fn as_option(error: Error) -> Error {
-    match error.place().key.clone() {
-        Some(key) if !key.starts_with("--") && !key.contains('.') => {
-            error.key(format!("--{}", key.replace('_', "-")))
-        }
-        _ => error,
-    }
-}
-
 fn program_options(args: &ControllerArgs) -> ProgramOptions {
     ProgramOptions {
         controller_axes: (!args.controller_axes.is_empty()).then(|| args.controller_axes.clone()),
@@ -251,7 +240,7 @@ fn program_options(args: &ControllerArgs) -> ProgramOptions {
 }
 
 fn only_posture(session: &Session, from: &str, cell: &NamedCell) -> Result<Posture> {
-    let mut postures = session.read_postures("start", from, &cell.cell.setup.robot)?;
+    let mut postures = read_postures(session, "start", from, &cell.cell.setup.robot)?;
     match (postures.pop(), postures.len()) {
         (Some(only), 0) => Ok(only),
         (_, more) => Err(Error::new(

@@ -1,7 +1,6 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
 use crate::args::IdentifyArgs;
-use crate::error::of_option;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
@@ -11,7 +10,7 @@ use stiffarm::estimate::identify::NoiseSource;
 use stiffarm::findings::Severity;
 use stiffarm::units::deg_to_rad;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::read_clamped;
 
 /// Identifies the joint stiffness from clamped postures.
@@ -57,7 +56,7 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
     let postures = args
         .postures
         .as_deref()
-        .map(|from| session.read_postures("postures", from, robot))
+        .map(|from| read_postures(session, "postures", from, robot))
         .transpose()?;
     let [measurements] = args.measurements.as_slice() else {
         let error = Error::new(Code::Usage, "--clamped reads one table.").key("--clamped");
@@ -71,5 +70,5 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
             .file(file)
             .hint("add one row per posture and load state"));
     }
-    without(clamped, &args.exclude).map_err(|e| of_option(e, &["exclude"]))
+    without(clamped, &args.exclude)
 }

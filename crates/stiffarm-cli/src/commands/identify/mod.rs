@@ -3,17 +3,15 @@
 mod clamped;
 
 use crate::args::IdentifyArgs;
-use crate::error::of_option;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::estimate::identified::{Identified, Options, Wanted};
-use stiffarm::estimate::identify::{Fit, implausible_scale};
-use stiffarm::findings::Severity;
+use stiffarm::estimate::identify::Fit;
 use stiffarm::measure::prepare;
-use stiffarm_files::source::Source;
+use stiffarm_files::source::{read_measurements, read_registration};
 
 /// Identifies the joint stiffness.
 pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
@@ -24,14 +22,17 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let mut options = args.fit.options(&named.cell.setup.robot)?;
     options.free.clone_from(&args.free);
-    let measurements =
-        session.read_measurements(&args.measurements, args.postures.as_deref(), &named.cell)?;
-    let reduce = session.read_registration(args.registration.as_deref())?;
+    let measurements = read_measurements(
+        session,
+        &args.measurements,
+        args.postures.as_deref(),
+        &named.cell,
+    )?;
+    let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(&named.cell, measurements, &reduce)?;
     measured
         .exclude(&args.exclude)
         .map_err(|e| e.key("--exclude"))?;
-    let serious = measured.worst() == Some(Severity::Serious);
     let progress = Progress::new(session, "examining the identification");
     let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
     let wanted = {
@@ -42,16 +43,11 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
         wanted.brief = args.brief;
         wanted
     };
-    let result = progress
-        .watch(|control| Identified::new(&fit, &wanted, control))
-        .map_err(|e| of_option(e, &["brief", "bootstrap", "elastic", "free"]))?;
+    let result = progress.watch(|control| Identified::new(&fit, &wanted, control))?;
     drop(progress);
 
-    let implausible = implausible_scale(fit.cell(), &result.identification).is_some();
     let exit = if result.not_computed.is_empty() {
-        Exit::finding(
-            !result.is_complete() || implausible || serious || result.rejected().is_some(),
-        )
+        Exit::finding(!result.is_complete() || result.is_serious())
     } else {
         Exit::Interrupted
     };

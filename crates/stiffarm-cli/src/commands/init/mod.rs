@@ -4,11 +4,12 @@ mod robot;
 mod shapes;
 mod xacro;
 
-use super::wrapped_line;
 use crate::args::InitArgs;
-use crate::files::{Target, make_folder, write_all};
+use crate::files::{make_folder, write_all};
+use crate::finding::wrapped_line;
 use crate::output::Exit;
 use crate::session::Session;
+use crate::target::Target;
 use robot::{Chain, Options, start};
 use serde::Serialize;
 use stiffarm::Result;

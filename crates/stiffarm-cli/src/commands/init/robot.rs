@@ -7,7 +7,7 @@ use crate::commands::robots::entry_of;
 use crate::session::Session;
 use serde::Serialize;
 use std::path::PathBuf;
-use stiffarm::findings::{Finding, list};
+use stiffarm::findings::{Finding, codes, list};
 use stiffarm::model::robot::DhConvention;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::cell::{template, template_of, template_with_shapes};
@@ -139,7 +139,7 @@ fn of_urdf(session: &Session, args: &InitArgs, from: &str) -> Result<Start> {
         let joint = read.robot.joint_names[2].clone();
         findings.push(Finding::caution("urdf-coupling", joint, sentence));
     }
-    let gripper = findings.iter().find(|f| f.code == "urdf-gripper");
+    let gripper = findings.iter().find(|f| f.code == codes::URDF_GRIPPER);
     let gripper = gripper.map(|f| format!(" CHECK FIRST, {}: {}", f.subject, f.sentence));
     let origin = format!(
         "The robot is from {}: the base frame is the link {}, the flange the link {}. Angles are those of \

@@ -4,7 +4,6 @@
 pub mod place;
 
 use crate::args::MapArgs;
-use crate::error::of_usage;
 use crate::files::{check_folder, shown, write_folder};
 use crate::output::Exit;
 use crate::path::read_stiffness;
@@ -45,9 +44,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
         moment_nm: args.tool.moment_nm,
         direction: args.tool.direction,
     };
-    let options = request
-        .map_options(&named.cell)
-        .map_err(|e| of_usage(e, &["direction", "from_mm", "to_mm"]))?;
+    let options = request.map_options(&named.cell)?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.
     let nodes = nodes * usize::from(nodes <= MapOptions::MOST);

@@ -2,16 +2,15 @@
 
 use super::{MANY, write_pictures};
 use crate::args::MapArgs;
-use crate::error::of_usage;
 use crate::files::check_folder;
 use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
+use stiffarm::Result;
 use stiffarm::work::map::{MapOptions, place};
 use stiffarm::work::placed::Request;
-use stiffarm::{Error, Result};
-use stiffarm_files::source::{NamedPath, Source};
+use stiffarm_files::source::{NamedPath, read_path};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
 /// Files of the folder.
@@ -27,8 +26,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         refine: args.place.refine,
         free_turn: args.tool.free_turn,
     };
-    let usage = |e: Error| of_usage(e, &["yaw_deg", "from_mm", "to_mm"]);
-    request.check().map_err(usage)?;
+    request.check()?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     if let Some(folder) = &args.output_dir {
@@ -41,8 +39,8 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         name,
         findings,
         ..
-    } = session.read_path(path, cell, args.place.language, axes, None)?;
-    let options = request.place_options(cell).map_err(usage)?;
+    } = read_path(session, path, cell, args.place.language, axes, None)?;
+    let options = request.place_options(cell)?;
     let places = options
         .steps
         .iter()

@@ -11,7 +11,7 @@ use stiffarm::model::posture::Posture;
 use stiffarm::work::judged::{Judgement, Options, judge};
 use stiffarm::work::predicted::tasks;
 use stiffarm::{Code, Control, Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::{read_growing_measurements, read_postures, read_registration};
 
 /// Judges what is there, once or again and again.
 pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
@@ -25,7 +25,7 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
         return watch::watch(session, args);
     }
     let named = session.read_cell(&args.cell)?;
-    let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
+    let plan = read_postures(session, "plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
     let found = Progress::new(session, "judging the readings")
         .watch(|control| look(session, (&named.cell, &plan), args, control))?;
@@ -54,8 +54,8 @@ fn look(
     args: &MeasureArgs,
     control: Control<'_>,
 ) -> Result<Judgement> {
-    let reduce = session.read_registration(args.registration.as_deref())?;
-    let read = session.read_growing_measurements(&args.readings, Some(&args.plan), cell);
+    let reduce = read_registration(session, args.registration.as_deref())?;
+    let read = read_growing_measurements(session, &args.readings, Some(&args.plan), cell);
     judge(
         (cell, plan),
         read,

@@ -17,7 +17,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::work::judged::Judgement;
 use stiffarm::{Code, Control, Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 
 /// Longest time without a look at whether the user stopped.
 const NAP: Duration = Duration::from_millis(50);
@@ -30,7 +30,7 @@ pub(super) fn watch(session: &Session, args: &MeasureArgs) -> Result<Exit> {
     }
     interrupt::look_out();
     let named = session.read_cell(&args.cell)?;
-    let plan = session.read_postures("plan", &args.plan, &named.cell.setup.robot)?;
+    let plan = read_postures(session, "plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
     session.print(&format!(
         "{}waiting for readings of {} postures; Ctrl-C ends, and starting again goes on\n",

@@ -3,14 +3,15 @@
 mod table;
 
 use crate::args::PoseArgs;
-use crate::files::{Target, only_target, write_all};
+use crate::files::{only_target, write_all};
 use crate::output::Exit;
 use crate::session::Session;
+use crate::target::Target;
 use serde::Serialize;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::poses::Request;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::{read_poses, write_poses, write_postures};
 
 /// What both ways need.
@@ -52,7 +53,7 @@ impl Job<'_> {
 
     fn poses_of(&self, from: &str) -> Result<Exit> {
         let (session, cell) = (self.session, self.cell());
-        let postures = session.read_postures("postures", from, &cell.setup.robot)?;
+        let postures = read_postures(session, "postures", from, &cell.setup.robot)?;
         let target = only_target(session, self.args.output.as_deref(), self.args.force)?;
         let result = self.request.poses_of(cell, &postures);
         let text = || {

@@ -1,7 +1,7 @@
 //! Poses and postures as people read them.
 
 use super::Job;
-use crate::commands::wrapped_line;
+use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::numbers::coarse_mm;
 use crate::screen::{columns, wrapped};

@@ -6,11 +6,11 @@ use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
 use stiffarm::plan::planned::{CandidateRequest, plan_candidates};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_candidates;
 
 /// Chooses, and writes plan and sheet.
 pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Exit> {
-    let (candidates, measured) = job.session.read_candidates(list, job.cell())?;
+    let (candidates, measured) = read_candidates(job.session, list, job.cell())?;
     let mut request = CandidateRequest::default();
     request.index = job.index;
     request.postures = job.args.count.map_or(request.postures, to_usize);

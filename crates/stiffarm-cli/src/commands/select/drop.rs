@@ -7,7 +7,7 @@ use crate::progress::{Progress, announce};
 use stiffarm::Result;
 use stiffarm::plan::planned::{DropRequest, plan_drop};
 use stiffarm::plan::select::drop_evaluations;
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 
 /// From so many groups on, their number is said before they are evaluated.
 const EVALUATIONS: usize = 10_000;
@@ -15,7 +15,7 @@ const EVALUATIONS: usize = 10_000;
 /// Compares the ways to leave postures out and writes those that stay.
 pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Exit> {
     let robot = &job.cell().setup.robot;
-    let given = job.session.read_postures("given", given, robot)?;
+    let given = read_postures(job.session, "given", given, robot)?;
     let mut request = DropRequest::default();
     request.index = job.index;
     request.drop = to_usize(count);

@@ -1,12 +1,13 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::files::picture::check_picture_name;
-use crate::files::{Contents, Target, check_targets, write_all};
+use crate::files::{Contents, check_targets, write_all};
 use crate::numbers::to_usize;
 use crate::output::Exit;
+use crate::picture::check_picture_name;
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::findings::Finding;
@@ -22,7 +23,7 @@ use stiffarm_files::source::NamedCell;
 use stiffarm_files::table::{
     SheetOptions, displacement_sheet, reading_sheet, write_postures, write_sheet_workbook,
 };
-use stiffarm_report::tell::{Number, index_quantity};
+use stiffarm_report::tell::{Number, Telling, index_quantity};
 use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 
 /// What every way to work needs.
@@ -46,7 +47,7 @@ impl Job<'_> {
     }
 
     /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
-    pub fn deliver<R: Serialize, O: Serialize>(
+    pub fn deliver<R: Serialize + Telling, O: Serialize>(
         &self,
         planned: &Planned<R, O>,
         findings: &[Finding],
@@ -57,7 +58,7 @@ impl Job<'_> {
     }
 
     /// Tells the result, and how the command ends by its findings.
-    pub fn show<R: Serialize, O: Serialize>(
+    pub fn show<R: Serialize + Telling, O: Serialize>(
         &self,
         planned: &Planned<R, O>,
         findings: &[Finding],

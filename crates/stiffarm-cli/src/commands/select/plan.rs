@@ -9,7 +9,7 @@ use std::time::Duration;
 use stiffarm::plan::planned::{PlanRequest, plan};
 use stiffarm::units::min_to_s;
 use stiffarm::{Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_postures;
 
 /// Selects, bounds and examines the plan, and writes plan and sheet.
 pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
@@ -29,7 +29,7 @@ fn request(job: &Job<'_>) -> Result<PlanRequest> {
     let robot = &job.cell().setup.robot;
     let read = |role: &str, from: &Option<String>| {
         from.as_deref()
-            .map(|from| session.read_postures(role, from, robot))
+            .map(|from| read_postures(session, role, from, robot))
             .transpose()
     };
     let mut request = PlanRequest::default();

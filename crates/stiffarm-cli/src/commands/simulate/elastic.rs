@@ -2,14 +2,14 @@
 //! joint axes, with the axes alone and with the mixed model.
 
 use crate::args::SimulateArgs;
-use crate::error::of_usage;
-use crate::files::{Target, check_targets, write_all};
+use crate::files::{check_targets, write_all};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::target::Target;
 use stiffarm::estimate::simulate::{simulate_elastic, simulate_elastic_measurements};
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_groups;
 use stiffarm_files::table::write_simulated;
 
 /// Runs the simulation.
@@ -20,13 +20,10 @@ pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
         .map(|path| Target::new(path, args.force))
         .transpose()?;
     check_targets(session, &[target.as_ref()])?;
-    let options = args
-        .request()
-        .elastic_options(args.elastic())
-        .map_err(|e| of_usage(e, &super::SIZES))?;
+    let options = args.request().elastic_options(args.elastic())?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
-    let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
+    let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
     let result = Progress::new(session, "simulating")
         .watch(|control| simulate_elastic(cell, &groups, &options, control))?;
     if let Some(target) = target {

@@ -4,11 +4,11 @@ pub mod elastic;
 mod slowly;
 
 use crate::args::SimulateArgs;
-use crate::error::of_usage;
-use crate::files::{Target, check_targets, write_all};
+use crate::files::{check_targets, write_all};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
+use crate::target::Target;
 use slowly::write_slowly;
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
@@ -16,18 +16,8 @@ use stiffarm::estimate::simulate::simulate;
 use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::measure::experiment::{Experiment, experiment};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::read_groups;
 use stiffarm_files::table::{write_simulated, write_simulated_readings};
-
-/// What is asked for that has a size.
-const SIZES: [&str; 6] = [
-    "levels",
-    "force_scale_error_percent",
-    "force_error_percent",
-    "joint_angle_error_deg",
-    "loading_point_error_mm",
-    "anchor_error_mm",
-];
 
 /// Runs the simulation.
 pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
@@ -42,13 +32,10 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let displacements = target_of(&args.measurements)?;
     let readings = target_of(&args.readings)?;
     check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
-    let options = args
-        .request()
-        .simulation_options()
-        .map_err(|e| of_usage(e, &SIZES))?;
+    let options = args.request().simulation_options()?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
-    let groups = session.read_groups(&args.postures, &cell.setup.robot)?;
+    let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
     let result = Progress::new(session, "simulating")
         .watch(|control| simulate(cell, &groups, &options, control))?;
 

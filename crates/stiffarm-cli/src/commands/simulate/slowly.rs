@@ -1,8 +1,9 @@
 //! A rehearsal: the readings of a day come one load state after the other.
 
-use crate::files::{Target, write_all};
+use crate::files::write_all;
 use crate::interrupt;
 use crate::session::Session;
+use crate::target::Target;
 use std::time::Duration;
 use stiffarm::{Code, Error, Result};
 

@@ -12,9 +12,10 @@ use stiffarm::Result;
 use stiffarm::measure::{is_of_table, prepare};
 use stiffarm::plan::index::Index;
 use stiffarm::study::{MeasuredStudy, MeasuredStudyOptions, measured_study};
-use stiffarm_files::source::Source;
+use stiffarm_files::source::{read_measurements, read_registration};
 use stiffarm_report::render_svg;
 use stiffarm_report::study::{measured_figure, measured_table};
+use stiffarm_report::tell::{Given, Telling, Told};
 
 /// Figure and table of the study.
 const FILES: [&str; 2] = ["measured-choices.svg", "measured-choices.csv"];
@@ -38,6 +39,12 @@ pub struct Written {
     pub files: Vec<String>,
 }
 
+impl Telling for Written {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        self.study.told(given)
+    }
+}
+
 /// Runs the study and writes its folder.
 pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
@@ -46,8 +53,8 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         // It counts one load per posture.
         options.indices.retain(|index| *index != Index::Prediction);
     }
-    let measurements = session.read_measurements(&[from.to_string()], None, &named.cell)?;
-    let reduce = session.read_registration(args.splits.registration.as_deref())?;
+    let measurements = read_measurements(session, &[from.to_string()], None, &named.cell)?;
+    let reduce = read_registration(session, args.splits.registration.as_deref())?;
     let names = || std::iter::once(RESULT).chain(FILES).chain([REPORT]);
     check_folder(session, &args.output_dir, names(), args.force)?;
     let measured = prepare(&named.cell, measurements, &reduce)?;

@@ -18,9 +18,11 @@ use stiffarm::plan::select::{StartKind, random_group, smallest_margin};
 use stiffarm::study::{Study, StudyOptions, study};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::builtin;
+use stiffarm_files::envelope::Envelope;
 use stiffarm_files::envelope::write_result;
-use stiffarm_files::source::{NamedCell, Source};
+use stiffarm_files::source::{NamedCell, read_postures};
 use stiffarm_report::study::{cell_picture, figures, tables};
+use stiffarm_report::tell::{Given, Telling, Told};
 use stiffarm_report::{render_drawing, render_svg};
 
 /// Group 1 of the built-in COMAU cells.
@@ -51,6 +53,12 @@ pub struct Written {
     pub study: Study,
     /// Names of all files of this study, this one included.
     pub files: Vec<String>,
+}
+
+impl Telling for Written {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        self.study.told(given)
+    }
 }
 
 /// Runs the study and writes its folder.
@@ -117,10 +125,10 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
 }
 
 /// Writes the folder of a study, the result first and its page last, and says what the study says.
-fn finish(
+fn finish<O: Serialize, R: Serialize + Telling>(
     session: &Session,
     args: &StudyArgs,
-    (envelope, names): (&impl Serialize, &[String]),
+    (envelope, names): (&Envelope<O, R>, &[String]),
     named: &NamedCell,
     pictures: Vec<(String, String)>,
 ) -> Result<()> {
@@ -158,7 +166,7 @@ fn initial_group(
     };
     if let Some(from) = &args.initial {
         return Ok((
-            named(session.read_postures("initial", from, robot)?),
+            named(read_postures(session, "initial", from, robot)?),
             "given",
         ));
     }
@@ -171,7 +179,7 @@ fn initial_group(
         let same_robot = builtin::cell("comau").is_ok_and(|c| c.setup.robot == *robot);
         if same_robot && inside && smallest_margin(cell, &postures)?.is_none_or(|m| m >= 0.0) {
             return Ok((
-                named(session.read_postures("initial", GROUP_1, robot)?),
+                named(read_postures(session, "initial", GROUP_1, robot)?),
                 GROUP_1,
             ));
         }

@@ -1,7 +1,7 @@
 //! `[sensor]`, `[tracker]`, `[uncertainty]`.
 
-use super::value::{Arcmin, Mrad, Percent, Um, Urad};
 use super::{At, Deg, Fixed, Mm, Number, RawStation, Text};
+use crate::cell::value::{Arcmin, Mrad, Percent, Um, Urad};
 
 tables! {
     /// The force sensor whose readings stand in tables of raw readings.

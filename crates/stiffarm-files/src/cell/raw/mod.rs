@@ -11,7 +11,6 @@ mod columns;
 mod instruments;
 mod route;
 mod scene;
-mod value;
 mod work;
 
 pub(super) use read::{Node, Reading, Value};
@@ -22,11 +21,7 @@ pub(super) use route::{RawRoute, RawTime};
 pub(super) use scene::{RawClearance, RawLinkShape, RawShape, RawStation};
 pub(super) use work::{RawFeature, RawForce, RawMilling, RawWork};
 
-pub(super) use value::{At, Deg, Fixed, List, Mm, Number, Placed, Text, Unit};
-
-pub(super) use value::Minutes;
-
-use value::{Mm2, Um};
+use super::value::{At, Deg, Fixed, List, Mm, Mm2, Number, Text, Um};
 
 tables! {
     /// A stiffarm cell: robot, tool, load, limits and measurement noise.

@@ -1,8 +1,8 @@
 //! What the file's values are read from: unknown keys and values of the wrong kind, with their places.
 
 use super::RawCell;
-use super::value::{At, Fixed, Number};
 use crate::cell::source::Source;
+use crate::cell::value::{At, Fixed, Number};
 use std::marker::PhantomData;
 use std::ops::Range;
 use stiffarm::error::{Code, Error, did_you_mean};

@@ -1,7 +1,7 @@
 //! `[route]`: how the robot drives from posture to posture; `[time]`: what measuring takes.
 
-use super::value::{Minutes, Percent};
 use super::{Deg, List, Number, Text};
+use crate::cell::value::{Minutes, Percent};
 
 tables! {
     /// How the robot drives from posture to posture: for the order of a plan, its moves and programs.

@@ -1,7 +1,7 @@
 //! `[work]`: tool tip, workpiece, and the load of the process.
 
-use super::value::{NPerMm, NPerMm2, Rpm};
 use super::{At, Deg, Fixed, Mm, Number, Text};
+use crate::cell::value::{NPerMm, NPerMm2, Rpm};
 
 tables! {
     /// What the robot works with: tool tip, workpiece, and the load of the process where a path's

@@ -1,7 +1,8 @@
 //! Shapes of kind "mesh": read from a file of their own and put into solids that contain them.
 
-use crate::cell::raw::{At, RawShape};
+use crate::cell::raw::RawShape;
 use crate::cell::source::Source;
+use crate::cell::value::At;
 use crate::mesh::parse_mesh;
 use nalgebra::{Isometry3, Translation3};
 use stiffarm::error::{Code, Error, Result};

@@ -5,8 +5,9 @@ mod mesh;
 mod rules;
 mod shape;
 
-use super::raw::{At, Placed, RawCell, RawLinkShape};
+use super::raw::{RawCell, RawLinkShape};
 use super::source::Source;
+use super::value::{At, Placed};
 use stiffarm::error::{Code, Result};
 use stiffarm::model::observation::Setup;
 use stiffarm::model::robot::{LinkCapsule, Robot};

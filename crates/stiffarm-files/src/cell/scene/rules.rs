@@ -1,8 +1,9 @@
 //! `[clearance]`, stations, reflectors, torques and displacements: what is asked of rope, beams and joints.
 
 use super::shape::direction;
-use crate::cell::raw::{At, Placed, RawCell, RawClearance};
+use crate::cell::raw::{RawCell, RawClearance};
 use crate::cell::source::Source;
+use crate::cell::value::{At, Placed};
 use nalgebra::Vector3;
 use stiffarm::error::{Code, Result};
 use stiffarm::model::implausible::tool_in_metres;

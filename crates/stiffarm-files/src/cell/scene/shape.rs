@@ -1,8 +1,9 @@
 //! One shape of tool or surroundings: its kind and the keys that belong to it.
 
 use super::mesh;
-use crate::cell::raw::{At, Fixed, Mm, RawShape};
+use crate::cell::raw::RawShape;
 use crate::cell::source::Source;
+use crate::cell::value::{At, Fixed, Mm};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use stiffarm::error::{Code, Result, did_you_mean};
 use stiffarm::model::scene::{Carrier, Part};

@@ -5,8 +5,7 @@ use crate::table::grid::{Field, Heading, Row, Rows, Table};
 use crate::table::heading::stem;
 use crate::table::naming::NAME;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::Finding;
-use stiffarm::measure::NAMES_BY_SHEET;
+use stiffarm::findings::{Finding, codes};
 
 /// Takes a sheet out of several tables: one with names and no position in any row, where no other table has names.
 pub(in crate::table) fn take<'a>(tables: &mut Vec<Table<'a>>) -> Option<Table<'a>> {
@@ -96,7 +95,7 @@ pub(in crate::table) fn put<'a>(
         readings.len()
     );
     table.remarks.extend(sheet.remarks.iter().cloned());
-    let remark = Finding::note(NAMES_BY_SHEET, "readings", sentence);
+    let remark = Finding::note(codes::NAMES_BY_SHEET, "readings", sentence);
     table.remarks.push(remark);
     table.rows = out;
     table.files.push(name);

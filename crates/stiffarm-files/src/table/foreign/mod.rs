@@ -1,23 +1,18 @@
-//! Tables that another software wrote: where their heading is, names that hold several names,
-//! times as clocks show them, several files as one table, names that stand in a sheet beside them.
+//! Tables that another software wrote: names that hold several names, times as clocks show them,
+//! several files as one table, names that stand in a sheet beside them.
 //!
 //! What a file needs beyond its headings stands in `[columns]` of the cell file
 //! ([`Columns`]). After [`finish`] a table is like one of our own.
 
 mod by_sheet;
-mod heading;
 mod join;
 mod names;
 mod order;
-mod suggest;
 mod times;
-mod words;
 
 pub(super) use by_sheet::{put, take};
-pub(super) use heading::{find, of_own_sheet, own_unit};
 pub(super) use join::join;
 pub(super) use names::Names;
-pub(super) use suggest::{counts, suggestion};
 pub(super) use times::DATED;
 
 use super::grid::Table;

@@ -3,7 +3,6 @@
 use super::heading::PathColumns;
 use super::size::check_size;
 use super::{PathFormat, PathKind, PathTable};
-use crate::table::columns::vector;
 use crate::table::grid::{Column, Row, Table};
 use crate::table::naming::normal;
 use crate::table::postures::angles;
@@ -122,8 +121,8 @@ impl Reader<'_> {
             return angles(table, row, &columns.angles, robot).map(PathTarget::Angles);
         }
         let workpiece = &self.cell.work.workpiece;
-        let position = vector(table, row, &columns.position)?;
-        let orientation = vector(table, row, &columns.orientation)?;
+        let position = table.vector(row, &columns.position)?;
+        let orientation = table.vector(row, &columns.orientation)?;
         if columns.kind == PathKind::Poses {
             let [roll, pitch, yaw] = orientation.into();
             let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
@@ -171,9 +170,9 @@ impl Reader<'_> {
             return Err(error.hint(AXES_HINT));
         };
         let moment = columns.moment.as_deref();
-        let moment = moment.map(|columns| vector(table, row, columns));
+        let moment = moment.map(|columns| table.vector(row, columns));
         Ok(Some(TipLoad {
-            force: vector(table, row, force)?,
+            force: table.vector(row, force)?,
             moment: moment.transpose()?.unwrap_or_else(Vector3::zeros),
             axes,
         }))

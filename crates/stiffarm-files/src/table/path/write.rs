@@ -2,8 +2,8 @@
 
 use super::contents::{Content, PathKind};
 use super::format::{FormatColumn, PathFormat};
+use crate::table::line::separated;
 use crate::table::quantity::{Unit, rounded};
-use crate::table::write::separated;
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use std::borrow::Borrow;
 use std::f64::consts::PI;

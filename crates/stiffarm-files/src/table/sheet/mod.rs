@@ -6,9 +6,10 @@ mod workbook;
 pub use workbook::write_sheet_workbook;
 
 use super::displacements::DEFAULT_STATE;
+use super::line::line;
 use super::loads;
 use super::values::Values;
-use super::write::{Layout, degrees, line};
+use super::write::{Layout, degrees};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::model::measurement::Role;

@@ -3,17 +3,16 @@
 use super::HINT;
 use super::parts::{self, Hidden};
 use super::unpacked;
-use crate::table::foreign::{DATED, find, of_own_sheet};
+use crate::table::foreign::DATED;
 use crate::table::grid::{Field, OPEN_FORMULA, Rows, Style, Table};
-use crate::table::rows::in_words;
-use crate::table::text::named;
+use crate::table::heading_row::{find, of_own_sheet};
+use crate::table::rows::{in_words, named};
 use calamine::{DataRef, Dimensions, ExcelDateTime, Reader, SheetType, Xlsx, XlsxError};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::{Finding, list};
-use stiffarm::measure::{HIDDEN_CELLS, MERGED_CELLS};
+use stiffarm::findings::{Finding, codes, list};
 use stiffarm::model::cell::Columns;
 
 /// Rows and columns of a sheet, by the format.
@@ -80,7 +79,7 @@ pub(super) fn first_sheet<'a>(bytes: &[u8], file: &'a str, foreign: &Columns) ->
         "Cells are merged in {}: each of their rows has the value of the first.",
         list(&filled)
     );
-    let remark = Finding::note(MERGED_CELLS, "readings", sentence);
+    let remark = Finding::note(codes::MERGED_CELLS, "readings", sentence);
     table.remarks.extend((!filled.is_empty()).then_some(remark));
     table.remarks.extend(not_seen(&table, &name, &hidden));
     Ok(table)
@@ -127,8 +126,8 @@ fn not_seen(table: &Table<'_>, sheet: &str, hidden: &Hidden) -> Option<Finding> 
     );
     match (lines.is_empty(), columns.is_empty()) {
         (true, true) => None,
-        (true, false) => Some(Finding::note(HIDDEN_CELLS, "readings", sentence)),
-        (false, _) => Some(Finding::caution(HIDDEN_CELLS, "readings", sentence)),
+        (true, false) => Some(Finding::note(codes::HIDDEN_CELLS, "readings", sentence)),
+        (false, _) => Some(Finding::caution(codes::HIDDEN_CELLS, "readings", sentence)),
     }
 }
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .._errors import StiffarmError
+from .._result import draws
 from ..results import Evaluated, Identified, Plan, Simulation, Validated
 from . import _look
 
@@ -21,6 +22,7 @@ BAND = 1.96
 MOST_NAMED = 12
 
 
+@draws(Simulation)
 def simulation(result: Simulation, *, figure: Figure | None = None, width_in: float = 3.5) -> Figure:
     """Deviation of each k against the size of the noise, a panel per joint: Section IV.A and Fig. 8 of the paper.
 
@@ -108,6 +110,7 @@ def _simulation_entries(groups: list[dict[str, Any]]) -> list[tuple[Any, str]]:
     return entries
 
 
+@draws(Evaluated, Plan)
 def expected(
     value: Evaluated | Plan | Mapping[str, Plan], *, ax: Axes | None = None, width_in: float = 3.5
 ) -> Axes:
@@ -149,6 +152,7 @@ def expected(
     return into
 
 
+@draws(Validated)
 def validation(
     value: Validated | Mapping[str, Validated], *, ax: Axes | None = None, width_in: float = 3.5
 ) -> Axes:
@@ -253,6 +257,7 @@ def residuals(result: Identified, *, ax: Axes | None = None, width_in: float = 3
     return into
 
 
+@draws(Identified)
 def stiffness(
     value: Identified | Mapping[str, Identified], *, ax: Axes | None = None, width_in: float = 3.5
 ) -> Axes:

@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import _stiffarm
 from .._errors import StiffarmError
+from .._result import draws
 from ..results import Compensated, Curve, Predicted, StiffnessMap
 from . import _look
 
@@ -31,6 +32,7 @@ NODES = {
 }
 
 
+@draws(Curve)
 def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float = 3.5) -> Axes:
     """The best value found for each number of postures, and the bound below which no plan of as many can go.
 
@@ -65,6 +67,7 @@ def number_of_postures(result: Curve, *, ax: Axes | None = None, width_in: float
     return into
 
 
+@draws(Predicted, Compensated)
 def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width_in: float = 3.5) -> Axes:
     """How far the loaded tool bends away along a path, with the band of its uncertainty.
 
@@ -110,6 +113,7 @@ def deflection(result: Predicted | Compensated, *, ax: Axes | None = None, width
     return into
 
 
+@draws(StiffnessMap)
 def stiffness_map(
     result: StiffnessMap,
     quantity: str = "stiffness_n_per_m",

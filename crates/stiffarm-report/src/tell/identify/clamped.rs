@@ -6,44 +6,47 @@ use super::story::known;
 use super::{counted, findings, fit, stiffness};
 use crate::identified::clamped_residual_figure;
 use crate::order::in_order;
-use crate::tell::{Block, DataTable, Given, Number, Outcome, Quantity, Section, Text, Told};
+use crate::tell::{
+    Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
+};
 use stiffarm::Result;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 
-/// What a result of the clamped flange says.
-pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<Told> {
-    let own = &found.estimates;
-    let joints = Joints {
-        given,
-        estimates: own,
-        systematic_errors: None,
-        unusable: found
-            .findings
-            .iter()
-            .any(|f| f.severity == Severity::Serious),
-    };
-    let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
-    let done = Text::new(format!(
-        "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in {} \
+impl Telling for ClampedIdentification {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        let found = self;
+        let own = &found.estimates;
+        let joints = Joints {
+            given,
+            estimates: own,
+            systematic_errors: None,
+            unusable: found
+                .findings
+                .iter()
+                .any(|f| f.severity == Severity::Serious),
+        };
+        let postures = in_order(found.postures.iter().map(|p| p.posture.as_str()));
+        let done = Text::new(format!(
+            "With the flange fixed, the stiffness of {} joints was identified from motor angles and wrenches at {} in {} \
          ({} combinations of angles), without a tracker.{}",
-        own.joints.len(),
-        counted(postures.len(), "posture"),
-        counted(found.postures.len(), "load state"),
-        own.rows,
-        left_out(given)
-    ));
-    let mdeg = |below: &str| given.number(below).of(Quantity::AXIS);
-    let came = known(&joints)
-        .words(" The fit leaves ")
-        .number(mdeg("/residual_rms_rad"))
-        .words(" of angles of ")
-        .number(mdeg("/motor_rms_rad"))
-        .then(fit::share(found.residual_rms_rad, found.motor_rms_rad))
-        .words(" that the flange holds (RMS).");
-    let missing = joints.of(|verdict| !is_within(verdict));
-    let next = match (joints.unusable, missing.is_empty()) {
+            own.joints.len(),
+            counted(postures.len(), "posture"),
+            counted(found.postures.len(), "load state"),
+            own.rows,
+            left_out(given)
+        ));
+        let mdeg = |below: &str| given.number(below).of(Quantity::AXIS);
+        let came = known(&joints)
+            .words(" The fit leaves ")
+            .number(mdeg("/residual_rms_rad"))
+            .words(" of angles of ")
+            .number(mdeg("/motor_rms_rad"))
+            .then(fit::share(found.residual_rms_rad, found.motor_rms_rad))
+            .words(" that the flange holds (RMS).");
+        let missing = joints.of(|verdict| !is_within(verdict));
+        let next = match (joints.unusable, missing.is_empty()) {
         (true, _) => Text::default()
             .strong("Settle what is marked serious first")
             .words(", then identify again."),
@@ -56,42 +59,43 @@ pub(super) fn told(given: &Given<'_>, found: &ClampedIdentification) -> Result<T
         .code("stiffarm validate")
         .words(" with the flange free shows what the fixture and friction have changed."),
     };
-    let weights = fit::weights(
-        given,
-        &found.weights,
-        |w| w.weight,
-        |w| [&w.posture, &w.state, ""],
-    );
-    // What no interval shows stands in the summary.
-    let (notes, more): (Vec<_>, Vec<_>) = found
-        .findings
-        .iter()
-        .cloned()
-        .partition(|finding| finding.severity == Severity::Note);
-    let mut basis: Vec<Text> = notes.into_iter().map(|f| f.sentence.into()).collect();
-    basis.push(estimator(own));
-    let basis = Section::new("basis", "What it rests on", vec![Block::List(basis)]);
-    let sections = [
-        Some(stiffness::section(&joints, &found.prior_stiffness)),
-        stiffness::further(&joints),
-        Some(residuals(given, found)),
-        cell_section(given, found)?,
-        friction(given, found),
-        stiffness::together(&joints),
-        weights,
-        Some(basis.in_summary()),
-    ];
-    let mut all = own.findings();
-    all.extend(more);
-    findings::sort(&mut all);
-    Ok(Told {
-        heading: "Joint stiffness with the flange fixed".to_string(),
-        outcome: joints.outcome(Outcome::of(&all)),
-        verdict: [done, came, next],
-        findings: all,
-        key: Some(joints.key()),
-        sections: sections.into_iter().flatten().collect(),
-    })
+        let weights = fit::weights(
+            given,
+            &found.weights,
+            |w| w.weight,
+            |w| [&w.posture, &w.state, ""],
+        );
+        // What no interval shows stands in the summary.
+        let (notes, more): (Vec<_>, Vec<_>) = found
+            .findings
+            .iter()
+            .cloned()
+            .partition(|finding| finding.severity == Severity::Note);
+        let mut basis: Vec<Text> = notes.into_iter().map(|f| f.sentence.into()).collect();
+        basis.push(estimator(own));
+        let basis = Section::new("basis", "What it rests on", vec![Block::List(basis)]);
+        let sections = [
+            Some(stiffness::section(&joints, &found.prior_stiffness)),
+            stiffness::further(&joints),
+            Some(residuals(given, found)),
+            cell_section(given, found)?,
+            friction(given, found),
+            stiffness::together(&joints),
+            weights,
+            Some(basis.in_summary()),
+        ];
+        let mut all = own.findings();
+        all.extend(more);
+        findings::sort(&mut all);
+        Ok(Told {
+            heading: "Joint stiffness with the flange fixed".to_string(),
+            outcome: joints.outcome(Outcome::of(&all)),
+            verdict: [done, came, next],
+            findings: all,
+            key: Some(joints.key()),
+            sections: sections.into_iter().flatten().collect(),
+        })
+    }
 }
 
 /// Residual angles, the largest first.

@@ -3,7 +3,7 @@
 use super::{counted, shown};
 use crate::tell::{Block, Given, Section, Text};
 use stiffarm::estimate::identified::Identified;
-use stiffarm::estimate::identify::{Estimates, implausible_scale};
+use stiffarm::estimate::identify::Estimates;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::is_of_table;
 
@@ -22,9 +22,7 @@ pub(super) fn of(given: &Given<'_>, found: &Identified) -> Findings {
     let of_readings = screening.into_iter().flat_map(|s| &s.findings);
     let of_readings = of_readings.chain(found.readings.iter().flat_map(|r| &r.reduction.findings));
     let mut data = Vec::new();
-    // What a scale of the table explains is no finding of its own.
-    let cell = given.cell.filter(|_| scales.is_empty());
-    data.extend(cell.and_then(|cell| implausible_scale(cell, &found.identification)));
+    data.extend(found.implausible.clone());
     data.extend(scales.iter().copied().chain(of_readings).cloned());
     data.extend(stopped(&found.not_computed));
     data.extend(no_systematic(given, found));

@@ -1,8 +1,9 @@
 //! How the model fits: what gives way beyond the axes, residuals against noise, errors that all readings share.
 
 use super::basis::size;
-use super::{counted, level};
+use super::counted;
 use crate::identified::{errors_figure, residual_figure};
+use crate::level::level;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
 use stiffarm::estimate::identified::Identified;
 use stiffarm::findings::visible;

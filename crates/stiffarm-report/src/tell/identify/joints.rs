@@ -1,7 +1,7 @@
 //! The joints of an identification: how well each is known, and the table of it.
 
-use super::level;
 use crate::identified::StiffnessRow;
+use crate::level::level;
 use crate::tell::{DataTable, Given, Number, Outcome, Quantity, Text};
 use stiffarm::estimate::identify::{Estimates, JointEstimate, NO_LONGER, Verdict, WELL_KNOWN};
 use stiffarm::estimate::systematic::{JointUncertainty, SystematicErrors};

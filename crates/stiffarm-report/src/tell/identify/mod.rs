@@ -12,11 +12,12 @@ mod story;
 
 pub(super) use story::MORE_THAN_NOISE;
 
-use super::{Given, Outcome, Told, arrows, counted, level, shown};
+use super::{Given, Outcome, Telling, Told, arrows, counted, of_saved, shown};
 use joints::Joints;
 use stiffarm::Result;
+use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::identified::Identified;
-use stiffarm::findings::Severity;
+use stiffarm::findings::{Severity, codes};
 use stiffarm_files::result::SavedResult;
 
 /// Whether a result of `identify` comes from postures with the flange fixed.
@@ -27,75 +28,77 @@ pub(crate) fn is_clamped(saved: &SavedResult) -> bool {
 /// What a result of `identify` says.
 pub(super) fn told(given: &Given<'_>) -> Result<Told> {
     if is_clamped(given.saved) {
-        return clamped::told(given, &given.saved.result()?);
+        return of_saved::<ClampedIdentification>(given);
     }
-    let found: Identified = given.saved.result()?;
-    let findings = findings::of(given, &found);
-    let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;
-    let of_data: Vec<_> = findings.data.iter().filter(is_serious).collect();
-    let joints = Joints {
-        given,
-        estimates: &found.identification.estimates,
-        systematic_errors: found.systematic_errors.as_ref(),
-        unusable: !of_data.is_empty(),
-    };
-    let came = match of_data.as_slice() {
-        [] => story::came(&joints, &found),
-        [first, rest @ ..] => story::unusable(first, rest.len()),
-    };
-    let verdict = [
-        story::done(given, &found),
-        came,
-        story::next(&joints, &found),
-    ];
-    let readings = readings::section(given, found.screening(), found.readings.as_ref());
-    // What is wrong with the readings comes first where something is.
-    let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
-    let (first, later) = if suspicious {
-        (readings, None)
-    } else {
-        (None, readings)
-    };
-    let sections = [
-        first,
-        Some(stiffness::section(
-            &joints,
-            &found.identification.prior_stiffness,
-        )),
-        stiffness::further(&joints),
-        fit::elastic(given, &found),
-        Some(fit::residuals(given, &found)),
-        arrows::cell_section(given, &found)?,
-        later,
-        fit::errors(given, &found),
-        stiffness::together(&joints),
-        stiffness::resampled(given, &found),
-        experiment::states(given, &found),
-        experiment::signals(given, &found),
-        experiment::influence(&found),
-        experiment::terms(given, &found),
-        fit::weights(
+    of_saved::<Identified>(given)
+}
+
+impl Telling for Identified {
+    fn told(&self, given: &Given<'_>) -> Result<Told> {
+        let found = self;
+        let findings = findings::of(given, found);
+        let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;
+        let of_data: Vec<_> = findings.data.iter().filter(is_serious).collect();
+        let joints = Joints {
             given,
-            &found.identification.weights,
-            |w| w.weight,
-            |w| [&w.posture, &w.state, &w.point],
-        ),
-        experiment::next(&joints, &found),
-        findings.held_back,
-        Some(basis::section(given, &found)),
-    ];
-    let mut all = joints.estimates.findings();
-    // It follows from a set-up that is rejected.
-    let is_rejected = found.rejected().is_some();
-    all.retain(|f| !(is_rejected && f.code == "negative-compliance"));
-    all.extend(findings.data);
-    findings::sort(&mut all);
-    Ok(Told {
-        heading: "Joint stiffness from measurements".to_string(),
-        outcome: joints.outcome(Outcome::of(&all)),
-        verdict,
-        findings: all,
-        key: Some(joints.key()),
-        sections: sections.into_iter().flatten().collect(),
-    })
+            estimates: &found.identification.estimates,
+            systematic_errors: found.systematic_errors.as_ref(),
+            unusable: !of_data.is_empty(),
+        };
+        let came = match of_data.as_slice() {
+            [] => story::came(&joints, found),
+            [first, rest @ ..] => story::unusable(first, rest.len()),
+        };
+        let verdict = [story::done(given, found), came, story::next(&joints, found)];
+        let readings = readings::section(given, found.screening(), found.readings.as_ref());
+        // What is wrong with the readings comes first where something is.
+        let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
+        let (first, later) = if suspicious {
+            (readings, None)
+        } else {
+            (None, readings)
+        };
+        let sections = [
+            first,
+            Some(stiffness::section(
+                &joints,
+                &found.identification.prior_stiffness,
+            )),
+            stiffness::further(&joints),
+            fit::elastic(given, found),
+            Some(fit::residuals(given, found)),
+            arrows::cell_section(given, found)?,
+            later,
+            fit::errors(given, found),
+            stiffness::together(&joints),
+            stiffness::resampled(given, found),
+            experiment::states(given, found),
+            experiment::signals(given, found),
+            experiment::influence(found),
+            experiment::terms(given, found),
+            fit::weights(
+                given,
+                &found.identification.weights,
+                |w| w.weight,
+                |w| [&w.posture, &w.state, &w.point],
+            ),
+            experiment::next(&joints, found),
+            findings.held_back,
+            Some(basis::section(given, found)),
+        ];
+        let mut all = joints.estimates.findings();
+        // It follows from a set-up that is rejected.
+        let is_rejected = found.rejected().is_some();
+        all.retain(|f| !(is_rejected && f.code == codes::NEGATIVE_COMPLIANCE));
+        all.extend(findings.data);
+        findings::sort(&mut all);
+        Ok(Told {
+            heading: "Joint stiffness from measurements".to_string(),
+            outcome: joints.outcome(Outcome::of(&all)),
+            verdict,
+            findings: all,
+            key: Some(joints.key()),
+            sections: sections.into_iter().flatten().collect(),
+        })
+    }
 }

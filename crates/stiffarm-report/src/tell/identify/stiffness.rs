@@ -1,8 +1,8 @@
 //! Stiffness joint by joint: intervals, prior and published values, and what the data tell apart.
 
 use super::joints::Joints;
-use super::level;
 use crate::identified::{correlation_figure, stiffness_figure};
+use crate::level::level;
 use crate::study::published_for;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text};
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};

@@ -1,10 +1,11 @@
 //! What was done, what came out, what to do next.
 
 use super::basis::left_out;
+use super::counted;
 use super::findings::is_brief;
 use super::joints::{Joints, is_wide, is_within};
 use super::readings::shortened;
-use super::{counted, level};
+use crate::level::level;
 use crate::order::in_order;
 use crate::tell::{Given, Number, Quantity, Text};
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};

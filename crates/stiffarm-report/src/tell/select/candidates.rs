@@ -2,102 +2,103 @@
 
 use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
-use crate::tell::{Block, DataTable, Given, Section, Text, Told, counted};
+use crate::tell::{Block, DataTable, Given, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::planned::Chosen;
 
-/// What is said of postures out of a list.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let mut chosen: Chosen = context.saved.result()?;
-    chosen.selection.evaluation.name = "chosen postures".to_string();
-    let found = &chosen.selection;
-    let index = found.index;
-    let count = chosen.posture_names.len();
-    let wrenches = if chosen.measured_wrenches {
-        ", each under its measured wrench"
-    } else {
-        ""
-    };
-    let done = Text::new(format!(
-        "Of {} the best {count} were chosen{wrenches}.",
-        counted(chosen.candidate_names.len(), "candidate")
-    ));
-    let mut came = Text::new(index.says())
-        .number(index_number(context, index, "/value"))
-        .words(".");
-    if found.exact {
-        came = came.words(" No other choice of as many candidates is better.");
-    } else if found.bound.is_some() {
-        let side = if index.larger_is_better() {
-            "above"
+impl Telling for Chosen {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let mut chosen = self.clone();
+        chosen.selection.evaluation.name = "chosen postures".to_string();
+        let found = &chosen.selection;
+        let index = found.index;
+        let count = chosen.posture_names.len();
+        let wrenches = if chosen.measured_wrenches {
+            ", each under its measured wrench"
         } else {
-            "below"
+            ""
         };
-        came = came
-            .words(format!(" No choice of as many candidates can be {side} "))
-            .number(index_number(context, index, "/bound"))
-            .words(": this one reaches ")
-            .number(context.number("/efficiency").percent().decimals(1))
-            .words(" of what is possible.");
-    }
-    if !found.forbidden.is_empty() {
-        let count = counted(found.forbidden.len(), "candidate");
-        came = came.words(format!(" {count} lie outside bounds or limits."));
-    }
-    let next = if chosen.measured_wrenches {
-        Text::new(
+        let done = Text::new(format!(
+            "Of {} the best {count} were chosen{wrenches}.",
+            counted(chosen.candidate_names.len(), "candidate")
+        ));
+        let mut came = Text::new(index.says())
+            .number(index_number(context, index, "/value"))
+            .words(".");
+        if found.exact {
+            came = came.words(" No other choice of as many candidates is better.");
+        } else if found.bound.is_some() {
+            let side = if index.larger_is_better() {
+                "above"
+            } else {
+                "below"
+            };
+            came = came
+                .words(format!(" No choice of as many candidates can be {side} "))
+                .number(index_number(context, index, "/bound"))
+                .words(": this one reaches ")
+                .number(context.number("/efficiency").percent().decimals(1))
+                .words(" of what is possible.");
+        }
+        if !found.forbidden.is_empty() {
+            let count = counted(found.forbidden.len(), "candidate");
+            came = came.words(format!(" {count} lie outside bounds or limits."));
+        }
+        let next = if chosen.measured_wrenches {
+            Text::new(
             "These are measured already: identify with them alone and compare, or plan more with ",
         )
         .code("stiffarm select --given")
         .words(".")
-    } else {
-        Text::new("Write the sheet for the readings (")
-            .code("--sheet measurements.xlsx")
-            .words(") and measure; ")
-            .code("stiffarm select")
-            .words(" without a list finds postures of its own to compare with.")
-    };
-    let key = posture_table(
-        context,
-        "The chosen postures, controller angles",
-        &chosen.posture_names,
-        ("/postures_deg", &chosen.postures),
-        &[],
-    );
-    let angles = chosen.postures.iter().cloned();
-    let group = PostureGroup::named("chosen postures", &chosen.posture_names, angles);
-    let mut sections = vec![context.cell_section(
-        &[group],
-        "Step through the chosen postures in the order of the list.",
-    )?];
-    let worth = Worth {
-        at: "/evaluation".to_string(),
-        evaluation: &found.evaluation,
-        posture_names: &chosen.posture_names,
-    };
-    sections.extend(worth_sections(context, &chosen.joints, &[worth], &[]));
-    if !found.forbidden.is_empty() {
-        let names = found.forbidden.iter();
-        let names = names.map(|own| name_of(&chosen.candidate_names, own.candidate));
-        let caption = "Candidates that bounds or limits of the cell forbid";
-        let table = DataTable::of(caption, "candidate", names).words("why", |row| {
-            let why = visible(&found.forbidden[row].because);
-            why.into_owned().into()
-        });
-        let section = Section::new("forbidden", "Left out", vec![Block::Table(table)]);
-        sections.push(if found.forbidden.len() > FEW {
-            section
         } else {
-            section.in_summary()
-        });
+            Text::new("Write the sheet for the readings (")
+                .code("--sheet measurements.xlsx")
+                .words(") and measure; ")
+                .code("stiffarm select")
+                .words(" without a list finds postures of its own to compare with.")
+        };
+        let key = posture_table(
+            context,
+            "The chosen postures, controller angles",
+            &chosen.posture_names,
+            ("/postures_deg", &chosen.postures),
+            &[],
+        );
+        let angles = chosen.postures.iter().cloned();
+        let group = PostureGroup::named("chosen postures", &chosen.posture_names, angles);
+        let mut sections = vec![context.cell_section(
+            &[group],
+            "Step through the chosen postures in the order of the list.",
+        )?];
+        let worth = Worth {
+            at: "/evaluation".to_string(),
+            evaluation: &found.evaluation,
+            posture_names: &chosen.posture_names,
+        };
+        sections.extend(worth_sections(context, &chosen.joints, &[worth], &[]));
+        if !found.forbidden.is_empty() {
+            let names = found.forbidden.iter();
+            let names = names.map(|own| name_of(&chosen.candidate_names, own.candidate));
+            let caption = "Candidates that bounds or limits of the cell forbid";
+            let table = DataTable::of(caption, "candidate", names).words("why", |row| {
+                let why = visible(&found.forbidden[row].because);
+                why.into_owned().into()
+            });
+            let section = Section::new("forbidden", "Left out", vec![Block::Table(table)]);
+            sections.push(if found.forbidden.len() > FEW {
+                section
+            } else {
+                section.in_summary()
+            });
+        }
+        let verdict = [done, came, next];
+        Ok(context.told(
+            "The best of a list".to_string(),
+            verdict,
+            Some(key),
+            sections,
+        ))
     }
-    let verdict = [done, came, next];
-    Ok(context.told(
-        "The best of a list".to_string(),
-        verdict,
-        Some(key),
-        sections,
-    ))
 }

@@ -2,7 +2,7 @@
 
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
-use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Text, Told, counted};
+use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::plan::index::Index;
@@ -11,98 +11,99 @@ use stiffarm::plan::planned::{Curve, CurveSize};
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;
 
-/// What is said of the best value against the number of postures.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let curve: Curve = context.saved.result()?;
-    let (index, sizes) = (curve.index, &curve.sizes);
-    let largest = sizes.last().map_or(0, |size| size.point.postures);
-    let done = Text::new(format!(
-        "The best plan was searched for every number of postures from 1 to {largest}."
-    ));
-    let value = |s: usize| index_number(context, index, &format!("/sizes/{s}/value"));
-    let ends = sizes.iter().position(|size| size.point.value.is_some());
-    let came = match ends {
-        None => Text::new("So few postures cannot determine every joint."),
-        Some(first) => Text::new(format!("The index {} goes from ", index.in_words()))
-            .number(value(first))
-            .words(format!(
-                " with {} to ",
-                counted(sizes[first].point.postures, "posture")
-            ))
-            .number(value(sizes.len() - 1))
-            .words(format!(" with {}.", counted(largest, "posture"))),
-    };
-    // From here on no posture more gains much.
-    let is_worth = |size: &CurveSize| size.gain.is_none_or(|gain| gain >= WORTH_MORE);
-    let enough = sizes
-        .iter()
-        .rposition(|size| size.gain.is_some() && is_worth(size));
-    let enough = enough.map_or(ends, |last| Some(last + 1));
-    let next = match enough.and_then(|s| Some((s, sizes.get(s)?))) {
-        None => Text::new("Search for more postures, or add measuring points."),
-        Some((s, size)) => {
-            let last = s + 1 >= sizes.len();
-            let mut text = if last {
-                Text::new("Even the last posture gains more than a tenth")
-            } else {
-                Text::new(format!(
-                    "Beyond {} one more gains less than a tenth",
-                    counted(size.point.postures, "posture")
+impl Telling for Curve {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let curve = self;
+        let (index, sizes) = (curve.index, &curve.sizes);
+        let largest = sizes.last().map_or(0, |size| size.point.postures);
+        let done = Text::new(format!(
+            "The best plan was searched for every number of postures from 1 to {largest}."
+        ));
+        let value = |s: usize| index_number(context, index, &format!("/sizes/{s}/value"));
+        let ends = sizes.iter().position(|size| size.point.value.is_some());
+        let came = match ends {
+            None => Text::new("So few postures cannot determine every joint."),
+            Some(first) => Text::new(format!("The index {} goes from ", index.in_words()))
+                .number(value(first))
+                .words(format!(
+                    " with {} to ",
+                    counted(sizes[first].point.postures, "posture")
                 ))
-            };
-            text = text
-                .words(": plan with ")
-                .code(format!("--count {}", size.point.postures));
-            if last {
-                text.words(", or with more where the error is still too large.")
-            } else {
-                text.words(" unless the error is still too large.")
+                .number(value(sizes.len() - 1))
+                .words(format!(" with {}.", counted(largest, "posture"))),
+        };
+        // From here on no posture more gains much.
+        let is_worth = |size: &CurveSize| size.gain.is_none_or(|gain| gain >= WORTH_MORE);
+        let enough = sizes
+            .iter()
+            .rposition(|size| size.gain.is_some() && is_worth(size));
+        let enough = enough.map_or(ends, |last| Some(last + 1));
+        let next = match enough.and_then(|s| Some((s, sizes.get(s)?))) {
+            None => Text::new("Search for more postures, or add measuring points."),
+            Some((s, size)) => {
+                let last = s + 1 >= sizes.len();
+                let mut text = if last {
+                    Text::new("Even the last posture gains more than a tenth")
+                } else {
+                    Text::new(format!(
+                        "Beyond {} one more gains less than a tenth",
+                        counted(size.point.postures, "posture")
+                    ))
+                };
+                text = text
+                    .words(": plan with ")
+                    .code(format!("--count {}", size.point.postures));
+                if last {
+                    text.words(", or with more where the error is still too large.")
+                } else {
+                    text.words(" unless the error is still too large.")
+                }
             }
+        };
+        let rows = sizes.iter().map(|size| size.point.postures.to_string());
+        let number = |s: usize, key: &str| Some(context.number(&format!("/sizes/{s}/{key}")));
+        let share = Quantity::new("%", 100.0, Form::Decimals(1));
+        let mut key = DataTable::of(
+            "Best plan found for each number of postures",
+            "postures",
+            rows,
+        )
+        .numbers(&index.in_words(), index_quantity(index), |s| {
+            number(s, "value")
+        });
+        if index != Index::ExpectedError {
+            let errors = Quantity::PERCENT.digits(4);
+            key = key.numbers("expected error", errors, |s| number(s, "expected_error"));
         }
-    };
-    let rows = sizes.iter().map(|size| size.point.postures.to_string());
-    let number = |s: usize, key: &str| Some(context.number(&format!("/sizes/{s}/{key}")));
-    let share = Quantity::new("%", 100.0, Form::Decimals(1));
-    let mut key = DataTable::of(
-        "Best plan found for each number of postures",
-        "postures",
-        rows,
-    )
-    .numbers(&index.in_words(), index_quantity(index), |s| {
-        number(s, "value")
-    });
-    if index != Index::ExpectedError {
-        let errors = Quantity::PERCENT.digits(4);
-        key = key.numbers("expected error", errors, |s| number(s, "expected_error"));
+        let key = key
+            .numbers("one more gains", share, |s| number(s, "gain"))
+            .numbers("no plan below", index_quantity(index), |s| {
+                number(s, "bound")
+            })
+            .numbers("of what is possible", share, |s| number(s, "efficiency"));
+        let points = sizes.iter().map(|size| CountPoint {
+            postures: size.point.postures,
+            value: size.point.value,
+            bound: size.bound,
+        });
+        let points: Vec<CountPoint> = points.collect();
+        let blocks = vec![Block::Figure(count_figure(index, &points))];
+        let done = match &curve.certificate_missing {
+            Some(why) => done.words(format!(" There are no bounds: {}.", visible(why))),
+            None => done,
+        };
+        let done = if sizes.iter().any(|size| size.point.value.is_none()) {
+            done.words(" –: so few postures cannot determine every joint.")
+        } else {
+            done
+        };
+        let sections = vec![Section::new("count", "How many postures", blocks)];
+        let verdict = [done, came, next];
+        Ok(context.told(
+            "How many postures".to_string(),
+            verdict,
+            Some(key),
+            sections,
+        ))
     }
-    let key = key
-        .numbers("one more gains", share, |s| number(s, "gain"))
-        .numbers("no plan below", index_quantity(index), |s| {
-            number(s, "bound")
-        })
-        .numbers("of what is possible", share, |s| number(s, "efficiency"));
-    let points = sizes.iter().map(|size| CountPoint {
-        postures: size.point.postures,
-        value: size.point.value,
-        bound: size.bound,
-    });
-    let points: Vec<CountPoint> = points.collect();
-    let blocks = vec![Block::Figure(count_figure(index, &points))];
-    let done = match &curve.certificate_missing {
-        Some(why) => done.words(format!(" There are no bounds: {}.", visible(why))),
-        None => done,
-    };
-    let done = if sizes.iter().any(|size| size.point.value.is_none()) {
-        done.words(" –: so few postures cannot determine every joint.")
-    } else {
-        done
-    };
-    let sections = vec![Section::new("count", "How many postures", blocks)];
-    let verdict = [done, came, next];
-    Ok(context.told(
-        "How many postures".to_string(),
-        verdict,
-        Some(key),
-        sections,
-    ))
 }

@@ -3,91 +3,92 @@
 use super::super::postures::name_of;
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::worth_figure;
-use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Text, Told, shown};
+use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, shown};
 use stiffarm::Result;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::planned::DropResult;
 
-/// What is said of postures of which some are left out.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let result: DropResult = context.saved.result()?;
-    let dropped = &result.dropped;
-    let index = dropped.index;
-    let names = |positions: &[usize]| -> Vec<String> {
-        let each = positions.iter().map(|p| name_of(&result.posture_names, *p));
-        each.collect()
-    };
-    let all = dropped.values.len();
-    let done = if dropped.exhaustive {
-        Text::new(format!(
-            "Of {all} given postures, every way of leaving out {} was compared.",
-            dropped.dropped.len()
+impl Telling for DropResult {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let result = self;
+        let dropped = &result.dropped;
+        let index = dropped.index;
+        let names = |positions: &[usize]| -> Vec<String> {
+            let each = positions.iter().map(|p| name_of(&result.posture_names, *p));
+            each.collect()
+        };
+        let all = dropped.values.len();
+        let done = if dropped.exhaustive {
+            Text::new(format!(
+                "Of {all} given postures, every way of leaving out {} was compared.",
+                dropped.dropped.len()
+            ))
+        } else {
+            Text::new(format!(
+                "Of {all} given postures, {} were left out one after the other, each time the one least missed.",
+                dropped.dropped.len()
+            ))
+        };
+        let came = Text::new(index.says())
+            .number(index_number(context, index, "/value"))
+            .words(format!(
+                " without {}, against ",
+                list(&names(&dropped.dropped))
+            ))
+            .number(index_number(context, index, "/before"))
+            .words(format!(" with all {all}."));
+        let next = Text::new(format!(
+            "Measure the other {}, where that loss is worth the time saved; else keep them all.",
+            dropped.kept.len()
+        ));
+        let worth = &dropped.values;
+        let rows = worth.iter();
+        let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
+        let number = |v: usize, key: &str| Some(context.number(&format!("/worth/{v}/{key}")));
+        let without = format!("{} without it", index.in_words());
+        let loss = Quantity::new("%", 100.0, Form::Decimals(2));
+        let key = DataTable::of(
+            "What is lost without one posture, the least first",
+            "posture",
+            rows,
+        )
+        .numbers(&without, index_quantity(index), |v| number(v, "value"))
+        .numbers("loss", loss, |v| number(v, "loss"))
+        .words("verdict", |v| match worth[v].loss {
+            _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
+            None => "needed: a joint is undetermined without it".into(),
+            Some(_) => "keep".into(),
+        });
+        let mut sections = Vec::new();
+        let group = |name: &str, positions: &[usize]| {
+            let angles = positions
+                .iter()
+                .filter_map(|p| result.postures.get(*p).cloned());
+            PostureGroup::named(name, &names(positions), angles)
+        };
+        if !result.postures.is_empty() {
+            let groups = [
+                group("postures that stay", &dropped.kept),
+                group("left out", &dropped.dropped),
+            ];
+            sections.push(context.cell_section(
+                &groups,
+                "Step through the postures that stay, and lay those that are left out over them.",
+            )?);
+        }
+        let figure = worth_figure(&dropped.values, &shown(&result.posture_names));
+        sections.push(Section::new(
+            "worth",
+            "What each posture is worth",
+            vec![Block::Figure(figure)],
+        ));
+        let verdict = [done, came, next];
+        Ok(context.told(
+            "Postures to leave out".to_string(),
+            verdict,
+            Some(key),
+            sections,
         ))
-    } else {
-        Text::new(format!(
-            "Of {all} given postures, {} were left out one after the other, each time the one least missed.",
-            dropped.dropped.len()
-        ))
-    };
-    let came = Text::new(index.says())
-        .number(index_number(context, index, "/value"))
-        .words(format!(
-            " without {}, against ",
-            list(&names(&dropped.dropped))
-        ))
-        .number(index_number(context, index, "/before"))
-        .words(format!(" with all {all}."));
-    let next = Text::new(format!(
-        "Measure the other {}, where that loss is worth the time saved; else keep them all.",
-        dropped.kept.len()
-    ));
-    let worth = &dropped.values;
-    let rows = worth.iter();
-    let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
-    let number = |v: usize, key: &str| Some(context.number(&format!("/worth/{v}/{key}")));
-    let without = format!("{} without it", index.in_words());
-    let loss = Quantity::new("%", 100.0, Form::Decimals(2));
-    let key = DataTable::of(
-        "What is lost without one posture, the least first",
-        "posture",
-        rows,
-    )
-    .numbers(&without, index_quantity(index), |v| number(v, "value"))
-    .numbers("loss", loss, |v| number(v, "loss"))
-    .words("verdict", |v| match worth[v].loss {
-        _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
-        None => "needed: a joint is undetermined without it".into(),
-        Some(_) => "keep".into(),
-    });
-    let mut sections = Vec::new();
-    let group = |name: &str, positions: &[usize]| {
-        let angles = positions
-            .iter()
-            .filter_map(|p| result.postures.get(*p).cloned());
-        PostureGroup::named(name, &names(positions), angles)
-    };
-    if !result.postures.is_empty() {
-        let groups = [
-            group("postures that stay", &dropped.kept),
-            group("left out", &dropped.dropped),
-        ];
-        sections.push(context.cell_section(
-            &groups,
-            "Step through the postures that stay, and lay those that are left out over them.",
-        )?);
     }
-    let figure = worth_figure(&dropped.values, &shown(&result.posture_names));
-    sections.push(Section::new(
-        "worth",
-        "What each posture is worth",
-        vec![Block::Figure(figure)],
-    ));
-    let verdict = [done, came, next];
-    Ok(context.told(
-        "Postures to leave out".to_string(),
-        verdict,
-        Some(key),
-        sections,
-    ))
 }

@@ -6,7 +6,7 @@ use super::super::postures::{
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, worth_sections};
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
-use crate::tell::{Block, Given, Section, Told};
+use crate::tell::{Block, Given, Section, Telling, Told};
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
@@ -14,89 +14,90 @@ use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::Plan;
 use stiffarm::{Result, Termination};
 
-/// What is said of a plan.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let mut plan: Plan = context.saved.result()?;
-    plan.evaluation.name = if plan.given_names.is_empty() {
-        "the plan".to_string()
-    } else {
-        "given and new".to_string()
-    };
-    // The plan holds for the load that was chosen with it.
-    let with_load = plan.selection.load.as_ref().zip(context.cell);
-    let with_load = with_load.map(|(load, cell)| load.applied(cell));
-    let context = &Given {
-        cell: with_load.as_ref().or(context.cell),
-        ..*context
-    };
-    let count = plan.selection.group.len();
-    let postures = posture_table(
-        context,
-        "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: on the limit)",
-        &plan.posture_names,
-        ("/postures_deg", &plan.selection.group),
-        &plan.selection.limits,
-    );
-    let names: Vec<String> = plan
-        .given_names
-        .iter()
-        .chain(&plan.posture_names)
-        .cloned()
-        .collect();
-    let groups = worth(&plan, &names);
-    let bounds = plan.joint_efficiencies.as_deref().unwrap_or_default();
-    let mut shown = worth_sections(context, &plan.joints, &groups, bounds);
-    let mut sections = vec![cell_section(context, &plan)?];
-    let key = match joint_table(context, &plan.joints, &groups, bounds) {
-        // Of a long plan the joints are read first.
-        Some(joints) if count > FEW => {
-            let postures = vec![Block::Table(postures)];
-            sections.push(Section::new("postures", "The postures", postures).in_summary());
-            let expected = &mut shown[0].blocks;
-            expected.retain(|block| !matches!(block, Block::Table(_)));
-            joints
-        }
-        _ => postures,
-    };
-    let rest = shown.split_off(usize::from(shown[0].id == "expected"));
-    sections.extend(shown);
-    let way = route_section(context, &plan.posture_names, &plan.route, "/route");
-    sections.extend(way.map(|mut section| {
-        let near = near_singular(&plan.posture_names, &plan.evaluation);
-        section.blocks.extend(near.map(Block::Text));
-        section.blocks.extend(details::repeats(&plan));
-        section
-    }));
-    sections.extend(details::load_section(context, &plan));
-    sections.extend(search_section(&plan));
-    sections.extend(limit_section(context, &plan));
-    sections.extend(details::sensitivity_section(context, &plan));
-    sections.extend(rest);
-    let heading = match (plan.given_names.is_empty(), count) {
-        (false, _) => "Further postures to measure".to_string(),
-        (true, 1) => "Plan of one posture".to_string(),
-        (true, _) => format!("Plan of {}", story::counted(&plan)),
-    };
-    let mut told = context.told(heading, story::verdict(context, &plan), Some(key), sections);
-    if let Some(cell) = context.cell {
-        let group = PostureGroup::named("", &plan.posture_names, plan.selection.group.clone());
-        told.add_findings(cell.posture_findings(&group.postures));
-        told.add_findings(cell.setup.robot.limits_are_unknown().then(|| {
+impl Telling for Plan {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let mut plan = self.clone();
+        plan.evaluation.name = if plan.given_names.is_empty() {
+            "the plan".to_string()
+        } else {
+            "given and new".to_string()
+        };
+        // The plan holds for the load that was chosen with it.
+        let with_load = plan.selection.load.as_ref().zip(context.cell);
+        let with_load = with_load.map(|(load, cell)| load.applied(cell));
+        let context = &Given {
+            cell: with_load.as_ref().or(context.cell),
+            ..*context
+        };
+        let count = plan.selection.group.len();
+        let postures = posture_table(
+            context,
+            "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: on the limit)",
+            &plan.posture_names,
+            ("/postures_deg", &plan.selection.group),
+            &plan.selection.limits,
+        );
+        let names: Vec<String> = plan
+            .given_names
+            .iter()
+            .chain(&plan.posture_names)
+            .cloned()
+            .collect();
+        let groups = worth(&plan, &names);
+        let bounds = plan.joint_efficiencies.as_deref().unwrap_or_default();
+        let mut shown = worth_sections(context, &plan.joints, &groups, bounds);
+        let mut sections = vec![cell_section(context, &plan)?];
+        let key = match joint_table(context, &plan.joints, &groups, bounds) {
+            // Of a long plan the joints are read first.
+            Some(joints) if count > FEW => {
+                let postures = vec![Block::Table(postures)];
+                sections.push(Section::new("postures", "The postures", postures).in_summary());
+                let expected = &mut shown[0].blocks;
+                expected.retain(|block| !matches!(block, Block::Table(_)));
+                joints
+            }
+            _ => postures,
+        };
+        let rest = shown.split_off(usize::from(shown[0].id == "expected"));
+        sections.extend(shown);
+        let way = route_section(context, &plan.posture_names, &plan.route, "/route");
+        sections.extend(way.map(|mut section| {
+            let near = near_singular(&plan.posture_names, &plan.evaluation);
+            section.blocks.extend(near.map(Block::Text));
+            section.blocks.extend(details::repeats(&plan));
+            section
+        }));
+        sections.extend(details::load_section(context, &plan));
+        sections.extend(search_section(&plan));
+        sections.extend(limit_section(context, &plan));
+        sections.extend(details::sensitivity_section(context, &plan));
+        sections.extend(rest);
+        let heading = match (plan.given_names.is_empty(), count) {
+            (false, _) => "Further postures to measure".to_string(),
+            (true, 1) => "Plan of one posture".to_string(),
+            (true, _) => format!("Plan of {}", story::counted(&plan)),
+        };
+        let mut told = context.told(heading, story::verdict(context, &plan), Some(key), sections);
+        if let Some(cell) = context.cell {
+            let group = PostureGroup::named("", &plan.posture_names, plan.selection.group.clone());
+            told.add_findings(cell.posture_findings(&group.postures));
+            told.add_findings(cell.setup.robot.limits_are_unknown().then(|| {
             let sentence = "The machine's limits are not known (±360° stand in): compare the postures with the machine \
                             before driving them.";
             Finding::caution("unknown-limits", "robot.limits_deg", sentence)
         }));
+        }
+        let sizes = plan.evaluation.indices.prediction_sizes;
+        // What is expected of every arm needs no word.
+        if let (Index::Prediction, Some(sizes @ ElasticSource::Declared)) =
+            (plan.selection.index, sizes)
+        {
+            let sentence = format!("The index prediction takes {}.", sizes.in_words());
+            told.verdict[1] = std::mem::take(&mut told.verdict[1]).words(format!(" {sentence}"));
+        }
+        let unsure = is_beyond_first_order(&plan.evaluation);
+        Ok(told.caution("select", unsure.then_some(UNSURE)))
     }
-    let sizes = plan.evaluation.indices.prediction_sizes;
-    // What is expected of every arm needs no word.
-    if let (Index::Prediction, Some(sizes @ ElasticSource::Declared)) =
-        (plan.selection.index, sizes)
-    {
-        let sentence = format!("The index prediction takes {}.", sizes.in_words());
-        told.verdict[1] = std::mem::take(&mut told.verdict[1]).words(format!(" {sentence}"));
-    }
-    let unsure = is_beyond_first_order(&plan.evaluation);
-    Ok(told.caution("select", unsure.then_some(UNSURE)))
 }
 
 /// What was there before and what there is with the plan.

@@ -2,100 +2,101 @@
 
 use super::super::postures::{near_singular, posture_table, room, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{Block, Given, Text, Told, counted, shown};
+use crate::tell::{Block, Given, Telling, Text, Told, counted, shown};
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::planned::SpaceFillingPlan;
 use stiffarm::{Result, Termination};
 
-/// What is said of evenly spread postures.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let result: SpaceFillingPlan = context.saved.result()?;
-    let evaluation = &result.evaluation;
-    let mut done = Text::new(format!(
-        "{} spread evenly over the joint space, without any index",
-        counted(result.posture_names.len(), "posture")
-    ));
-    if result.smallest_distance.is_some() {
-        done = done
-            .words("; the nearest two are ")
-            .number(context.number("/smallest_distance").significant(3))
-            .words(" of the joints' ranges apart (root of the sum of squares)");
-    }
-    done = done.words(".");
-    if result.smallest_margin_m.is_some() {
-        let margin = room(context.number("/smallest_margin_m"));
-        done = done
-            .words(" The smallest margin to the cell's limits is ")
-            .number(margin)
-            .words(".");
-    }
-    if result.termination == Termination::Interrupted {
-        done = done.words(" It was stopped: more exchanges may spread them further.");
-    }
-    let undetermined = &evaluation.undetermined_joints;
-    let came = if !undetermined.is_empty() {
-        Text::new("They cannot determine ")
-            .strong(list(&shown(undetermined)))
-            .words(".")
-    } else if evaluation.indices.expected_error.is_some() {
-        let error = context.number("/evaluation/indices/expected_error");
-        let mut text = Text::new(
+impl Telling for SpaceFillingPlan {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let result = self;
+        let evaluation = &result.evaluation;
+        let mut done = Text::new(format!(
+            "{} spread evenly over the joint space, without any index",
+            counted(result.posture_names.len(), "posture")
+        ));
+        if result.smallest_distance.is_some() {
+            done = done
+                .words("; the nearest two are ")
+                .number(context.number("/smallest_distance").significant(3))
+                .words(" of the joints' ranges apart (root of the sum of squares)");
+        }
+        done = done.words(".");
+        if result.smallest_margin_m.is_some() {
+            let margin = room(context.number("/smallest_margin_m"));
+            done = done
+                .words(" The smallest margin to the cell's limits is ")
+                .number(margin)
+                .words(".");
+        }
+        if result.termination == Termination::Interrupted {
+            done = done.words(" It was stopped: more exchanges may spread them further.");
+        }
+        let undetermined = &evaluation.undetermined_joints;
+        let came = if !undetermined.is_empty() {
+            Text::new("They cannot determine ")
+                .strong(list(&shown(undetermined)))
+                .words(".")
+        } else if evaluation.indices.expected_error.is_some() {
+            let error = context.number("/evaluation/indices/expected_error");
+            let mut text = Text::new(
             "The joint stiffness can be expected with a relative standard error (RMS over the joints) of ",
         )
         .number(error.percent().significant(3))
         .words(".");
-        text = text.then(least_sure(
+            text = text.then(least_sure(
+                context,
+                "/evaluation",
+                evaluation,
+                &result.joints,
+            ));
+            text
+        } else {
+            Text::new("The condition number of the observation matrix is ")
+                .number(context.number("/evaluation/indices/condition"))
+                .words(".")
+        };
+        let next = Text::new("This is a baseline: ")
+            .code("stiffarm select")
+            .words(" with an index finds postures that tell more in as much time.");
+        let key = posture_table(
             context,
-            "/evaluation",
-            evaluation,
-            &result.joints,
-        ));
-        text
-    } else {
-        Text::new("The condition number of the observation matrix is ")
-            .number(context.number("/evaluation/indices/condition"))
-            .words(".")
-    };
-    let next = Text::new("This is a baseline: ")
-        .code("stiffarm select")
-        .words(" with an index finds postures that tell more in as much time.");
-    let key = posture_table(
-        context,
-        "The postures in measuring order, controller angles",
-        &result.posture_names,
-        ("/postures_deg", &result.postures),
-        &[],
-    );
-    let angles = result.postures.iter().cloned();
-    let group = PostureGroup::named("space-filling", &result.posture_names, angles);
-    let mut sections = vec![context.cell_section(
+            "The postures in measuring order, controller angles",
+            &result.posture_names,
+            ("/postures_deg", &result.postures),
+            &[],
+        );
+        let angles = result.postures.iter().cloned();
+        let group = PostureGroup::named("space-filling", &result.posture_names, angles);
+        let mut sections = vec![context.cell_section(
         &[group],
         "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to each other.",
     )?];
-    let worth = Worth {
-        at: "/evaluation".to_string(),
-        evaluation,
-        posture_names: &result.posture_names,
-    };
-    sections.extend(worth_sections(context, &result.joints, &[worth], &[]));
-    let way = route_section(context, &result.posture_names, &result.route, "/route");
-    sections.extend(way.map(|mut section| {
-        let near = near_singular(&result.posture_names, evaluation);
-        section.blocks.extend(near.map(Block::Text));
-        section
-    }));
-    let verdict = [done, came, next];
-    let told = context.told(
-        "Evenly spread postures".to_string(),
-        verdict,
-        Some(key),
-        sections,
-    );
-    let unsure = if undetermined.is_empty() {
-        is_beyond_first_order(evaluation).then_some(UNSURE)
-    } else {
-        Some("These postures leave a joint undetermined.")
-    };
-    Ok(told.caution("select", unsure))
+        let worth = Worth {
+            at: "/evaluation".to_string(),
+            evaluation,
+            posture_names: &result.posture_names,
+        };
+        sections.extend(worth_sections(context, &result.joints, &[worth], &[]));
+        let way = route_section(context, &result.posture_names, &result.route, "/route");
+        sections.extend(way.map(|mut section| {
+            let near = near_singular(&result.posture_names, evaluation);
+            section.blocks.extend(near.map(Block::Text));
+            section
+        }));
+        let verdict = [done, came, next];
+        let told = context.told(
+            "Evenly spread postures".to_string(),
+            verdict,
+            Some(key),
+            sections,
+        );
+        let unsure = if undetermined.is_empty() {
+            is_beyond_first_order(evaluation).then_some(UNSURE)
+        } else {
+            Some("These postures leave a joint undetermined.")
+        };
+        Ok(told.caution("select", unsure))
+    }
 }

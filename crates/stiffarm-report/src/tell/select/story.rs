@@ -4,9 +4,8 @@ use super::super::worth::{index_number, is_beyond_first_order, least_sure};
 use crate::tell::Given;
 use crate::tell::Text;
 use stiffarm::Termination;
-use stiffarm::findings::{Severity, minutes, visible};
+use stiffarm::findings::{Severity, codes, minutes, visible};
 use stiffarm::model::cell::MeasuringTime;
-use stiffarm::plan::feasibility::{HIDDEN_POINTS, NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT};
 use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::{InTime, Plan};
 use stiffarm::plan::select::different;
@@ -36,7 +35,11 @@ pub(super) fn counted(plan: &Plan) -> String {
 /// What of the plan sits on a limit.
 fn on_limits(context: &Given<'_>) -> String {
     let findings = context.saved.findings();
-    let codes = [ON_MACHINE_LIMIT, NO_ROOM_TO_SPARE, HIDDEN_POINTS];
+    let codes = [
+        codes::ON_MACHINE_LIMIT,
+        codes::NO_ROOM_TO_SPARE,
+        codes::HIDDEN_POINTS,
+    ];
     let own = findings.iter().filter(|f| codes.contains(&f.code.as_str()));
     own.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
@@ -267,7 +270,7 @@ fn next(context: &Given<'_>, plan: &Plan) -> Text {
     let serious = context.saved.findings();
     let is_blocked = serious
         .iter()
-        .any(|f| f.code == "move-blocked" && f.severity == Severity::Serious);
+        .any(|f| f.code == codes::MOVE_BLOCKED && f.severity == Severity::Serious);
     if is_blocked {
         return Text::new(
             "Teach a way of your own for the moves that are not free, listed below, before driving; then measure.",

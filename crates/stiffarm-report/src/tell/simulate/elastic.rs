@@ -3,7 +3,7 @@
 use super::{DEVIATION, cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::order::places;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{
     ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation,
@@ -18,68 +18,69 @@ const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
 /// A number of runs.
 const COUNT: Quantity = Quantity::new("", 1.0, Form::Decimals(0));
 
-/// What a result says of an arm that gives way beyond its joint axes.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    let mut result: ElasticSimulation = context.saved.result()?;
-    for group in &mut result.groups {
-        group.name = visible(&group.name).into_owned();
-    }
-    let error = |level: &ElasticLevel| {
-        let model = level.mixed.as_ref().unwrap_or(&level.axes);
-        model.prediction_rms_m
-    };
-    let first = result.groups.iter().enumerate();
-    let first = first.filter_map(|(g, group)| Some((g, group, group.levels.first()?)));
-    let best = first.min_by(|a, b| error(a.2).total_cmp(&error(b.2)));
-    let place = if result.predicted_tasks {
-        "at the cell's tasks".to_string()
-    } else {
-        format!(
-            "at random postures inside the cell's limits, under forces as large as its load's in all directions ({} deflections)",
-            result.predicted_count
-        )
-    };
-    let levels = result.groups.iter().flat_map(|group| &group.levels);
-    let sizes = ElasticClass::ENTRIES.map(|class| {
-        let size = Number::computed(result.sizes.of(class));
-        size.significant(2).unit(class.unit()).text()
-    });
-    let done = Text::new(format!(
-        "In each of {} runs{} an arm was drawn that gives way at joints and base beyond its axes, by springs with {} of {}; it \
+impl Telling for ElasticSimulation {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let mut result = self.clone();
+        for group in &mut result.groups {
+            group.name = visible(&group.name).into_owned();
+        }
+        let error = |level: &ElasticLevel| {
+            let model = level.mixed.as_ref().unwrap_or(&level.axes);
+            model.prediction_rms_m
+        };
+        let first = result.groups.iter().enumerate();
+        let first = first.filter_map(|(g, group)| Some((g, group, group.levels.first()?)));
+        let best = first.min_by(|a, b| error(a.2).total_cmp(&error(b.2)));
+        let place = if result.predicted_tasks {
+            "at the cell's tasks".to_string()
+        } else {
+            format!(
+                "at random postures inside the cell's limits, under forces as large as its load's in all directions ({} deflections)",
+                result.predicted_count
+            )
+        };
+        let levels = result.groups.iter().flat_map(|group| &group.levels);
+        let sizes = ElasticClass::ENTRIES.map(|class| {
+            let size = Number::computed(result.sizes.of(class));
+            size.significant(2).unit(class.unit()).text()
+        });
+        let done = Text::new(format!(
+            "In each of {} runs{} an arm was drawn that gives way at joints and base beyond its axes, by springs with {} of {}; it \
          was measured, identified, and its deflections were predicted {place}.",
-        result.runs,
-        stopped(result.interrupted, levels.map(|level| level.runs)),
-        result.sizes_from.in_words(),
-        sizes.join(", ")
-    ));
-    let verdict = [done, came(context, &result, best), next(best.map(|b| b.2))];
-    let groups = result.groups.iter().map(|group| {
-        let angles = group.postures.iter().cloned();
-        PostureGroup::named(&group.name, &group.posture_names, angles)
-    });
-    let mut sections = Vec::new();
-    sections.extend(cell_section(context, groups.collect())?);
-    let blocks = vec![
-        Block::Figure(prediction_figure(&result)),
-        Block::Table(shares(context, &result)),
-    ];
-    let title = "How well deflections are predicted";
-    sections.push(Section::new("prediction", title, blocks).in_summary());
-    let mut blocks = vec![Block::Figure(joint_figure(&result))];
-    let tables = rows(&result).map(|(at, name, level)| {
-        let table = Block::Table(joints(context, &result.joints, &at, level));
-        Block::Details(format!("Each joint: {name}"), vec![table])
-    });
-    blocks.extend(tables);
-    let title = "How well each joint is identified";
-    sections.push(Section::new("joints", title, blocks));
-    let key = errors(context, &result);
-    Ok(context.told(
-        "Simulated identifications of an elastic arm",
-        verdict,
-        Some(key),
-        sections,
-    ))
+            result.runs,
+            stopped(result.interrupted, levels.map(|level| level.runs)),
+            result.sizes_from.in_words(),
+            sizes.join(", ")
+        ));
+        let verdict = [done, came(context, &result, best), next(best.map(|b| b.2))];
+        let groups = result.groups.iter().map(|group| {
+            let angles = group.postures.iter().cloned();
+            PostureGroup::named(&group.name, &group.posture_names, angles)
+        });
+        let mut sections = Vec::new();
+        sections.extend(cell_section(context, groups.collect())?);
+        let blocks = vec![
+            Block::Figure(prediction_figure(&result)),
+            Block::Table(shares(context, &result)),
+        ];
+        let title = "How well deflections are predicted";
+        sections.push(Section::new("prediction", title, blocks).in_summary());
+        let mut blocks = vec![Block::Figure(joint_figure(&result))];
+        let tables = rows(&result).map(|(at, name, level)| {
+            let table = Block::Table(joints(context, &result.joints, &at, level));
+            Block::Details(format!("Each joint: {name}"), vec![table])
+        });
+        blocks.extend(tables);
+        let title = "How well each joint is identified";
+        sections.push(Section::new("joints", title, blocks));
+        let key = errors(context, &result);
+        Ok(context.told(
+            "Simulated identifications of an elastic arm",
+            verdict,
+            Some(key),
+            sections,
+        ))
+    }
 }
 
 fn came(
@@ -130,7 +131,7 @@ fn held(level: &ElasticLevel) -> Text {
     let (Some(axes), Some(mixed)) = (share(&level.axes), mixed) else {
         return Text::default();
     };
-    let confidence = crate::tell::level(level.axes.confidence);
+    let confidence = crate::level::level(level.axes.confidence);
     Text::new(format!(
         " The {confidence} % intervals of joint stiffness hold the true one in "
     ))

@@ -4,10 +4,12 @@ mod elastic;
 
 use super::worth::UNSURE;
 use crate::selection::deviation_by_noise_figure;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, Told};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, of_saved,
+};
 use serde_json::Value;
 use stiffarm::Result;
-use stiffarm::estimate::simulate::{GroupSimulation, LevelResult, Simulation};
+use stiffarm::estimate::simulate::{ElasticSimulation, GroupSimulation, LevelResult, Simulation};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 
@@ -20,8 +22,8 @@ const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 /// What a result says of `simulate`.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
     match context.saved.json.pointer("/result/asked") {
-        Some(_) => elastic::told(context),
-        None => axes(context),
+        Some(_) => of_saved::<ElasticSimulation>(context),
+        None => of_saved::<Simulation>(context),
     }
 }
 
@@ -38,69 +40,70 @@ const BEYOND: &str = "Where a joint's relative standard error is above 10 %, sin
                       mean, and the closed form no longer holds: read the median. The expectation of |k̂ − k|/k is infinite \
                       at every noise level; means are truncated, of the runs made.";
 
-/// An arm of which the joint axes alone give way.
-fn axes(context: &Given<'_>) -> Result<Told> {
-    let mut result: Simulation = context.saved.result()?;
-    for group in &mut result.groups {
-        group.name = visible(&group.name).into_owned();
-    }
-    let joints: Vec<String> = result
-        .joints
-        .iter()
-        .map(|j| visible(j).into_owned())
-        .collect();
-    let shown: Vec<Shown<'_>> = result
-        .groups
-        .iter()
-        .enumerate()
-        .filter_map(|(g, group)| {
-            let (l, level) = own_level(group)?;
-            Some(Shown {
-                at: format!("/groups/{g}/levels/{l}"),
-                name: group.name.clone(),
-                level,
+impl Telling for Simulation {
+    fn told(&self, context: &Given<'_>) -> Result<Told> {
+        let mut result = self.clone();
+        for group in &mut result.groups {
+            group.name = visible(&group.name).into_owned();
+        }
+        let joints: Vec<String> = result
+            .joints
+            .iter()
+            .map(|j| visible(j).into_owned())
+            .collect();
+        let shown: Vec<Shown<'_>> = result
+            .groups
+            .iter()
+            .enumerate()
+            .filter_map(|(g, group)| {
+                let (l, level) = own_level(group)?;
+                Some(Shown {
+                    at: format!("/groups/{g}/levels/{l}"),
+                    name: group.name.clone(),
+                    level,
+                })
             })
-        })
-        .collect();
-    let best = shown
-        .iter()
-        .min_by(|a, b| worst(a).1.total_cmp(&worst(b).1));
-    let verdict = [
-        done(context, &result),
-        came(context, &joints, &shown, best),
-        next(best),
-    ];
-    let mut sections = Vec::new();
-    sections.extend(cell_section(context, groups(&result.groups))?);
-    let figure = deviation_by_noise_figure(&joints, &result.groups, result.runs);
-    let mut blocks = vec![Block::Figure(figure)];
-    if has_model_errors(context) {
-        blocks.push(Block::Text(
+            .collect();
+        let best = shown
+            .iter()
+            .min_by(|a, b| worst(a).1.total_cmp(&worst(b).1));
+        let verdict = [
+            done(context, &result),
+            came(context, &joints, &shown, best),
+            next(best),
+        ];
+        let mut sections = Vec::new();
+        sections.extend(cell_section(context, groups(&result.groups))?);
+        let figure = deviation_by_noise_figure(&joints, &result.groups, result.runs);
+        let mut blocks = vec![Block::Figure(figure)];
+        if has_model_errors(context) {
+            blocks.push(Block::Text(
             "The runs also draw errors of force, angles or geometry, which the closed form does not count.".into(),
         ));
+        }
+        let noise = "Deviation against noise (the paper's Fig. 8)";
+        sections.push(Section::new("noise", noise, blocks).in_summary());
+        let mut blocks = Vec::new();
+        let all = result.groups.iter().flat_map(|group| &group.levels);
+        if all.clone().any(is_beyond) {
+            blocks.push(Block::Text(BEYOND.into()));
+        }
+        let tables = result.groups.iter().enumerate().map(|(g, group)| {
+            let table = Block::Table(levels(context, &joints, g, group));
+            Block::Details(format!("All noise levels of {}", group.name), vec![table])
+        });
+        blocks.extend(tables);
+        sections.push(Section::new("levels", "Every noise level", blocks));
+        let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
+        let unsure = is_unsure(best).then_some(UNSURE);
+        let told = context.told(
+            "Simulated identifications".to_string(),
+            verdict,
+            key,
+            sections,
+        );
+        Ok(told.caution("simulate", unsure))
     }
-    let noise = "Deviation against noise (the paper's Fig. 8)";
-    sections.push(Section::new("noise", noise, blocks).in_summary());
-    let mut blocks = Vec::new();
-    let all = result.groups.iter().flat_map(|group| &group.levels);
-    if all.clone().any(is_beyond) {
-        blocks.push(Block::Text(BEYOND.into()));
-    }
-    let tables = result.groups.iter().enumerate().map(|(g, group)| {
-        let table = Block::Table(levels(context, &joints, g, group));
-        Block::Details(format!("All noise levels of {}", group.name), vec![table])
-    });
-    blocks.extend(tables);
-    sections.push(Section::new("levels", "Every noise level", blocks));
-    let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
-    let unsure = is_unsure(best).then_some(UNSURE);
-    let told = context.told(
-        "Simulated identifications".to_string(),
-        verdict,
-        key,
-        sections,
-    );
-    Ok(told.caution("simulate", unsure))
 }
 
 /// The level nearest to the cell's own noise.

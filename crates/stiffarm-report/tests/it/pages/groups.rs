@@ -7,7 +7,7 @@ use stiffarm::estimate::simulate::{SimulationOptions, simulate};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::characteristic_length::with_characteristic_length;
 use stiffarm::plan::check::check;
-use stiffarm::plan::index::EvaluatedGroup;
+use stiffarm::plan::evaluated::EvaluatedGroup;
 use stiffarm::plan::route::{RouteOptions, route};
 use stiffarm::plan::zones::{ZoneOptions, zones};
 use stiffarm_files::builtin;

@@ -6,7 +6,8 @@ use stiffarm::Control;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::certificate::{CertificateOptions, certify};
-use stiffarm::plan::index::{EvaluatedGroup, Index, evaluate};
+use stiffarm::plan::evaluated::EvaluatedGroup;
+use stiffarm::plan::index::{Index, evaluate};
 use stiffarm::plan::route::{RouteOptions, route};
 use stiffarm::plan::select::{
     GlobalOptions, LocalOptions, Selection, drop_postures, select, select_from,

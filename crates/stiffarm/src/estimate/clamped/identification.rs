@@ -13,7 +13,7 @@ use crate::estimate::identify::{
     Solution, Verdict, Weights, check, prior_knowledge, rms,
 };
 use crate::estimate::saved::{Sealed, flange_of, once};
-use crate::findings::{Finding, list};
+use crate::findings::{Finding, codes, list};
 use crate::model::cell::Cell;
 use crate::numerics::order::sort_by_number;
 use serde::{Deserialize, Serialize};
@@ -301,7 +301,7 @@ fn noise(result: &ClampedIdentification) -> Option<Finding> {
     let scatter = 3.0 / (2.0 * result.estimates.degrees_of_freedom as f64).sqrt();
     (ratio > MORE_THAN_NOISE.max(1.0 + scatter)).then(|| {
         Finding::caution(
-            "residuals-above-noise",
+            codes::RESIDUALS_ABOVE_NOISE,
             "measurements",
             format!(
                 "The residuals are {ratio:.1} times the errors of the angles: friction, the fixture, the wrench or \

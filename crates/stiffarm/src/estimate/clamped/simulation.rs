@@ -2,7 +2,7 @@
 
 use super::ClampedPosture;
 use crate::error::{Code, Error, Result};
-use crate::estimate::simulate::normal;
+use crate::estimate::noise::normal;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, check_angles};

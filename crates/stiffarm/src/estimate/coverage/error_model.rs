@@ -3,7 +3,8 @@
 use super::{CoverageCase, Estimator};
 use crate::error::{Code, Error, Result};
 use crate::estimate::identify::MeasuredSystem;
-use crate::estimate::simulate::{ModelErrors, normal};
+use crate::estimate::noise::normal;
+use crate::estimate::simulate::ModelErrors;
 use crate::model::cell::Cell;
 use crate::model::load::Wrench;
 use crate::model::measurement::{Displacement, MeasuredPosture};

@@ -25,8 +25,8 @@ use crate::error::{Code, Result};
 use crate::estimate::identify::{Fit, LeaveOneOut};
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::quantity::facts::Quantity;
-use crate::estimate::setup::{DOUBTS, REJECTS, SetUp};
-use crate::findings::{Finding, list};
+use crate::estimate::setup::SetUp;
+use crate::findings::{Finding, codes, list};
 use serde::{Deserialize, Serialize};
 
 /// A posture is named when the estimate of an unknown moves by more standard
@@ -66,12 +66,12 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// What the readings say against the set-up as the cell states it.
     pub fn rejected(&self) -> Option<&Finding> {
-        self.of_set_up(REJECTS)
+        self.of_set_up(codes::SET_UP)
     }
 
     /// What they say of it that is not sure.
     pub fn doubted(&self) -> Option<&Finding> {
-        self.of_set_up(DOUBTS)
+        self.of_set_up(codes::SET_UP_DOUBTFUL)
     }
 
     fn of_set_up(&self, code: &str) -> Option<&Finding> {
@@ -177,7 +177,7 @@ fn influence_findings(influence: &LeaveOneOut, unknowns: &[String]) -> Vec<Findi
                 "Without posture {name} the others do not determine {}.",
                 list(&posture.lost)
             );
-            out.push(Finding::caution("posture-needed", name, message));
+            out.push(Finding::caution(codes::POSTURE_NEEDED, name, message));
         }
         let moved: Vec<String> = unknowns
             .iter()

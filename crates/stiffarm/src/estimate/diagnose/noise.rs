@@ -3,7 +3,7 @@
 use super::tails::{LEVEL, chi_squared_tails};
 use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
-use crate::findings::{Finding, Severity, length, probability};
+use crate::findings::{Finding, Severity, codes, length, probability};
 use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
 
@@ -127,7 +127,7 @@ impl NoiseTest {
                 let message = format!(
                     "The residuals are {times} times the cell's noise ({sizes}, {p}): {meaning}."
                 );
-                ("residuals-above-noise", Severity::Caution, message)
+                (codes::RESIDUALS_ABOVE_NOISE, Severity::Caution, message)
             }
             Agreement::Smaller => {
                 let p = probability(self.p_smaller);
@@ -157,5 +157,5 @@ pub(super) fn untested(cell: &Cell) -> Finding {
     } else {
         "The cell states no measurement noise, so the residuals cannot be compared with it."
     };
-    Finding::caution("residuals-untested", "residuals", message)
+    Finding::caution(codes::RESIDUALS_UNTESTED, "residuals", message)
 }

@@ -3,7 +3,7 @@
 
 use super::Agreement;
 use crate::estimate::identify::{Fit, Identification, NO_LOAD, rms};
-use crate::findings::{Finding, length, list, percent};
+use crate::findings::{Finding, codes, length, list, percent};
 use crate::numerics::order::sort_by_number;
 use serde::{Deserialize, Serialize};
 
@@ -124,7 +124,7 @@ pub(super) fn findings(
             (false, _) => "Postures in which its give moves the measuring points more would help.",
         };
         out.push(Finding::caution(
-            "weak-joint",
+            codes::WEAK_JOINT,
             name,
             format!(
                 "The loads put {:.0} N·m RMS on {name}{others}. It moves the measuring points by {} RMS, less than the \
@@ -152,7 +152,7 @@ fn unloaded(signals: &[JointSignal]) -> impl Iterator<Item = Finding> {
                 t => format!("{t:.1e} N·m RMS"),
             };
             Finding::caution(
-                "unloaded-joint",
+                codes::UNLOADED_JOINT,
                 &signal.name,
                 format!(
                     "The loads put {torque} on {}, beside {:.0} N·m on {}: it carries no load here and is not \
@@ -209,6 +209,6 @@ impl CorrelatedPair {
              other.",
             self.correlation
         );
-        Finding::caution("correlated", format!("{a}, {b}"), message)
+        Finding::caution(codes::CORRELATED, format!("{a}, {b}"), message)
     }
 }

@@ -5,7 +5,7 @@
 use super::tails::{LEVEL, two_sided};
 use crate::error::Result;
 use crate::estimate::identify::{Estimates, Fit, JointEstimate};
-use crate::findings::{Finding, length, list, percent};
+use crate::findings::{Finding, codes, length, list, percent};
 use crate::model::observation::ExtraTerm;
 use crate::numerics::jobs::in_order;
 use serde::{Deserialize, Serialize};
@@ -220,7 +220,7 @@ impl TermTrials {
             "the model as it is"
         };
         message += &format!(". So {model} is rejected.");
-        Some(Finding::caution("further-term", &best.name, message))
+        Some(Finding::caution(codes::FURTHER_TERM, &best.name, message))
     }
 }
 

@@ -9,7 +9,7 @@ use super::{
     AngleEstimate, CollinearSet, EstimableCombination, IdentifyOptions, NoiseSource, estimable,
 };
 use crate::error::Result;
-use crate::findings::{Finding, Severity, list, shown};
+use crate::findings::{Finding, Severity, codes, list, shown};
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
 use crate::numerics::information::Factor;
@@ -218,7 +218,7 @@ impl Estimates {
             }
         };
         add(
-            "negative-compliance",
+            codes::NEGATIVE_COMPLIANCE,
             Severity::Serious,
             of(Verdict::SignOrModelFault),
             "the compliance comes out negative, beyond what noise explains, which is a sign or model fault. Check the sign of \

@@ -32,7 +32,6 @@ pub(crate) mod internals {
     pub use super::model::MixedModel;
 }
 
-pub use never_loaded::NEVER_LOADED;
 pub(crate) use never_loaded::never_loaded;
 pub(crate) use reproduced::Reproduced;
 pub use result::{ElasticElement, ElasticSize, GeneralSpring, MixedResult};

@@ -13,15 +13,12 @@ use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SizeDoubt;
 use crate::estimate::saved::{Saved, SeenLoad};
-use crate::findings::{Finding, length, list};
+use crate::findings::{Finding, codes, length, list};
 use crate::model::cell::Cell;
 use crate::model::elastic::ElasticClass;
 use crate::model::load::Wrench;
 use crate::model::observation::{PostureTerms, Setup, places};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-
-/// Code of the finding.
-pub const NEVER_LOADED: &str = "never-loaded";
 
 /// Share of a direction's prior variance that is left where readings told nothing of it.
 const UNTOLD: f64 = 0.5;
@@ -88,7 +85,11 @@ pub(crate) fn never_loaded(
         length(found.untold),
         list(&found.places),
     );
-    Ok(Some(Finding::caution(NEVER_LOADED, "load", sentence)))
+    Ok(Some(Finding::caution(
+        codes::NEVER_LOADED,
+        "load",
+        sentence,
+    )))
 }
 
 /// The numbers behind it; `None` where such directions do not rule the error, or it does not matter.

@@ -1,42 +1,38 @@
 //! Which other findings only follow from a set-up that is stated wrongly.
 
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, codes};
 use crate::measure::Measured;
 use crate::measure::screening::{Cause, Screening};
 
 /// What the checks of the raw readings say where the displacements are not those that the set-up lets expect.
-const BY_SCREENING: [(Cause, &str); 4] = [
-    (Cause::ReversedForce, "reversed-force"),
-    (Cause::ExchangedStates, "exchanged-states"),
-    (Cause::DisplacementSize, "displacement-size"),
-    (Cause::OtherLoad, "other-load"),
+const BY_SCREENING: [Cause; 4] = [
+    Cause::ReversedForce,
+    Cause::ExchangedStates,
+    Cause::DisplacementSize,
+    Cause::OtherLoad,
 ];
 /// What the residuals say.
 const BY_RESIDUALS: [&str; 7] = [
-    "residuals-above-noise",
-    "further-term",
-    "outlying-displacement",
-    "outlying-posture",
-    "outlying-point",
-    "more-outliers",
-    "load-offset",
+    codes::RESIDUALS_ABOVE_NOISE,
+    codes::FURTHER_TERM,
+    codes::OUTLYING_DISPLACEMENT,
+    codes::OUTLYING_POSTURE,
+    codes::OUTLYING_POINT,
+    codes::MORE_OUTLIERS,
+    codes::LOAD_OFFSET,
 ];
 
 /// Whether the readings have a fault of their own that must be settled before they say anything of the set-up.
 pub(crate) fn is_doubtful(measured: &Measured) -> bool {
     let screening = measured.screening.iter();
     let mut all = screening.flat_map(|s| s.suspicions.iter().zip(&s.findings));
-    all.any(|(suspicion, finding)| {
-        let is_own = BY_SCREENING
-            .iter()
-            .all(|(cause, _)| *cause != suspicion.cause);
-        finding.severity == Severity::Serious && is_own
-    })
+    all.any(|(suspicion, finding)| finding.is_serious() && !BY_SCREENING.contains(&suspicion.cause))
 }
 
 /// Whether a finding of the screening only follows from the set-up.
 pub(crate) fn is_explained(finding: &Finding) -> bool {
-    BY_SCREENING.iter().any(|(_, code)| *code == finding.code)
+    let mut all = BY_SCREENING.iter();
+    all.any(|cause| cause.facts().0 == finding.code)
 }
 
 /// Whether a finding of the residuals does.

@@ -29,9 +29,6 @@ use freed::{At, Linear, below_zero, value};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
-/// Code of the finding about a quantity that is rejected, and about one that springs beyond the axes may excuse.
-pub const REJECTS: &str = "set-up";
-pub(crate) const DOUBTS: &str = "set-up-doubtful";
 /// Fall of −2 ln L from which a quantity is rejected, from which it is doubtful, and what each of its numbers adds: sound
 /// days of arms with springs beyond the axes, drift and shared shifts stay below.
 const REJECTED: f64 = 22.0;

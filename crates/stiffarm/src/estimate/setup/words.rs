@@ -1,10 +1,10 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{DOUBTS, Doubt, Freed, REJECTS};
+use super::{Doubt, Freed};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
 use crate::estimate::quantity::place::{Place, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
-use crate::findings::{Finding, length, list, visible};
+use crate::findings::{Finding, codes, length, list, visible};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::units::{m_to_mm, rad_to_deg};
@@ -302,7 +302,7 @@ pub(super) fn finding(
         };
         let sentence =
             format!("{wanted}{how}.{others} {remedy}. Until that is settled the total ± holds it.");
-        return Finding::caution(DOUBTS, own.key.as_str(), sentence);
+        return Finding::caution(codes::SET_UP_DOUBTFUL, own.key.as_str(), sentence);
     }
     let sentence = format!("{wanted}. {fits}{others} {remedy}");
     match quantity {
@@ -312,7 +312,7 @@ pub(super) fn finding(
         }
         Quantity::BaseTilt => Finding::caution("base-tilt-seen", own.key.as_str(), sentence + "."),
         _ => Finding::serious(
-            REJECTS,
+            codes::SET_UP,
             own.key.as_str(),
             sentence + "; until then no stiffness is known.",
         ),

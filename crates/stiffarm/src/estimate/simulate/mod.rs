@@ -10,8 +10,9 @@ pub use elastic::{
 pub use model_errors::ModelErrors;
 
 use crate::error::{Code, Error, Result};
+use crate::estimate::noise::draw_noise;
 use crate::findings::{Finding, list};
-use crate::model::cell::{Cell, Noise};
+use crate::model::cell::Cell;
 use crate::model::observation::{Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
 use crate::numerics::control::Control;
@@ -22,8 +23,6 @@ use crate::numerics::streams::run_rng;
 use crate::plan::check::determinable;
 use crate::plan::index::evaluate_for;
 use nalgebra::{DMatrix, DVector};
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -212,34 +211,6 @@ fn check_determined(cell: &Cell, group: &PostureGroup) -> Result<()> {
         ),
     )
     .hint("evaluate shows which joints each group determines"))
-}
-
-/// Noise of the displacements of `postures` postures with `points` points each.
-pub(crate) fn draw_noise(
-    rng: &mut ChaCha8Rng,
-    noise: &Noise,
-    postures: usize,
-    points: usize,
-) -> DVector<f64> {
-    let sigma = noise.displacement_std();
-    let tau = noise.posture_common_std;
-    let mut out = DVector::zeros(3 * points * postures);
-    for p in 0..postures {
-        let common: [f64; 3] = if tau > 0.0 {
-            std::array::from_fn(|_| normal(rng) * tau)
-        } else {
-            [0.0; 3]
-        };
-        for i in 0..3 * points {
-            out[3 * points * p + i] = normal(rng) * sigma + common[i % 3];
-        }
-    }
-    out
-}
-
-/// One standard normal number.
-pub(crate) fn normal(rng: &mut ChaCha8Rng) -> f64 {
-    StandardNormal.sample(rng)
 }
 
 /// Largest number of noise levels and of runs whose random numbers stay apart.

@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::estimate::compliance::{IdentifiedCompliance, Spread};
 use crate::estimate::freedom::SpreadQuantiles;
 use crate::estimate::identify::{Block, MeasuredSystem, RowLabel};
-use crate::findings::Finding;
+use crate::findings::{Finding, codes};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -161,7 +161,7 @@ pub(super) fn findings(result: &Validation) -> Vec<Finding> {
     );
     if inside < p - FAR * scatter {
         return vec![Finding::caution(
-            "outside-bands",
+            codes::OUTSIDE_BANDS,
             "measurements",
             format!(
                 "Only {said}: these postures err by more than estimates and noise explain. They lie outside what the \

@@ -14,7 +14,7 @@ use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::identify::{
     Experiment, Weights, known_displacement, rms, rounding, sees_only_known,
 };
-use crate::estimate::simulate::draw_noise;
+use crate::estimate::noise::draw_noise;
 use crate::findings::Finding;
 use crate::measure::Measured;
 use crate::model::cell::Cell;

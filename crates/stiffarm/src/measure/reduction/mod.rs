@@ -22,23 +22,23 @@ mod messages;
 mod preload;
 mod repeatability;
 mod servo;
+pub(in crate::measure) mod stations;
 mod table;
 mod temperature;
-pub(in crate::measure) mod unloaded;
+mod unloaded;
 mod wrench;
 mod wrench_check;
 
 pub use super::series::Clock;
 pub use base_motion::BaseMotion;
 pub use drift::{Drift, PostureDrift};
-pub(super) use repeatability::IDENTICAL_READINGS;
 pub use repeatability::Repeatability;
+pub use stations::StationRegistration;
 pub use temperature::Temperatures;
 pub use unloaded::{UnloadedPointResidual, UnloadedPostureResidual, UnloadedRegistration};
 pub use wrench_check::{ApplicationPoint, ForceDirection, WrenchCheck};
 
 use super::series::PostureSeries;
-use super::stations::{self, StationRegistration};
 use crate::error::{Code, Error, Result};
 use crate::findings::{Finding, Severity};
 use crate::model::cell::Cell;

@@ -2,7 +2,7 @@
 
 use super::messages::length;
 use crate::error::{Code, Error, Result};
-use crate::findings::Finding;
+use crate::findings::{Finding, codes};
 use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use serde::{Deserialize, Serialize};
@@ -77,9 +77,6 @@ pub(super) fn chi_squared_tails(value: f64, degrees_of_freedom: usize) -> Result
     Ok([distribution.cdf(value), distribution.sf(value)])
 }
 
-/// The code of the finding about readings that repeat another to the last digit.
-pub(in crate::measure) const IDENTICAL_READINGS: &str = "identical-readings";
-
 /// What the repeats say about the cell's noise.
 pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Finding>> {
     let mut out = Vec::new();
@@ -89,7 +86,7 @@ pub(super) fn findings(cell: &Cell, result: &Repeatability) -> Result<Vec<Findin
             n => (format!("{n} readings"), "repeat"),
         };
         out.push(Finding::caution(
-            IDENTICAL_READINGS,
+            codes::IDENTICAL_READINGS,
             "repeatability",
             format!(
                 "{readings} {repeat} another of the same state to the last digit. Copied rows? They make the \

@@ -2,7 +2,7 @@
 //! to a force through the loading point, and does its force point along the rope?
 
 use super::messages::{length, median, postures};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, codes};
 use crate::model::cell::Cell;
 use crate::model::instruments::{Mount, Sensor};
 use crate::model::kinematics::Frames;
@@ -234,7 +234,7 @@ pub(super) fn findings(cell: &Cell, check: &WrenchCheck) -> Vec<Finding> {
     let mut out = Vec::new();
     direction_findings(cell, check, &mut out);
     // A turned sensor moves the point too: the cause first.
-    let directed = out.iter().all(|f| f.code == "force-magnitude");
+    let directed = out.iter().all(|f| f.code == codes::FORCE_MAGNITUDE);
     if let (Some(point), true) = (&check.application_point, directed) {
         point_findings(cell, point, &mut out);
     }
@@ -356,7 +356,7 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
             Severity::Serious
         };
         out.push(Finding::new(
-            "force-magnitude",
+            codes::FORCE_MAGNITUDE,
             severity,
             "load",
             format!(
@@ -374,7 +374,7 @@ fn magnitude_findings(directions: &[ForceDirection], out: &mut Vec<Finding>) {
     odd.dedup();
     if !odd.is_empty() {
         out.push(Finding::caution(
-            "force-magnitude",
+            codes::FORCE_MAGNITUDE,
             odd.join(", "),
             format!(
                 "In {} the measured force differs from that of the load by more than {:.0} %.",
@@ -400,7 +400,7 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
             ""
         };
         out.push(Finding::caution(
-            "loading-point",
+            codes::LOADING_POINT,
             "tool.loading_point_mm",
             format!(
                 "By its moment the measured force acts {} ± {} (standard error) beside the stated loading point, \
@@ -413,7 +413,7 @@ fn point_findings(cell: &Cell, point: &ApplicationPoint, out: &mut Vec<Finding>)
     let arm = point.residual_moment_rms_nm / point.force_rms_n;
     if arm > UNEXPLAINED_ARM {
         out.push(Finding::caution(
-            "unexplained-moment",
+            codes::UNEXPLAINED_MOMENT,
             "load",
             format!(
                 "Moments of {:.1} N·m (RMS) remain that no loading point explains, {} of arm at {:.0} N: the load is not \

@@ -18,7 +18,7 @@ macro_rules! causes {
 
         impl Cause {
             /// Name of the finding, what it is about where it concerns all postures, usual weight.
-            pub(super) fn facts(self) -> (&'static str, &'static str, Severity) {
+            pub(crate) fn facts(self) -> (&'static str, &'static str, Severity) {
                 match self {
                     $(Cause::$cause => ($code, $of_all, Severity::$weight),)*
                 }

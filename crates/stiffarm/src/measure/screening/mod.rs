@@ -35,8 +35,8 @@ mod words;
 pub use cause::Cause;
 pub use suspicion::{Evidence, Suspicion};
 
+use super::reduction::stations;
 use super::series::PostureSeries;
-use super::stations;
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;

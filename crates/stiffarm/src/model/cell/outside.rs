@@ -1,7 +1,7 @@
 //! Postures that leave the bounds and limits of a cell, in words.
 
 use super::{Cell, LimitMargin};
-use crate::findings::Finding;
+use crate::findings::{Finding, codes};
 use crate::model::load::Load;
 use crate::model::posture::Posture;
 use crate::units::rad_to_shortest_deg;
@@ -16,7 +16,7 @@ impl Cell {
         let findings = remarks.map(|remark| {
             let mut sentence = remark.replacen("posture", "Posture", 1);
             sentence.push('.');
-            Finding::caution("posture-outside", "postures", sentence)
+            Finding::caution(codes::POSTURE_OUTSIDE, "postures", sentence)
         });
         findings.collect()
     }

@@ -4,11 +4,9 @@
 //! tool axis, which points out of the tool into the workpiece.
 
 mod frames;
-mod log;
 
 pub(crate) use frames::tip_wrench;
 pub use frames::{feed_axes, load_axes, tip_wrenches};
-pub use log::{CountedBy, LoadLog, Recorded};
 
 use crate::error::{Code, Error, Result};
 use crate::model::load::Wrench;

@@ -3,7 +3,7 @@
 use super::prepared::determinable;
 use super::reason::{ROUNDING, drop_rounding, reach, reason};
 use crate::error::Result;
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, codes};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
@@ -153,7 +153,7 @@ fn weak_joints(
             continue;
         }
         findings.push(Finding::caution(
-            "weak-joint",
+            codes::WEAK_JOINT,
             &names[j],
             format!(
                 "By the prior stiffness {} moves no measuring point by more than {:.4} mm, and the noise of a \

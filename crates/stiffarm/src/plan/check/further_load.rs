@@ -1,7 +1,7 @@
 //! What a weight, hung in the same postures as well, or a second anchor adds to a load that goes through one point or one
 //! way.
 
-use crate::findings::{Finding, length, minutes};
+use crate::findings::{Finding, codes, length, minutes};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::{Load, LoadCase};
@@ -16,8 +16,6 @@ use std::f64::consts::FRAC_PI_3;
 const WORTH_A_WORD: f64 = 0.9;
 /// Anchors nearer to each other are as good as one \[m\].
 const NEAR_ANCHOR: f64 = 0.2;
-/// Code of the finding about it.
-pub const ONE_LOAD: &str = "one-load";
 
 /// A weight as heavy as the load pulls, hung at the loading point in every posture beside the cell's load.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -111,7 +109,7 @@ impl FurtherLoad {
             )
         });
         Finding::note(
-            ONE_LOAD,
+            codes::ONE_LOAD,
             "load",
             format!(
                 "{what}, so that some of what gives way is never loaded: after {postures} random postures deflections under \

@@ -16,9 +16,9 @@ mod work;
 
 pub use excitation::JointExcitation;
 pub(crate) use further_load::both_loads;
-pub use further_load::{FurtherAnchor, FurtherLoad, ONE_LOAD};
-pub use prepared::{LEFT_OUT, determinable, prepared, springs_left_out};
-pub use start::{START_TOUCHES, start_touches};
+pub use further_load::{FurtherAnchor, FurtherLoad};
+pub use prepared::{determinable, prepared, springs_left_out};
+pub use start::start_touches;
 
 use crate::error::Result;
 use crate::findings::{Finding, Severity, length, list};

@@ -3,15 +3,13 @@
 
 use super::reason::{drop_rounding, reason};
 use super::robot_doubts;
-use crate::findings::Finding;
+use crate::findings::{Finding, codes};
 use crate::model::cell::Cell;
 use crate::model::load::Load;
 use crate::model::observation::PostureTerms;
 use crate::numerics::streams::spread;
 use crate::plan::characteristic_length::with_length;
 
-/// Code of the finding about a joint that the load of a cell leaves out.
-pub const LEFT_OUT: &str = "joint-left-out";
 /// Postures that are looked at for a spring that moves a measuring point.
 const POSTURES: u32 = 64;
 
@@ -28,7 +26,7 @@ pub fn prepared(cell: &Cell, given: bool) -> (Cell, Vec<Finding>) {
     (with_length(cell).0, findings)
 }
 
-/// The cell with those springs alone whose loads move a measuring point, and a finding [`LEFT_OUT`] for each of the
+/// The cell with those springs alone whose loads move a measuring point, and a finding [`codes::JOINT_LEFT_OUT`] for each of the
 /// others.
 ///
 /// A weight on an arm that stands on the floor has no torque about joint 1 whatever the posture: its column of the
@@ -48,7 +46,7 @@ pub fn determinable(mut cell: Cell) -> (Cell, Vec<Finding>) {
             "No posture within the bounds determines {name} under the load of this cell: {why}. Plans and what they \
              promise leave it out, as if it were rigid."
         );
-        Finding::caution(LEFT_OUT, name, sentence)
+        Finding::caution(codes::JOINT_LEFT_OUT, name, sentence)
     };
     let findings = left_out.iter().map(finding).collect();
     let kept: Vec<usize> = (0..count).filter(|j| !left_out.contains(j)).collect();

@@ -1,14 +1,11 @@
 //! Where the robot stands before and after a route.
 
-use crate::findings::Finding;
+use crate::findings::{Finding, codes};
 use crate::model::cell::Cell;
 use crate::model::load::{Load, Wrench};
 use crate::model::observation::{PostureTerms, check_angles};
 use crate::units::m_to_mm;
 use nalgebra::Vector3;
-
-/// Code of the finding about a start that touches something.
-pub const START_TOUCHES: &str = "start-touches";
 
 /// That the start of the route stands inside something or nearer to it than the clearance, and how deep: nothing can
 /// be driven from there, and nothing back.
@@ -38,5 +35,9 @@ pub fn start_touches(cell: &Cell) -> Option<Finding> {
         "At the start of the route {a} and {b} {how}: no free move begins or ends there. Give a start that is clear of \
          everything, or correct what stands in its way."
     );
-    Some(Finding::serious(START_TOUCHES, "route.start_deg", sentence))
+    Some(Finding::serious(
+        codes::START_TOUCHES,
+        "route.start_deg",
+        sentence,
+    ))
 }

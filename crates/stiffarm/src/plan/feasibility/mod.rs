@@ -5,9 +5,7 @@ mod on_limits;
 
 pub use obstruction::{Obstruction, ViolatedKind, obstruction};
 pub(crate) use obstruction::{nothing_meets, obstruction_among};
-pub use on_limits::{
-    HIDDEN_POINTS, NO_ROOM_TO_SPARE, ON_MACHINE_LIMIT, on_limits, on_machine_limits,
-};
+pub use on_limits::{on_limits, on_machine_limits};
 
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind, LimitMargin, MarginUnit};

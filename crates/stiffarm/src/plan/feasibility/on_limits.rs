@@ -1,17 +1,10 @@
 //! Which postures of a plan sit on a limit.
 
 use super::PostureLimits;
-use crate::findings::{Finding, list, more};
+use crate::findings::{Finding, codes, list, more};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::posture::Posture;
 use crate::units::{deg_to_rad, m_to_mm, rad_to_shortest_deg};
-
-/// Code of the finding about postures on the machine's limit of a joint.
-pub const ON_MACHINE_LIMIT: &str = "on-machine-limit";
-/// Code of the finding about postures with no more room than the cell asks for.
-pub const NO_ROOM_TO_SPARE: &str = "no-room-to-spare";
-/// Code of the finding about measuring points that the tracker does not see.
-pub const HIDDEN_POINTS: &str = "hidden-points";
 
 /// Nearer than this to a machine's limit is on it \[deg\].
 const NEAR_DEG: f64 = 0.1;
@@ -44,7 +37,7 @@ pub fn on_machine_limits(cell: &Cell, postures: &[Posture]) -> Vec<Finding> {
                 rad_to_shortest_deg(limit),
             );
             let subject = format!("bounds.q_deg[{}]", j + 1);
-            findings.push(Finding::caution(ON_MACHINE_LIMIT, subject, sentence));
+            findings.push(Finding::caution(codes::ON_MACHINE_LIMIT, subject, sentence));
         }
     }
     findings
@@ -69,7 +62,11 @@ pub fn on_limits(cell: &Cell, postures: &[Posture], limits: &[PostureLimits]) ->
             have(&tight, postures.len()),
             m_to_mm(TO_SPARE),
         );
-        findings.push(Finding::note(NO_ROOM_TO_SPARE, "clearance", sentence));
+        findings.push(Finding::note(
+            codes::NO_ROOM_TO_SPARE,
+            "clearance",
+            sentence,
+        ));
     }
     findings.extend(hidden(cell, postures));
     findings
@@ -100,7 +97,11 @@ fn hidden(cell: &Cell, postures: &[Posture]) -> Option<Finding> {
             "them"
         }
     );
-    Some(Finding::note(HIDDEN_POINTS, "tracker.station", sentence))
+    Some(Finding::note(
+        codes::HIDDEN_POINTS,
+        "tracker.station",
+        sentence,
+    ))
 }
 
 /// `Posture 3 has`, `4 of 12 postures (1, 2, 3 and 4) have`.

@@ -5,7 +5,6 @@ pub(crate) mod criterion;
 mod drop_one;
 mod error_bound;
 mod evaluate;
-mod evaluated;
 mod function;
 mod groups;
 pub(crate) mod inputs;
@@ -19,7 +18,6 @@ pub use evaluate::{
     FIRST_ORDER_LIMIT, Forecast, GroupEvaluation, Indices, evaluate, expected_deviation,
 };
 pub(crate) use evaluate::{evaluate_for, evaluate_terms, posture_terms};
-pub use evaluated::{Evaluated, EvaluatedGroup, EvaluatedOptions};
 pub use function::IndexFunction;
 pub use groups::evaluate_groups;
 pub use kinds::{Index, Origin};

@@ -11,8 +11,9 @@ use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::check::{FurtherLoad, prepared};
+use crate::plan::evaluated::EvaluatedGroup;
 use crate::plan::feasibility::on_limits;
-use crate::plan::index::{EvaluatedGroup, GroupEvaluation, Index};
+use crate::plan::index::{GroupEvaluation, Index};
 use crate::plan::route::{RouteOptions, route_findings};
 use crate::plan::select::{
     GlobalOptions, LimitPrice, LocalOptions, Selection, Sensitivity, SensitivityOptions,

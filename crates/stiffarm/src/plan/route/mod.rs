@@ -19,7 +19,7 @@ mod tour;
 mod way;
 
 pub use found::{NearestOnTheWay, Route, RouteMove, RouteOptions};
-pub use remarks::{MOVE_BLOCKED, not_approached, route_findings};
+pub use remarks::{not_approached, route_findings};
 
 use crate::error::Result;
 use crate::model::cell::Cell;

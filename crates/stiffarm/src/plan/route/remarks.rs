@@ -3,14 +3,11 @@
 use super::found::{Route, RouteMove};
 use super::moves::can_be_touched;
 use crate::error::Result;
-use crate::findings::{Finding, list};
+use crate::findings::{Finding, codes, list};
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::load::Load;
 use crate::model::posture::Posture;
 use crate::plan::check::start_touches;
-
-/// Code of the finding about a move without a free way.
-pub const MOVE_BLOCKED: &str = "move-blocked";
 
 impl Route {
     /// Whether a move has no free way.
@@ -95,7 +92,7 @@ fn blocked_moves(reason: &str, moves: &[String]) -> Finding {
         "no free way was found for the {subject}{reason}. Drive {them} by hand over via postures of your own, or move what \
          is in the way."
     );
-    Finding::serious(MOVE_BLOCKED, subject, sentence)
+    Finding::serious(codes::MOVE_BLOCKED, subject, sentence)
 }
 
 /// Joints that stand on the side of their lost motion that chance gives them, and at which postures; nothing where `cell`

@@ -163,19 +163,33 @@ pub fn compensate(
     options: &CompensateOptions,
     control: Control<'_>,
 ) -> Result<Compensation> {
+    let arm = LoadedArm::new(cell, predictor)?;
+    compensate_on((cell, &arm), predictor, postures, options, control)
+}
+
+/// The same on the arm of `cell` with the values of `predictor`.
+///
+/// # Errors
+/// As [`compensate`].
+pub(in crate::work) fn compensate_on(
+    (cell, arm): (&Cell, &LoadedArm),
+    predictor: &IdentifiedCompliance,
+    postures: &[LoadedPosture],
+    options: &CompensateOptions,
+    control: Control<'_>,
+) -> Result<Compensation> {
     if postures.is_empty() {
         return Err(Error::new(
             Code::TooFewData,
             "There is no point to compensate.",
         ));
     }
-    let arm = LoadedArm::new(cell, predictor)?;
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = with_bands(
-        (&arm, bands.as_ref()),
+        (arm, bands.as_ref()),
         postures,
         ("compensating", control),
-        |posture| point(&arm, posture).map_err(|e| predictor.explain(posture.at(e))),
+        |posture| point(arm, posture).map_err(|e| predictor.explain(posture.at(e))),
         |point| (point.uncompensated_shift_m, &mut point.band),
     )?;
     let confidence = bands.map(|b| b.confidence);

@@ -54,7 +54,7 @@ impl MapOptions {
         let axes = grid(self.lower, self.upper, self.steps)?;
         let force = self.wrench.force.norm();
         if !(force > 0.0 && force.is_finite() && self.wrench.moment.norm().is_finite()) {
-            return Err(Error::invalid("A map needs a force: finite, and not zero.").key("force"));
+            return Err(Error::invalid("A map needs a force: finite, and not zero.").key("force_n"));
         }
         if let Some(turns) = self.free_turn {
             check_turns(turns)?;

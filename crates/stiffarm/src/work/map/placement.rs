@@ -8,7 +8,7 @@ use super::search::{Part, Place, Search};
 use super::status::Status;
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
-use crate::findings::{Finding, length};
+use crate::findings::{Finding, codes, length};
 use crate::model::cell::Cell;
 use crate::model::implausible;
 use crate::model::load::Wrench;
@@ -80,7 +80,7 @@ pub fn place(
         return Err(Error::invalid(
             "The turns of the workpiece must be finite numbers, at least one.",
         )
-        .key("yaws"));
+        .key("yaw_deg"));
     }
     check_turns(options.free_turns)?;
     let arm = LoadedArm::new(cell, predictor)?;
@@ -305,7 +305,7 @@ fn nowhere(result: &Placement) -> Finding {
             format!(" At {place}, for one, point {point}: {reason}.")
         });
     Finding::serious(
-        "nowhere",
+        codes::NOWHERE,
         "workpiece",
         format!("At no place of the grid can the arm go along the path.{why}"),
     )

@@ -4,7 +4,7 @@ use super::node::MapNode;
 use super::options::{AXES, MapOptions};
 use super::reach::first_smallest;
 use super::status::Status;
-use crate::findings::{Finding, length, percent};
+use crate::findings::{Finding, codes, length, percent};
 use crate::model::cell::Cell;
 use crate::plan::zones::{MapRange, range};
 use crate::units::m_to_mm;
@@ -265,7 +265,7 @@ fn nothing_reachable(map: &StiffnessMap) -> Finding {
         )
     });
     Finding::serious(
-        "nothing-reachable",
+        codes::NOTHING_REACHABLE,
         "region",
         format!("No node of the map is reachable with this orientation.{closest}"),
     )

@@ -150,23 +150,37 @@ pub fn predict(
     options: &PredictOptions,
     control: Control<'_>,
 ) -> Result<Prediction> {
+    let mut arm = LoadedArm::new(cell, predictor)?;
+    if options.load_at == LoadPoint::LoadingPoint {
+        arm = arm.loaded_by(cell);
+    }
+    predict_on((cell, &arm), predictor, postures, options, control)
+}
+
+/// The same on the arm of `cell` with the values of `predictor`, loaded where `options` say.
+///
+/// # Errors
+/// As [`predict`].
+pub(in crate::work) fn predict_on(
+    (cell, arm): (&Cell, &LoadedArm),
+    predictor: &IdentifiedCompliance,
+    postures: &[LoadedPosture],
+    options: &PredictOptions,
+    control: Control<'_>,
+) -> Result<Prediction> {
     if postures.is_empty() {
         return Err(Error::new(
             Code::TooFewData,
             "There is no point to predict.",
         ));
     }
-    let mut arm = LoadedArm::new(cell, predictor)?;
-    if options.load_at == LoadPoint::LoadingPoint {
-        arm = arm.loaded_by(cell);
-    }
     let bands = Bands::new(predictor, options.load_uncertainty)?;
     let points = with_bands(
-        (&arm, bands.as_ref()),
+        (arm, bands.as_ref()),
         postures,
         ("bending", control),
         |posture| {
-            let found = point(&arm, posture, options);
+            let found = point(arm, posture, options);
             found.map_err(|e| predictor.explain(posture.at(e)))
         },
         |point| (point.shift_m, &mut point.band),

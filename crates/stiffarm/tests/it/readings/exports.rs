@@ -407,7 +407,7 @@ fn forces_in_the_names_of_states_are_those_of_the_sheet() -> Check {
     let named = named.map(|(state, load)| (state.to_string(), load));
     assert_eq!(loads(&table), named);
     let said = &table.remarks[0];
-    assert_eq!(said.code, stiffarm::measure::LOADS_FROM_NAMES);
+    assert_eq!(said.code, stiffarm::findings::codes::LOADS_FROM_NAMES);
     assert!(said.sentence.contains("up-250: 250 N"), "{}", said.sentence);
     // As the sheet for these states has them.
     let mut options = SheetOptions::default();

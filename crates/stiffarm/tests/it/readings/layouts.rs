@@ -1,7 +1,7 @@
 //! Tables as people and other programs lay them out.
 
 use super::*;
-use stiffarm::measure::{CARRIED_DOWN, ROWS_LEFT_OUT};
+use stiffarm::findings::codes;
 
 const HEADING: &str = "posture,state,point,x_mm,y_mm,z_mm,q1_deg,q2_deg\n";
 
@@ -127,7 +127,7 @@ fn rows_of_means_and_remarks_below_the_readings_are_left_out() -> Check {
         same(&text)?;
         let table = readings(&text, &rope_cell())?;
         let said: Vec<&str> = table.remarks.iter().map(|r| r.code.as_str()).collect();
-        assert_eq!(said, [ROWS_LEFT_OUT], "{below}");
+        assert_eq!(said, [codes::ROWS_LEFT_OUT], "{below}");
         assert!(
             table.remarks[0].sentence.contains("line 6 (\"") || below.starts_with(",,,,"),
             "{:?}",
@@ -165,7 +165,7 @@ fn names_and_loads_in_the_first_row_of_a_group_hold_for_all_of_it() -> Check {
     ] {
         same(&text)?;
         let table = readings(&text, &rope_cell())?;
-        assert_eq!(table.remarks[0].code, CARRIED_DOWN);
+        assert_eq!(table.remarks[0].code, codes::CARRIED_DOWN);
     }
     // A wrench once per state, as its first row has it.
     let cell = cell_with("kind = 'measured'", "");

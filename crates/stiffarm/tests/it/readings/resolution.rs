@@ -1,8 +1,7 @@
 //! Readings that were rounded before they came here.
 
 use super::*;
-use stiffarm::findings::Severity;
-use stiffarm::measure::READING_RESOLUTION;
+use stiffarm::findings::{Severity, codes};
 use stiffarm::{Measured, prepare, simulated_readings};
 use stiffarm_files::builtin;
 
@@ -34,7 +33,7 @@ fn a_step_of_the_readings_is_said_and_is_part_of_their_noise() -> Check {
         let (cell, measured) = rounded(Some(step))?;
         let said: Vec<_> = measured
             .findings()
-            .filter(|f| f.code == READING_RESOLUTION)
+            .filter(|f| f.code == codes::READING_RESOLUTION)
             .collect();
         assert_eq!(said.len(), 1, "{step}");
         assert_eq!(said[0].severity, severity, "{step}");
@@ -42,7 +41,7 @@ fn a_step_of_the_readings_is_said_and_is_part_of_their_noise() -> Check {
         // Nothing else is told of it: no drift, no base that moves, no copied rows.
         let others: Vec<_> = measured
             .findings()
-            .filter(|f| f.code != READING_RESOLUTION)
+            .filter(|f| f.code != codes::READING_RESOLUTION)
             .collect();
         assert!(
             others.iter().all(|f| f.severity == Severity::Note),
@@ -56,7 +55,7 @@ fn a_step_of_the_readings_is_said_and_is_part_of_their_noise() -> Check {
     assert!(
         measured
             .findings()
-            .all(|finding| finding.code != READING_RESOLUTION)
+            .all(|finding| finding.code != codes::READING_RESOLUTION)
     );
     assert_eq!(
         measured.noise(&cell).reading_variance,

@@ -210,7 +210,7 @@ fn merged_cells_hold_for_each_of_their_rows() -> Check {
     let more = format!("</sheetData><mergeCells count=\"8\">{regions}</mergeCells><sheetData>");
     let mut table = read(&workbook_with(&[("Sheet1", cells(merged))], &more), &cell)?;
     let said = table.remarks.remove(0);
-    assert_eq!(said.code, stiffarm::measure::MERGED_CELLS);
+    assert_eq!(said.code, stiffarm::findings::codes::MERGED_CELLS);
     assert!(
         said.sentence
             .contains("posture, state, load_n, q1_deg and q2_deg"),
@@ -222,7 +222,7 @@ fn merged_cells_hold_for_each_of_their_rows() -> Check {
     // forgotten is not.
     let mut table = read(&workbook(&[("Sheet1", cells(merged))]), &cell)?;
     let said = table.remarks.remove(0);
-    assert_eq!(said.code, stiffarm::measure::CARRIED_DOWN);
+    assert_eq!(said.code, stiffarm::findings::codes::CARRIED_DOWN);
     assert_eq!(without_lines(table), without_lines(readings(whole, &cell)?));
     let forgotten = merged.replace(",,right,1350.0625", ",unloaded,right,1350.0625");
     let error = read(&workbook(&[("Sheet1", cells(&forgotten))]), &cell).unwrap_err();

@@ -9,9 +9,10 @@ use days::{Beyond, Day, Kind, day, displacements, move_states};
 use mistakes::{MISTAKES, Mistake, Plant};
 use rayon::prelude::*;
 use stiffarm::estimate::identified::{Identified, Wanted};
-use stiffarm::estimate::setup::{REJECTS, SetUp, set_up};
+use stiffarm::estimate::setup::{SetUp, set_up};
 use stiffarm::estimate::standing::SoFar;
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
+use stiffarm::findings::codes;
 use stiffarm::model::measurement::{Measurements, Role};
 use stiffarm::work::judged::{Options as JudgeOptions, judge};
 
@@ -73,7 +74,7 @@ fn outcome(mistake: &Mistake, beyond: Beyond, seed: u64) -> (&'static str, Strin
     heard.sort_by_key(|f| std::cmp::Reverse(f.severity));
     let has_words = !mistake.words.is_empty();
     let named = found.iter().find(|f| has_words && is_it(f));
-    let other = |f: &&Finding| f.code == REJECTS && !(has_words && is_it(f));
+    let other = |f: &&Finding| f.code == codes::SET_UP && !(has_words && is_it(f));
     match (named, found.iter().find(other)) {
         (_, Some(other)) => return ("misled", short(other)),
         (Some(named), None) => return ("named", short(named)),
@@ -278,7 +279,7 @@ fn sound_days_reject_nothing() {
         };
         let finding = found
             .finding
-            .filter(|finding| finding.code.starts_with(REJECTS))?;
+            .filter(|finding| finding.code.starts_with(codes::SET_UP))?;
         Some(format!("{kind:?} {beyond:?} {run}: {}", finding.sentence))
     };
     let found: Vec<String> = (0..runs).into_par_iter().filter_map(rejected).collect();
@@ -323,7 +324,7 @@ fn identify_says_what_measure_says() {
         let fit = Fit::new(&cell, measured, &Default::default()).unwrap();
         let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
         let rejected = all.rejected().unwrap().clone();
-        assert_eq!(&rejected, the(&by_measure, REJECTS));
+        assert_eq!(&rejected, the(&by_measure, codes::SET_UP));
         assert_eq!(rejected.severity, Severity::Serious);
         let serious = by_measure
             .iter()

@@ -5,7 +5,8 @@ use crate::common::set_ups::path_point;
 use nalgebra::{Vector3, Vector6};
 use proptest::prelude::*;
 use stiffarm::model::cell::Cell;
-use stiffarm::model::path::{CountedBy, LoadLog, PathPoint, PathTarget, Recorded};
+use stiffarm::model::load_log::{CountedBy, LoadLog, Recorded};
+use stiffarm::model::path::{PathPoint, PathTarget};
 use stiffarm::model::process::ForceAxes;
 use stiffarm_files::table::{read_log, read_path, write_path};
 

@@ -19,7 +19,7 @@ use super::noise::{NoiseTest, noise_test};
 use crate::error::Result;
 use crate::estimate::identify::{Estimator, Fit, IdentifyOptions, NoiseSource};
 use crate::estimate::mixed::MixedFit;
-use crate::findings::{Finding, length, length_with_error, list, probability};
+use crate::findings::{Finding, codes, length, length_with_error, list, probability};
 use kept::Kept;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
@@ -177,7 +177,11 @@ impl Outliers {
              than single readings.",
             list(&worst)
         );
-        vec![Finding::serious("more-outliers", "measurements", message)]
+        vec![Finding::serious(
+            codes::MORE_OUTLIERS,
+            "measurements",
+            message,
+        )]
     }
 }
 
@@ -208,14 +212,14 @@ impl Outlier {
                     name(&self.axis),
                     length_with_error(deviation[axis], error),
                 );
-                ("outlying-displacement", message)
+                (codes::OUTLYING_DISPLACEMENT, message)
             }
             OutlierKind::Posture => {
                 let message = format!(
                     "Posture {} does not fit the others ({p}): look for a wrong angle, load or reading of all its points.",
                     name(&self.posture)
                 );
-                ("outlying-posture", message)
+                (codes::OUTLYING_POSTURE, message)
             }
             OutlierKind::Point => {
                 let message = format!(
@@ -223,7 +227,7 @@ impl Outlier {
                      in the tool.",
                     name(&self.point)
                 );
-                ("outlying-point", message)
+                (codes::OUTLYING_POINT, message)
             }
         };
         Finding::caution(code, self.subject(), message)

@@ -16,7 +16,7 @@ use super::noise::{Agreement, NoiseTest};
 use super::tails::{LEVEL, chi_squared_tails, two_sided};
 use crate::error::Result;
 use crate::estimate::identify::Fit;
-use crate::findings::{Finding, length, length_with_error, percent, probability};
+use crate::findings::{Finding, codes, length, length_with_error, percent, probability};
 use serde::{Deserialize, Serialize};
 use series::{Series, series};
 
@@ -215,7 +215,7 @@ impl LoadStates {
                 "friction that holds small loads, or forces that are read too large by a constant"
             };
             add(
-                "load-offset",
+                codes::LOAD_OFFSET,
                 format!(
                     "The lines through the load states miss zero by {size} in the direction of the displacement: \
                      {meaning}."

@@ -14,11 +14,12 @@ pub use result::{
     ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation, ElasticSimulationOptions,
 };
 
-use super::{check_amount, check_determined, draw_noise};
+use super::{check_amount, check_determined};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::elastic::{ElasticChoice, carried};
 use crate::estimate::identify::{Fit, IdentifyOptions, estimate};
+use crate::estimate::noise::draw_noise;
 use crate::estimate::validate::simulate_measurements;
 use crate::model::cell::Cell;
 use crate::model::measurement::MeasuredPosture;

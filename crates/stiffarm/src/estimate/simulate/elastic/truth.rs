@@ -5,7 +5,7 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::Spread;
 use crate::estimate::freedom::SpreadQuantiles;
 use crate::estimate::mixed::Reproduced;
-use crate::estimate::simulate::normal;
+use crate::estimate::noise::normal;
 use crate::model::cell::Cell;
 use crate::model::elastic::{Effect, ElasticSizes, ElasticSizing, fitted, terms};
 use crate::model::measurement::{Displacement, MeasuredPosture};

@@ -12,7 +12,7 @@ mod fit;
 use super::base_motion::on_a_line;
 use super::messages::{length, postures, postures_first};
 use crate::error::{Code, Error, Result};
-use crate::findings::{Finding, Severity};
+use crate::findings::{Finding, Severity, codes};
 use crate::measure::registration::{Pair, PointPair, Registration, rms};
 use crate::measure::series::{PostureSeries, StateSamples};
 use crate::model::cell::Cell;
@@ -287,7 +287,7 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
         let names: Vec<&str> = left_out.iter().map(|p| p.posture.as_str()).collect();
         let worst = left_out.iter().map(|p| p.rms_m).fold(0.0, f64::max);
         findings.push(Finding::caution(
-            "registration-outlier",
+            codes::REGISTRATION_OUTLIER,
             names.join(", "),
             format!(
                 "{}: the unloaded points lie up to {} from where the model puts them, the others within {}. Left out of \
@@ -300,7 +300,7 @@ fn check_own(summary: &UnloadedRegistration, findings: &mut Vec<Finding>) {
     }
     if summary.rms_m > LARGE {
         findings.push(Finding::caution(
-            "registration-residual",
+            codes::REGISTRATION_RESIDUAL,
             "registration",
             format!(
                 "After registration the unloaded points still lie {} (RMS) from where the model puts them, more than an \
@@ -331,7 +331,7 @@ fn check_given(
     if theirs > limit {
         let turn = (given.rotation * fit.rotation.inverse()).angle();
         findings.push(Finding::new(
-            "given-registration",
+            codes::GIVEN_REGISTRATION,
             if turn > 0.02 { Severity::Serious } else { Severity::Caution },
             "tracker",
             format!(
@@ -352,7 +352,7 @@ fn check_given(
         .collect();
     if !odd.is_empty() {
         findings.push(Finding::caution(
-            "registration-outlier",
+            codes::REGISTRATION_OUTLIER,
             odd.join(", "),
             format!(
                 "The unloaded points of {} disagree with those of the other postures: look for a mistyped angle or \

@@ -1,10 +1,10 @@
 //! A recorded load along a path.
 
-use super::{PathPoint, PathTarget};
 use crate::error::{Code, Error, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
+use crate::model::path::{PathPoint, PathTarget};
 use crate::model::process::{ForceAxes, Process, TipLoad};
 use crate::units::m_to_mm;
 use nalgebra::{Vector3, Vector6};

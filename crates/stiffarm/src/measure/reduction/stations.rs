@@ -4,12 +4,11 @@
 //! What two stations have in common is the robot. Where both read three reflectors on its base, these tie them, else
 //! the unloaded readings of each against the kinematic model.
 
-use super::reduction::UnloadedRegistration;
-use super::reduction::unloaded::{by_themselves, fits};
-use super::registration::{Pair, is_spread, rigid_transform, rms};
-use super::series::PostureSeries;
+use super::unloaded::{UnloadedRegistration, by_themselves, fits};
 use crate::error::{Error, Result};
 use crate::findings::{Finding, length, list};
+use crate::measure::registration::{Pair, is_spread, rigid_transform, rms};
+use crate::measure::series::PostureSeries;
 use crate::model::cell::Cell;
 use crate::model::measurement::{PostureReadings, ReadingTable, ReadingTarget, Role};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -55,7 +54,7 @@ struct Alone {
 ///
 /// # Errors
 /// No station says where it stands.
-pub(super) fn in_one_frame(
+pub(in crate::measure) fn in_one_frame(
     cell: &Cell,
     table: &mut ReadingTable,
     given: Option<&Isometry3<f64>>,

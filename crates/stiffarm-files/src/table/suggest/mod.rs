@@ -1,9 +1,11 @@
 //! What to write into `[columns]` for the headings of a file.
 
-use super::words::{Said, said, stem, words};
+mod words;
+
 use crate::table::grid::Heading;
 use crate::table::naming::{NAME, joint_number};
 use crate::table::quantity::Quantity;
+use words::{Said, said, stem, words};
 
 /// Headings that a hint lists before it is cut.
 const MOST: usize = 12;

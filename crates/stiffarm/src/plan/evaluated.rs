@@ -1,6 +1,6 @@
 //! What groups of postures are worth, with the postures.
 
-use super::evaluate::{GroupEvaluation, evaluate};
+use super::index::{GroupEvaluation, evaluate};
 use crate::error::Result;
 use crate::findings::{Finding, list};
 use crate::model::cell::Cell;

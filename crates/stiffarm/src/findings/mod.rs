@@ -1,5 +1,7 @@
 //! Sentences a result comes with, in one type for terminal, page and JSON.
 
+pub mod codes;
+
 pub use crate::error::{is_hidden, visible};
 use crate::units::m_to_mm;
 use serde::{Deserialize, Serialize};
@@ -55,6 +57,11 @@ impl Finding {
     /// What to look at before relying on the result.
     pub fn caution(code: &str, subject: impl Into<String>, sentence: impl Into<String>) -> Self {
         Finding::new(code, Severity::Caution, subject, sentence)
+    }
+
+    /// Whether the result, or the set-up, cannot be used as it is.
+    pub fn is_serious(&self) -> bool {
+        self.severity == Severity::Serious
     }
 
     /// Why the result, or the set-up, cannot be used as it is.

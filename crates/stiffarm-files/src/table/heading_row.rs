@@ -1,8 +1,8 @@
 //! Which row of a file is the heading, and units in brackets.
 
-use crate::table::naming::{DATE, NAME, normal};
-use crate::table::place::place_of;
-use crate::table::quantity::Quantity;
+use super::naming::{DATE, NAME, normal};
+use super::place::place_of;
+use super::quantity::Quantity;
 use stiffarm::model::cell::Columns;
 
 /// Rows above a heading: titles, remarks, settings.
@@ -13,10 +13,7 @@ const ENOUGH: usize = 3;
 
 /// Number of the first row, from 0, in which enough columns are known or mapped; `None` where
 /// none of the first rows is one.
-pub(in crate::table) fn find<R, F>(
-    rows: impl IntoIterator<Item = R>,
-    foreign: &Columns,
-) -> Option<usize>
+pub(super) fn find<R, F>(rows: impl IntoIterator<Item = R>, foreign: &Columns) -> Option<usize>
 where
     R: IntoIterator<Item = F>,
     F: AsRef<str>,
@@ -85,7 +82,7 @@ const AROUND_UNIT: [char; 14] = [
 
 /// Our heading for one whose unit stands in brackets or behind a sign: `X [mm]`, `x (m)`, `Fx / N`,
 /// `x_(mm)`, `y in mm`, and `x..mm.` as R makes of brackets.
-pub(in crate::table) fn own_unit(name: &str) -> Option<String> {
+pub(super) fn own_unit(name: &str) -> Option<String> {
     let end = name.find(|c: char| !c.is_ascii_alphanumeric())?;
     let (base, unit) = name.split_at(end);
     // Torques about x, y and z; with a unit of length they are something else.
@@ -113,7 +110,7 @@ const OWN_SHEET: [&str; 6] = ["posture", "state", "point", "x", "y", "z"];
 
 /// What counts for a file whose heading is that of a sheet of our own, beside which another
 /// software's export may be read: its names are ours, whatever `[columns]` calls so there.
-pub(in crate::table) fn of_own_sheet<R, F>(
+pub(super) fn of_own_sheet<R, F>(
     rows: impl IntoIterator<Item = R>,
     foreign: &Columns,
 ) -> Option<Columns>
