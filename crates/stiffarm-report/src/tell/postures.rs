@@ -78,13 +78,7 @@ fn nearest_share(limits: &PostureLimits) -> Option<usize> {
 
 /// A place in few words, for a narrow column.
 fn place(limit: &NearestLimit) -> String {
-    let what = match limit.kind {
-        LimitKind::WristHeight => "lowest height: ".to_string(),
-        LimitKind::RopeLength => "length of ".to_string(),
-        // The two that come near each other say it all.
-        LimitKind::Shapes | LimitKind::RopeClearance => String::new(),
-        other => format!("{}: ", other.short()),
-    };
+    let what = limit.kind.in_column();
     let subject = visible(&limit.subject).replace("measuring point", "point");
     let load = match &limit.load {
         Some(load) => format!(", load {}", visible(load)),

@@ -49,91 +49,219 @@ pub enum MarginUnit {
     Displacement,
 }
 
+/// On what the margins of a limit depend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum DependsOn {
+    /// Where the arm is, alone.
+    Place,
+    /// The load, too.
+    Load,
+    /// What the tracker sees, too.
+    Sight,
+}
+
+/// All that is said of a limit.
+struct Facts {
+    kind: LimitKind,
+    describe: &'static str,
+    short: &'static str,
+    /// Before what it is about, in a narrow column.
+    column: &'static str,
+    unit: MarginUnit,
+    depends_on: DependsOn,
+    /// The end of a sentence about a posture: `{point}` is what it is about, `{amount}` by how much it is violated.
+    violation: &'static str,
+}
+
+const fn facts(
+    kind: LimitKind,
+    describe: &'static str,
+    short: &'static str,
+    column: &'static str,
+    violation: &'static str,
+) -> Facts {
+    Facts {
+        kind,
+        describe,
+        short,
+        column,
+        unit: MarginUnit::Length,
+        depends_on: DependsOn::Place,
+        violation,
+    }
+}
+
+/// One row of each, in the order of the enum.
+const FACTS: [Facts; 13] = [
+    facts(
+        LimitKind::ToolBox,
+        "the box for tool points and flange",
+        "tool box",
+        "tool box: ",
+        "has its {point} {amount} beyond the box for tool points and flange",
+    ),
+    facts(
+        LimitKind::Floor,
+        "the floor",
+        "floor",
+        "floor: ",
+        "has its {point} {amount} beyond the floor",
+    ),
+    facts(
+        LimitKind::KeepOut,
+        "the keep-out cylinder about axis 1",
+        "keep-out cylinder",
+        "keep-out cylinder: ",
+        "has its {point} {amount} beyond the keep-out cylinder about axis 1",
+    ),
+    facts(
+        LimitKind::WristHeight,
+        "the lowest height of the wrist centre",
+        "lowest height of the wrist",
+        "lowest height: ",
+        "has its {point} {amount} beyond the lowest height of the wrist centre",
+    ),
+    Facts {
+        depends_on: DependsOn::Load,
+        ..facts(
+            LimitKind::RopeLength,
+            "the length of rope or cylinder",
+            "length of the rope",
+            "length of ",
+            "has its {point} {amount} beyond the {point}'s length",
+        )
+    },
+    facts(
+        LimitKind::Shapes,
+        "the distance between shapes",
+        "shapes",
+        "",
+        "has {amount} too little room between {point}",
+    ),
+    Facts {
+        depends_on: DependsOn::Load,
+        ..facts(
+            LimitKind::RopeClearance,
+            "the distance between rope or cylinder and shapes",
+            "rope",
+            "",
+            "has {amount} too little room between {point}",
+        )
+    },
+    Facts {
+        unit: MarginUnit::Angle,
+        depends_on: DependsOn::Load,
+        ..facts(
+            LimitKind::RopeCone,
+            "the cone of the rope's or cylinder's loading device",
+            "cone of the rope",
+            "cone of the rope: ",
+            "turns the {point} {amount} beyond its loading device's cone",
+        )
+    },
+    Facts {
+        unit: MarginUnit::Angle,
+        depends_on: DependsOn::Sight,
+        ..facts(
+            LimitKind::Incidence,
+            "the reflectors' acceptance angle",
+            "acceptance angle",
+            "acceptance angle: ",
+            "turns {point} {amount} beyond its acceptance angle",
+        )
+    },
+    Facts {
+        depends_on: DependsOn::Sight,
+        ..facts(
+            LimitKind::Sight,
+            "the tracker's line of sight",
+            "line of sight",
+            "line of sight: ",
+            "hides {point}: a shape reaches {amount} too far into its beam",
+        )
+    },
+    Facts {
+        unit: MarginUnit::Share,
+        depends_on: DependsOn::Load,
+        ..facts(
+            LimitKind::Torque,
+            "the joints' torque",
+            "torque",
+            "torque: ",
+            "loads {point} {amount} beyond its largest torque",
+        )
+    },
+    Facts {
+        unit: MarginUnit::Displacement,
+        depends_on: DependsOn::Load,
+        ..facts(
+            LimitKind::SmallestDisplacement,
+            "the smallest displacement under the load",
+            "smallest displacement",
+            "smallest displacement: ",
+            "moves its {point} {amount} too little under the load",
+        )
+    },
+    Facts {
+        unit: MarginUnit::Displacement,
+        depends_on: DependsOn::Load,
+        ..facts(
+            LimitKind::LargestDisplacement,
+            "the largest displacement under the load",
+            "largest displacement",
+            "largest displacement: ",
+            "moves its {point} {amount} too far under the load",
+        )
+    },
+];
+
 impl LimitKind {
     /// All of them.
-    pub const ALL: [LimitKind; 13] = [
-        LimitKind::ToolBox,
-        LimitKind::Floor,
-        LimitKind::KeepOut,
-        LimitKind::WristHeight,
-        LimitKind::RopeLength,
-        LimitKind::Shapes,
-        LimitKind::RopeClearance,
-        LimitKind::RopeCone,
-        LimitKind::Incidence,
-        LimitKind::Sight,
-        LimitKind::Torque,
-        LimitKind::SmallestDisplacement,
-        LimitKind::LargestDisplacement,
-    ];
+    pub const ALL: [LimitKind; FACTS.len()] = {
+        let mut all = [LimitKind::ToolBox; FACTS.len()];
+        let mut i = 0;
+        while i < FACTS.len() {
+            all[i] = FACTS[i].kind;
+            // Its row is found by its place.
+            assert!(all[i] as usize == i);
+            i += 1;
+        }
+        all
+    };
+
+    fn facts(self) -> &'static Facts {
+        &FACTS[self as usize]
+    }
 
     /// Words for a message.
     pub fn describe(self) -> &'static str {
-        match self {
-            LimitKind::ToolBox => "the box for tool points and flange",
-            LimitKind::Floor => "the floor",
-            LimitKind::KeepOut => "the keep-out cylinder about axis 1",
-            LimitKind::WristHeight => "the lowest height of the wrist centre",
-            LimitKind::RopeLength => "the length of rope or cylinder",
-            LimitKind::Shapes => "the distance between shapes",
-            LimitKind::RopeClearance => "the distance between rope or cylinder and shapes",
-            LimitKind::RopeCone => "the cone of the rope's or cylinder's loading device",
-            LimitKind::Incidence => "the reflectors' acceptance angle",
-            LimitKind::Sight => "the tracker's line of sight",
-            LimitKind::Torque => "the joints' torque",
-            LimitKind::SmallestDisplacement => "the smallest displacement under the load",
-            LimitKind::LargestDisplacement => "the largest displacement under the load",
-        }
+        self.facts().describe
     }
 
     /// Few words for a list or the heading of a column.
     pub fn short(self) -> &'static str {
-        match self {
-            LimitKind::ToolBox => "tool box",
-            LimitKind::Floor => "floor",
-            LimitKind::KeepOut => "keep-out cylinder",
-            LimitKind::WristHeight => "lowest height of the wrist",
-            LimitKind::RopeLength => "length of the rope",
-            LimitKind::Shapes => "shapes",
-            LimitKind::RopeClearance => "rope",
-            LimitKind::RopeCone => "cone of the rope",
-            LimitKind::Incidence => "acceptance angle",
-            LimitKind::Sight => "line of sight",
-            LimitKind::Torque => "torque",
-            LimitKind::SmallestDisplacement => "smallest displacement",
-            LimitKind::LargestDisplacement => "largest displacement",
-        }
+        self.facts().short
+    }
+
+    /// What stands before what a margin is about, in a narrow column.
+    pub fn in_column(self) -> &'static str {
+        self.facts().column
     }
 
     /// True where the margins depend on the load.
     pub fn is_of_load(self) -> bool {
-        matches!(
-            self,
-            LimitKind::RopeLength
-                | LimitKind::RopeClearance
-                | LimitKind::RopeCone
-                | LimitKind::Torque
-                | LimitKind::SmallestDisplacement
-                | LimitKind::LargestDisplacement
-        )
+        self.facts().depends_on == DependsOn::Load
     }
 
     /// True where the margins depend on where the arm is alone: neither on the load nor on what the
     /// tracker sees.
     pub fn is_of_place(self) -> bool {
-        !self.is_of_load() && !matches!(self, LimitKind::Incidence | LimitKind::Sight)
+        self.facts().depends_on == DependsOn::Place
     }
 
     /// What its margins are measured in.
     pub fn unit(self) -> MarginUnit {
-        match self {
-            LimitKind::RopeCone | LimitKind::Incidence => MarginUnit::Angle,
-            LimitKind::Torque => MarginUnit::Share,
-            LimitKind::SmallestDisplacement | LimitKind::LargestDisplacement => {
-                MarginUnit::Displacement
-            }
-            _ => MarginUnit::Length,
-        }
+        self.facts().unit
     }
 }
 
@@ -165,41 +293,10 @@ impl LimitMargin {
     /// beyond the floor`.
     pub fn violation(&self) -> String {
         let amount = self.amount(-self.margin);
-        let said = match self.kind {
-            LimitKind::Shapes => format!("has {amount} too little room between {}", self.point),
-            LimitKind::RopeClearance => {
-                format!("has {amount} too little room between {}", self.point)
-            }
-            LimitKind::RopeLength => {
-                format!("has its {0} {amount} beyond the {0}'s length", self.point)
-            }
-            LimitKind::RopeCone => format!(
-                "turns the {} {amount} beyond its loading device's cone",
-                self.point
-            ),
-            LimitKind::Incidence => {
-                format!("turns {} {amount} beyond its acceptance angle", self.point)
-            }
-            LimitKind::Sight => format!(
-                "hides {}: a shape reaches {amount} too far into its beam",
-                self.point
-            ),
-            LimitKind::SmallestDisplacement => {
-                format!(
-                    "moves its {} {amount} too little under the load",
-                    self.point
-                )
-            }
-            LimitKind::LargestDisplacement => {
-                format!("moves its {} {amount} too far under the load", self.point)
-            }
-            LimitKind::Torque => format!("loads {} {amount} beyond its largest torque", self.point),
-            _ => format!(
-                "has its {} {amount} beyond {}",
-                self.point,
-                self.kind.describe()
-            ),
-        };
+        let said = self.kind.facts().violation;
+        let said = said
+            .replace("{amount}", &amount)
+            .replace("{point}", &self.point);
         match &self.load {
             Some(load) => format!("{said} (load case {load})"),
             None => said,
