@@ -8,27 +8,27 @@ use super::solve::with_prior_rows;
 use crate::error::Result;
 use crate::numerics::information::Factor;
 use nalgebra::{DMatrix, DVector};
-use std::borrow::Cow;
 
 /// The rows of a fit as it weighs them: independent and alike, √weight of Huber in
 /// them, those of a prior below.
-pub(crate) struct Response<'a> {
-    fit: &'a Fit,
+#[derive(Debug)]
+pub(crate) struct Response {
+    fit: Fit,
     /// γ = τ²/σ².
     gamma: f64,
     psi: DMatrix<f64>,
     /// The measured displacements.
     delta: DVector<f64>,
-    /// Factor of the columns that are free.
-    factor: Cow<'a, Factor>,
+    /// Factor of the columns that are free, where it is not the fit's.
+    factor: Option<Factor>,
     /// Unknowns that are not held.
     free: Vec<usize>,
 }
 
-impl<'a> Response<'a> {
+impl Response {
     /// # Errors
     /// A decomposition that fails.
-    pub(crate) fn new(fit: &'a Fit) -> Result<Self> {
+    pub(crate) fn new(fit: &Fit) -> Result<Self> {
         let (whitened, solution) = (fit.prepared().whitened(), fit.solution());
         let (assumed, springs) = (fit.assumed(), fit.system().springs);
         let mut psi = whitened.with_shifts(whitened.psi(), solution.gamma);
@@ -45,12 +45,12 @@ impl<'a> Response<'a> {
         let free: Vec<usize> = (0..psi.ncols()).filter(|j| !held.contains(j)).collect();
         let own = solution.weights.is_some() || free.len() < psi.ncols();
         let factor = if own && !free.is_empty() {
-            Cow::Owned(Factor::new(&psi.select_columns(&free))?)
+            Some(Factor::new(&psi.select_columns(&free))?)
         } else {
-            Cow::Borrowed(&solution.factor)
+            None
         };
         Ok(Response {
-            fit,
+            fit: fit.clone(),
             gamma: solution.gamma,
             psi,
             delta,
@@ -66,7 +66,7 @@ impl<'a> Response<'a> {
     /// # Errors
     /// A decomposition that fails.
     pub(crate) fn with_random(
-        fit: &'a Fit,
+        fit: &Fit,
         random: &DMatrix<f64>,
         (roots, below): (&DMatrix<f64>, &DVector<f64>),
         gamma: f64,
@@ -90,10 +90,10 @@ impl<'a> Response<'a> {
         let mut delta = delta.resize_vertically(psi.nrows(), 0.0);
         delta.rows_mut(rows, below.len()).copy_from(below);
         Ok(Response {
-            fit,
+            fit: fit.clone(),
             gamma,
             delta,
-            factor: Cow::Owned(Factor::new(&psi.select_columns(&free))?),
+            factor: Some(Factor::new(&psi.select_columns(&free))?),
             psi,
             free,
         })
@@ -115,7 +115,7 @@ impl<'a> Response<'a> {
     /// # Panics
     /// If there is not one entry per row of the system.
     pub(crate) fn weighed(&self, shift: &DVector<f64>) -> DVector<f64> {
-        weighed(self.fit, shift, self.gamma).resize_vertically(self.psi.nrows(), 0.0)
+        weighed(&self.fit, shift, self.gamma).resize_vertically(self.psi.nrows(), 0.0)
     }
 
     /// Change of the unknowns when the weighed displacements change by `weighed`.
@@ -124,7 +124,8 @@ impl<'a> Response<'a> {
         if self.free.is_empty() {
             return out;
         }
-        let change = self.factor.solve(weighed);
+        let factor = self.factor.as_ref();
+        let change = factor.unwrap_or(&self.fit.solution().factor).solve(weighed);
         for (j, value) in self.free.iter().zip(change.iter()) {
             out[*j] = *value;
         }

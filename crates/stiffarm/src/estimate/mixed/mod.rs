@@ -53,7 +53,7 @@ use likelihood::Sizes;
 use means::scattered;
 use nalgebra::{DMatrix, DVector};
 use std::borrow::Cow;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use sums::Rows;
 
 /// The mixed model fitted to the displacements of a [`Fit`].
@@ -72,6 +72,7 @@ pub struct MixedFit {
     values: [f64; 2],
     compliance: IdentifiedCompliance,
     reproduced: OnceLock<Reproduced>,
+    response: OnceLock<Arc<Response>>,
     /// Without each posture in turn.
     folds: OnceLock<Vec<MixedFold>>,
 }
@@ -164,6 +165,7 @@ impl MixedFit {
         } = found;
         Ok(MixedFit {
             reproduced: OnceLock::new(),
+            response: OnceLock::new(),
             sizing,
             fit: fit.clone(),
             effects,
@@ -204,7 +206,10 @@ impl MixedFit {
     ///
     /// # Errors
     /// A decomposition that fails.
-    pub(crate) fn response(&self) -> Result<Response<'_>> {
+    pub(crate) fn response(&self) -> Result<Arc<Response>> {
+        if let Some(known) = self.response.get() {
+            return Ok(known.clone());
+        }
         let means = means(&self.effects);
         let mut random = self.rows.random_columns();
         // Rows of u that have variance σ²: diag(1/√λ) L⁻¹ diag(1/scale).
@@ -224,7 +229,9 @@ impl MixedFit {
             scattered(columns, &means);
             scale_columns(columns, scales.clone());
         }
-        Response::with_random(&self.fit, &random, (&roots, &below), self.sizes.gamma)
+        let gamma = self.sizes.gamma;
+        let found = Response::with_random(&self.fit, &random, (&roots, &below), gamma)?;
+        Ok(self.response.get_or_init(|| Arc::new(found)).clone())
     }
 
     /// The likelier model of springs alone, without bearings and beams, less this one: change of all unknowns. What an arm is

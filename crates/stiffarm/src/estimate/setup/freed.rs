@@ -102,7 +102,7 @@ impl At {
 /// A fit as it answers to small changes of what was measured.
 pub(super) struct Linear<'a> {
     fit: &'a Fit,
-    response: Response<'a>,
+    response: Arc<Response>,
     answers: Answers<'a>,
     /// σ, where springs beyond the axes leave it.
     sigma: Option<f64>,
@@ -119,7 +119,7 @@ impl<'a> Linear<'a> {
     ) -> Option<Self> {
         let (response, values) = match mixed {
             Some(mixed) => (mixed.response().ok()?, &mixed.compliance().values),
-            None => (Response::new(fit).ok()?, &fit.solution().values),
+            None => (Arc::new(Response::new(fit).ok()?), &fit.solution().values),
         };
         let delta = response.delta();
         let rest = response.left(delta, &response.of(delta));

@@ -7,6 +7,7 @@ use crate::estimate::quantity::facts::Quantity;
 use crate::model::elastic::ElasticClass;
 use crate::model::observation::ExtraTerm;
 use nalgebra::DVector;
+use std::sync::Arc;
 
 /// The result of a fit, or of the mixed model that goes on from it.
 pub(super) struct Believed<'a> {
@@ -20,7 +21,7 @@ pub(super) struct Believed<'a> {
     /// The extra terms.
     pub extra: &'a [ExtraTerm],
     /// How the values answer to a change of the displacements.
-    pub response: Response<'a>,
+    pub response: Arc<Response>,
     /// σ of a displacement component, where anything is known of it \[m\].
     pub sigma: Option<f64>,
     /// Degrees of freedom behind σ; `None` where it is known.
@@ -61,7 +62,7 @@ impl<'a> Believed<'a> {
             joints: solution.values.rows(0, fit.system().springs).into_owned(),
             reproduced: None,
             extra: &fit.system().extra,
-            response: Response::new(fit)?,
+            response: Arc::new(Response::new(fit)?),
             sigma: solution.sigma.filter(|_| known),
             degrees_of_freedom: solution.t_degrees_of_freedom,
             half_widths: errors.iter().map(|e| Some(t? * (*e)?)).collect(),
