@@ -157,6 +157,7 @@ ROWS = {
     "measuring points moved by 20 mm": (points_shifted, ("tool-place", "measuring-points", "joint-offset")),
     "measuring points turned by 2°": (points_turned, ("tool-place", "measuring-points", "joint-offset")),
     "displacements in a base turned by 2°": (functools.partial(table, degrees=2.0), ("registration",)),
+    "displacements in a base turned by 10°": (functools.partial(table, degrees=10.0), ("registration",)),
 }
 
 
