@@ -279,6 +279,7 @@ impl Identified {
         if out.freed.is_empty() {
             out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
         }
+        // Before the diagnosis, which takes long and may be stopped; again where that finds a quantity of the set-up off.
         let found = systematic_errors_with(fit, mixed.as_ref(), None);
         out.systematic_errors = unless_stopped("systematic_errors", &mut left_out, found)?;
         let diagnosis = diagnosed(fit, mixed.as_ref());

@@ -151,28 +151,20 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     let described = beside.iter().flat_map(|at| described(&stated, at, before));
     let freed: Vec<Freed> = described.collect();
     let (best, first) = (&beside[0], &freed[0]);
-    let (quantity, each) = (best.values[0].0, EACH * best.numbers() as f64);
-    let is_strong = first.likelihood_ratio > REJECTED + each;
-    let least = each + if is_strong { REJECTED } else { DOUBTED };
-    let finding = match doubt(&fit, best, first, (least, is_strong), grants)? {
+    let quantity = best.values[0].0;
+    let finding = match judged(&fit, best, first, grants)? {
         None => None,
         // A posture that does not fit is a finding of its own.
-        Some(Some(Doubt::Posture(name))) if outlying.contains(&name) => None,
+        Some(Word::ByPosture(name)) if outlying.contains(&name) => None,
         // What gives way is no error of the set-up that could be doubtful.
-        Some(Some(_)) if quantity.terms(0).is_some() => None,
-        Some(doubt) => {
+        Some(word) if word != Word::Rejected && quantity.terms(0).is_some() => None,
+        Some(word) => {
             let others = freed.iter().zip(&beside).skip(1);
             let alike = others
                 .filter(|(own, _)| first.likelihood_ratio - own.likelihood_ratio < ALIKE)
                 .map(|(_, at)| at.values[0].0);
             let alike: Vec<Quantity> = alike.collect();
-            Some(words::finding(
-                fit.cell(),
-                quantity,
-                first,
-                &alike,
-                doubt.as_ref(),
-            ))
+            Some(words::finding(fit.cell(), quantity, first, &alike, &word))
         }
     };
     let values = &best.values[0].1.values;
@@ -184,26 +176,24 @@ pub fn set_up(fit: &Fit, mixed: Option<&MixedFit>, outlying: &[String]) -> Resul
     }))
 }
 
-/// Why a quantity is doubtful and not rejected.
+/// What the readings say of a quantity with which they are clearly likelier elsewhere.
 #[derive(Debug, Clone, PartialEq)]
-enum Doubt {
-    /// The readings are not so much likelier.
-    Evidence,
-    /// The axes alone leave hardly less: springs beyond them may be the reason.
-    Springs,
-    /// One posture says most of it.
-    Posture(String),
+enum Word {
+    /// It is rejected as stated.
+    Rejected,
+    /// Doubtful: the readings are not so much likelier.
+    Likely,
+    /// Doubtful: the axes alone leave hardly less, so that springs beyond them may be the reason.
+    BySprings,
+    /// Doubtful: one posture says most of it.
+    ByPosture(String),
 }
 
-/// Whether the readings are clearly likelier, by `least` at least, with the best quantity where they want it, and if so,
-/// what stands against rejecting it.
-fn doubt(
-    fit: &Fit,
-    best: &At,
-    first: &Freed,
-    (least, is_strong): (f64, bool),
-    grants: bool,
-) -> Result<Option<Option<Doubt>>> {
+/// What the readings say of the best quantity; `None` where they are not clearly likelier with it where they want it.
+fn judged(fit: &Fit, best: &At, first: &Freed, grants: bool) -> Result<Option<Word>> {
+    let each = EACH * best.numbers() as f64;
+    let is_strong = first.likelihood_ratio > REJECTED + each;
+    let least = each + if is_strong { REJECTED } else { DOUBTED };
     if first.likelihood_ratio <= least
         || is_within_stated(fit, &best.values[0], &first.standard_error)
     {
@@ -213,10 +203,10 @@ fn doubt(
     let is_clear = left < CLEAR * all || first.likelihood_ratio > ANYHOW;
     let (without, worst) = without_worst(fit, best, grants)?;
     Ok(Some(match (is_strong, is_clear) {
-        _ if without <= 0.5 * least => Some(Doubt::Posture(worst)),
-        (false, _) => Some(Doubt::Evidence),
-        (_, false) => Some(Doubt::Springs),
-        _ => None,
+        _ if without <= 0.5 * least => Word::ByPosture(worst),
+        (false, _) => Word::Likely,
+        (true, false) => Word::BySprings,
+        (true, true) => Word::Rejected,
     }))
 }
 

@@ -1,6 +1,6 @@
 //! What the readings ask of the set-up, in sentences.
 
-use super::{Doubt, Freed};
+use super::{Freed, Word};
 use crate::estimate::quantity::facts::{Numbers, Quantity};
 use crate::estimate::quantity::place::{Place, Valued};
 use crate::estimate::quantity::stated::{anchor, gravity, loading_point};
@@ -255,7 +255,7 @@ pub(super) fn finding(
     quantity: Quantity,
     own: &Freed,
     alike: &[Quantity],
-    doubt: Option<&Doubt>,
+    word: &Word,
 ) -> Finding {
     let wanted = match quantity {
         Quantity::Sign => {
@@ -291,15 +291,16 @@ pub(super) fn finding(
         Quantity::Sign => "With that no joint yields against its torque.".to_string(),
         _ => format!("With that the joint axes alone leave {after} instead of {before} (RMS)."),
     };
-    if let Some(doubt) = doubt {
-        let how = match doubt {
-            Doubt::Evidence => ". That is likely, not sure".to_string(),
-            Doubt::Springs => ", as far as springs beyond the axes do not excuse it".to_string(),
-            Doubt::Posture(name) => format!(
-                ". Posture {} alone says most of that: measure it again",
-                visible(name)
-            ),
-        };
+    let how = match word {
+        Word::Rejected => None,
+        Word::Likely => Some(". That is likely, not sure".to_string()),
+        Word::BySprings => Some(", as far as springs beyond the axes do not excuse it".to_string()),
+        Word::ByPosture(name) => Some(format!(
+            ". Posture {} alone says most of that: measure it again",
+            visible(name)
+        )),
+    };
+    if let Some(how) = how {
         let sentence =
             format!("{wanted}{how}.{others} {remedy}. Until that is settled the total ± holds it.");
         return Finding::caution(codes::SET_UP_DOUBTFUL, own.key.as_str(), sentence);

@@ -34,6 +34,10 @@ pub fn evaluate_groups<G: AsRef<[Q]> + Sync, Q: AsRef<[f64]> + Sync>(
         let name = (number + 1).to_string();
         Ok(evaluate_terms(cell, &name, &terms, model.as_ref())?.indices)
     };
+    // Only the decompositions give this one, and the others with it: each group is a job of its own.
+    if predicts {
+        return in_order(groups, |(number, group)| exactly(number, group.as_ref()));
+    }
     let Some(first) = groups.first().map(AsRef::as_ref) else {
         return Ok(Vec::new());
     };
@@ -46,7 +50,7 @@ pub fn evaluate_groups<G: AsRef<[Q]> + Sync, Q: AsRef<[f64]> + Sync>(
     let fits = |group: &[Q]| {
         let robot = &cell.setup.robot;
         let mut angles = group.iter().map(|q| check_angles(robot, q.as_ref()));
-        !predicts && group.len() == first.len() && angles.all(|checked| checked.is_ok())
+        group.len() == first.len() && angles.all(|checked| checked.is_ok())
     };
     let portions: Vec<&[G]> = groups.chunks(PORTION).collect();
     let found = in_order(&portions, |(portion, groups)| {
