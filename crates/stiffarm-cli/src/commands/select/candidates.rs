@@ -1,6 +1,7 @@
 //! `--candidates`: the best postures out of a list.
 
 use super::job::Job;
+use crate::answer::Answer;
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -9,7 +10,7 @@ use stiffarm::plan::planned::{CandidateRequest, plan_candidates};
 use stiffarm_files::source::read_candidates;
 
 /// Chooses, and writes plan and sheet.
-pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Answer> {
     let (candidates, measured) = read_candidates(job.session, list, job.cell())?;
     let mut request = CandidateRequest::default();
     request.index = job.index;
@@ -22,5 +23,6 @@ pub(super) fn run(job: &Job<'_>, list: &str) -> Result<Exit> {
         let planned = plan_candidates(job.cell(), &candidates, &request, control)?;
         Ok(planned.with_forecast())
     })?;
-    job.deliver(&planned, &planned.result.findings)
+    let exit = Exit::of_findings(&planned.result.findings);
+    job.answer(planned, exit)
 }

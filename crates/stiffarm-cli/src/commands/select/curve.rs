@@ -1,6 +1,7 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
 use super::job::Job;
+use crate::answer::Answer;
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -9,7 +10,7 @@ use stiffarm::plan::index::Index;
 use stiffarm::plan::planned::{Curve, CurveRequest, plan_curve};
 
 /// Selects groups of every size up to the largest, and bounds them all.
-pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let budget = &job.args.budget;
     let mut request = CurveRequest::default();
     request.index = job.index;
@@ -25,9 +26,9 @@ pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
         plan_curve(job.cell(), &request, &mut watch, control)
     })?;
     drop(progress);
-    job.outputs
-        .write_text(job.session, || csv(&planned.result))?;
-    job.show(&planned, &planned.result.findings)
+    let table = job.outputs.text(|| csv(&planned.result));
+    let exit = Exit::of_findings(&planned.result.findings);
+    Ok(job.told(planned, exit).with(table))
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.

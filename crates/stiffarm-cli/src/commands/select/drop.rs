@@ -1,6 +1,7 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::job::Job;
+use crate::answer::Answer;
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
@@ -13,7 +14,7 @@ use stiffarm_files::source::read_postures;
 const EVALUATIONS: usize = 10_000;
 
 /// Compares the ways to leave postures out and writes those that stay.
-pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Answer> {
     let robot = &job.cell().setup.robot;
     let given = read_postures(job.session, "given", given, robot)?;
     let mut request = DropRequest::default();
@@ -25,5 +26,6 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Exit> {
     }
     let planned = Progress::new(job.session, "leaving postures out")
         .watch(|control| plan_drop(job.cell(), &given, &request, control))?;
-    job.deliver(&planned, &planned.result.findings)
+    let exit = Exit::of_findings(&planned.result.findings);
+    job.answer(planned, exit)
 }

@@ -9,6 +9,7 @@ mod load;
 mod plan;
 mod space_filling;
 
+use crate::answer::Answer;
 use crate::args::SelectArgs;
 use crate::output::Exit;
 use crate::session::Session;
@@ -17,7 +18,7 @@ use stiffarm::Result;
 use stiffarm::plan::index::Index;
 
 /// Selects, and writes what was asked for.
-pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &SelectArgs) -> Result<Answer> {
     let index = match &args.index {
         Some(name) => Index::from_name(name)?,
         // That index counts one load, which is known.
@@ -34,7 +35,7 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
         named,
         outputs,
     };
-    let exit = if let Some(list) = &args.candidates {
+    let mut answer = if let Some(list) = &args.candidates {
         candidates::run(&job, list)?
     } else if args.space_filling {
         space_filling::run(&job)?
@@ -45,9 +46,8 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     } else {
         plan::run(&job)?
     };
-    Ok(if session.stopped() {
-        Exit::Interrupted
-    } else {
-        exit
-    })
+    if session.stopped() {
+        answer.exit = Exit::Interrupted;
+    }
+    Ok(answer)
 }

@@ -2,6 +2,7 @@
 
 use super::job::Job;
 use super::load;
+use crate::answer::Answer;
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -12,7 +13,7 @@ use stiffarm::{Error, Result};
 use stiffarm_files::source::read_postures;
 
 /// Selects, bounds and examines the plan, and writes plan and sheet.
-pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let request = request(job)?;
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
@@ -20,7 +21,8 @@ pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
         Ok(plan(job.cell(), &request, &mut watch, control)?.with_forecast())
     })?;
     drop(progress);
-    job.deliver(&planned, &planned.result.findings)
+    let exit = Exit::of_findings(&planned.result.findings);
+    job.answer(planned, exit)
 }
 
 /// What the command line asks for.
