@@ -2,8 +2,8 @@
 
 use super::PageArgs;
 use super::fit::FitArgs;
-use super::values::{count, seed};
 use clap::{Args, ValueHint};
+use stiffarm::ask::values::{count, seed};
 
 #[derive(Debug, Args)]
 pub struct CoverageArgs {

@@ -1,7 +1,7 @@
 //! How the joint stiffness is estimated.
 
-use super::values::{Choice, choice, number, one_of};
 use clap::Args;
+use stiffarm::ask::values::{Choice, choice, number, one_of};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::{CONFIDENCE, Estimator, IdentifyOptions, NoiseSource, Weights};
 use stiffarm::model::observation::ExtraTerm;

@@ -2,8 +2,8 @@
 
 use super::PageArgs;
 use super::fit::FitArgs;
-use super::values::{Choice, above_zero, choice, count, number, seed};
 use clap::{Args, ValueHint};
+use stiffarm::ask::values::{Choice, above_zero, choice, count, number, seed};
 use stiffarm::estimate::validate::Model;
 use stiffarm::estimate::validated::Folds;
 

@@ -15,7 +15,6 @@ mod route;
 mod schema;
 mod select;
 mod simulate;
-mod values;
 mod work;
 
 pub use capsules::{CapsulesArgs, MeshUnit};
@@ -31,7 +30,7 @@ pub use report::PageArgs;
 pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use schema::SCHEMAS;
-pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
+pub use select::{OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::SimulateArgs;
 pub use work::MapArgs;
 
@@ -40,10 +39,10 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
+use stiffarm::ask::values::choice;
+use stiffarm::ask::values::{above_zero, count_or_none, number, seed, within};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::plan::zones::STEPS;
-use values::choice;
-use values::{count_or_none, number, seed, within};
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -236,7 +235,7 @@ pub struct SplitArgs {
     )]
     pub indices: Vec<String>,
     /// Multiplies the sizes of what the index prediction takes to give way beyond the axes
-    #[arg(long, value_name = "X", requires = "measured", value_parser = values::above_zero("1"))]
+    #[arg(long, value_name = "X", requires = "measured", value_parser = above_zero("1"))]
     pub size_factor: Option<f64>,
     /// Result of `register`: places raw readings in the base frame
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json", requires = "measured")]

@@ -2,9 +2,9 @@
 
 use super::PageArgs;
 use super::measured::MODEL;
-use super::values::{choice, number, triple, within};
 use super::work::{AXES, Triple};
 use clap::{Args, ValueEnum, ValueHint};
+use stiffarm::ask::values::{choice, number, triple, within};
 use stiffarm::estimate::validate::Model;
 use stiffarm::model::process::ForceAxes;
 use stiffarm_files::program::Language;

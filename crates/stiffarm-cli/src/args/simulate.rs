@@ -2,10 +2,10 @@
 
 use super::PageArgs;
 use super::fit::ELASTIC;
-use super::values::{choice, count, number, pause, seed};
 use crate::numbers::to_usize;
 use clap::{Args, ValueHint};
 use std::time::Duration;
+use stiffarm::ask::values::{choice, count, number, pause, seed};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulated::{ErrorRequest, Request};
 

@@ -1,9 +1,9 @@
 //! Commands about the robot at work.
 
 use super::PageArgs;
-use super::values::{Choice, choice, number, triple, within};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
+use stiffarm::ask::values::{Choice, choice, number, triple, within};
 use stiffarm::model::process::ForceAxes;
 use stiffarm::work::map::MOST_TURNS;
 use stiffarm::work::region::{Plane, RegionRequest, Steps};

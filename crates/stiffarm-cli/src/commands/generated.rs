@@ -7,6 +7,7 @@ use schemars::{JsonSchema, Schema};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use stiffarm::Result;
+use stiffarm::ask::select::{self, Asked};
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
@@ -15,7 +16,6 @@ use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::planned::{self, Asked};
 use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
@@ -32,13 +32,11 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         ("cell".to_string(), cell_schema()),
         of::<check::Options, CellCheck>("check"),
         of::<EvaluatedOptions, Evaluated>("evaluate"),
-        of::<planned::PlanOptions, planned::Plan>("select"),
-        of::<Asked<planned::DropRequest>, planned::DropResult>("select --drop"),
-        of::<Asked<planned::CurveRequest>, planned::Curve>("select --curve"),
-        of::<Asked<planned::SpaceFillingRequest>, planned::SpaceFillingPlan>(
-            "select --space-filling",
-        ),
-        of::<Asked<planned::CandidateRequest>, planned::Chosen>("select --candidates"),
+        of::<Asked, select::Plan>("select"),
+        of::<Asked, select::DropResult>("select --drop"),
+        of::<Asked, select::Curve>("select --curve"),
+        of::<Asked, select::SpaceFillingPlan>("select --space-filling"),
+        of::<Asked, select::Chosen>("select --candidates"),
         of::<simulated::Options, Simulation>("simulate"),
         of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
         of::<coverage::Options, Coverage>("coverage"),

@@ -4,9 +4,9 @@ use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
 use crate::tell::{Block, DataTable, Given, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
+use stiffarm::ask::select::Chosen;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::Chosen;
 
 impl Telling for Chosen {
     fn told(&self, context: &Given<'_>) -> Result<Told> {

@@ -4,9 +4,9 @@ use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
 use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
+use stiffarm::ask::select::{Curve, CurveSize};
 use stiffarm::findings::visible;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Curve, CurveSize};
 
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;

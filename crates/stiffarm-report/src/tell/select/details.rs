@@ -5,8 +5,8 @@ use super::super::worth::index_quantity;
 use crate::selection::sensitivity_figure;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
+use stiffarm::ask::select::Plan;
 use stiffarm::findings::{list, visible};
-use stiffarm::plan::planned::Plan;
 use stiffarm::plan::select::{LimitPrice, Sensitivity, WORTH_CHANGING};
 
 /// What the bound rests on; `None` where there is none.
@@ -78,7 +78,7 @@ pub(super) fn price_table(given: &Given<'_>, plan: &Plan, prices: &[LimitPrice])
 pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
     let asked = |key: &str| {
-        let option = given.saved.json.pointer(&format!("/options/load/{key}"));
+        let option = given.saved.json.pointer(&format!("/options/{key}"));
         option.is_none_or(|option| !option.is_null())
     };
     // A tenth of a millimetre is finer than anybody rigs a rope.
@@ -87,7 +87,7 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
         digits.join(", ").replace('−', "-")
     };
     let mut lines = Vec::new();
-    if asked("loading_point_box_m") {
+    if asked("loading_point_box_mm") {
         lines.push("[tool]".to_string());
         lines.push(format!(
             "loading_point_mm = [{}]",
@@ -95,7 +95,7 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
         ));
     }
     let newtons = load.magnitude_n.filter(|_| asked("largest_load_n"));
-    let anchor = load.anchor_m.filter(|_| asked("anchor_box_m"));
+    let anchor = load.anchor_m.filter(|_| asked("anchor_box_mm"));
     if newtons.is_some() || anchor.is_some() {
         lines.push("[load]".to_string());
     }

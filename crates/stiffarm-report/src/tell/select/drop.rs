@@ -5,9 +5,9 @@ use super::super::worth::{index_number, index_quantity};
 use crate::selection::worth_figure;
 use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, shown};
 use stiffarm::Result;
+use stiffarm::ask::select::DropResult;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::DropResult;
 
 impl Telling for DropResult {
     fn told(&self, context: &Given<'_>) -> Result<Told> {

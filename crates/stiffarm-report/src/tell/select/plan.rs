@@ -7,11 +7,11 @@ use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, wor
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Telling, Told};
+use stiffarm::ask::select::Plan;
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::Plan;
 use stiffarm::{Result, Termination};
 
 impl Telling for Plan {

@@ -3,9 +3,9 @@
 use super::super::postures::{near_singular, posture_table, room, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
 use crate::tell::{Block, Given, Telling, Text, Told, counted, shown};
+use stiffarm::ask::select::SpaceFillingPlan;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::SpaceFillingPlan;
 use stiffarm::{Result, Termination};
 
 impl Telling for SpaceFillingPlan {

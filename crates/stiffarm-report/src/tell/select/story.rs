@@ -4,10 +4,10 @@ use super::super::worth::{index_number, is_beyond_first_order, least_sure};
 use crate::tell::Given;
 use crate::tell::Text;
 use stiffarm::Termination;
+use stiffarm::ask::select::{InTime, Plan};
 use stiffarm::findings::{Severity, codes, minutes, visible};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{InTime, Plan};
 use stiffarm::plan::select::different;
 
 /// Below this share of what is possible a longer search is worth its time.
