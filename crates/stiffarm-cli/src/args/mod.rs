@@ -3,7 +3,6 @@
 mod capsules;
 mod coverage;
 mod export;
-mod fit;
 mod groups;
 mod init;
 mod measure;
@@ -24,7 +23,7 @@ pub use groups::grouped;
 pub use init::InitArgs;
 pub use measure::{Goal, MeasureArgs};
 pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
-pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
+pub use path::{CompensateArgs, PredictArgs, WriteChoice};
 pub use pose::PoseArgs;
 pub use report::PageArgs;
 pub use report::ReportArgs;
@@ -39,8 +38,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use stiffarm::ask::values::choice;
-use stiffarm::ask::values::{above_zero, count_or_none, number, seed, within};
+use stiffarm::ask::values::{ELASTIC, above_zero, choice, count_or_none, number, seed, within};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::plan::zones::STEPS;
 
@@ -199,7 +197,7 @@ pub struct StudyArgs {
     pub initial_groups: usize,
     /// Also simulate groups on an arm that gives way beyond its joint axes, as simulate --elastic
     /// does, in at most 40 runs each [default: axes]
-    #[arg(long, value_name = "MODEL", value_parser = choice(fit::ELASTIC))]
+    #[arg(long, value_name = "MODEL", value_parser = choice(ELASTIC))]
     pub elastic: Option<ElasticChoice>,
     /// Also show every table and all findings
     #[arg(long)]

@@ -7,13 +7,13 @@ use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
+use stiffarm::ask::compensate::Compensated;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::compensate::Compensation;
-use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::program::Language;
@@ -33,12 +33,10 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = read_stiffness(session, &args.stiffness, cell)?;
-    let options = Options {
-        path: args.along.options(),
-    };
+    let options = &args.options;
     let wrong = options.compensate_options(&saved).map(|_| ());
-    wrong.and_then(|()| options.path.posture_options(cell))?;
-    let (axes, log) = (options.path.axes, args.along.log.as_deref());
+    wrong.and_then(|()| options.posture_options(cell))?;
+    let (axes, log) = (options.axes, args.along.log.as_deref());
     let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
@@ -57,9 +55,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let mut result = Progress::new(session, "compensating the path")
         .watch(|control| {
             let points = &path.table.points;
-            let followed = options
-                .path
-                .follow(cell, &saved.predictor, points, control)?;
+            let followed = options.follow(cell, &saved.predictor, points, control)?;
             options.compensate(cell, &saved, &followed, control)
         })
         .map_err(|e| path.in_file(e))?;

@@ -7,7 +7,6 @@ use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
-use stiffarm::work::predicted::Request;
 use stiffarm::{Error, Result};
 use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
@@ -22,16 +21,10 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     )?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
-    let request = Request {
-        path: args.along.options(),
-        model: args.model,
-        matrix: args.matrix,
-        cell_load: args.cell_load,
-        load_case: args.load_case.clone(),
-    };
+    let request = &args.options;
     named.cell = request.under_case(named.cell)?;
-    request.predict_options(&saved)?;
-    if args.path.is_some() && !args.cell_load {
+    request.at_work(&saved)?;
+    if args.path.is_some() && !request.cell_load {
         let wrong = request.path.posture_options(&named.cell);
         wrong?;
     }
@@ -71,7 +64,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         || render_svg(&prediction_figure(prediction, workpiece)),
     )?;
     session.deliver_at_work(
-        session.envelope("predict", None, request.options(), result),
+        session.envelope("predict", None, request, result),
         |result| &mut result.prediction.points,
         (&named, &saved),
         args.details,

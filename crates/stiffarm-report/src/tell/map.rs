@@ -11,9 +11,9 @@ use crate::tell::{
 };
 use serde::Deserialize;
 use stiffarm::Result;
+use stiffarm::ask::map::LoadSource;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
-use stiffarm::work::mapped::LoadSource;
 
 /// Deflection of a tip under a small load, from m.
 const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));

@@ -11,9 +11,9 @@ use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
+use stiffarm::ask::predict::Predicted;
 use stiffarm::findings::{codes, visible};
 use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
-use stiffarm::work::predicted::Predicted;
 
 /// Points whose stiffness matrices are shown.
 const MATRICES: usize = 2;
@@ -75,7 +75,7 @@ struct What {
 impl What {
     fn of(context: &Given<'_>) -> Self {
         let json = &context.saved.json;
-        let is_cell_load = json["options"]["load_at"] == "loading_point";
+        let is_cell_load = json["options"]["cell_load"] == true;
         What {
             is_path: !json["result"]["postures"].is_null(),
             is_cell_load,

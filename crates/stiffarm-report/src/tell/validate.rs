@@ -10,8 +10,8 @@ use crate::tell::{
 use crate::validated::validation_figure;
 use serde::Deserialize;
 use stiffarm::Result;
+use stiffarm::ask::validate::Validated;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
-use stiffarm::estimate::validated::Validated;
 use stiffarm::findings::{Severity, codes, list, visible};
 use stiffarm::measure::is_of_table;
 use stiffarm::model::observation::ExtraTerm;

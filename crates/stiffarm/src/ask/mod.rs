@@ -6,8 +6,19 @@
 //! and angles degrees here, as their names say; what is calculated with is SI. With the feature `clap` the structs are
 //! arguments of a command line.
 
+pub mod compensate;
+pub mod fit;
+pub mod identify;
+pub mod map;
+pub mod path;
+pub mod place;
+pub mod predict;
+pub mod region;
+pub mod register;
 pub mod rules;
 pub mod select;
+pub mod simulate;
+pub mod validate;
 
 #[cfg(feature = "clap")]
 pub mod values;

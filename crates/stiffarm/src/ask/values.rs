@@ -1,6 +1,9 @@
 //! Values that several commands read alike. Each number is refused where it cannot be
 //! meant: nothing that is computed from an option is infinite.
 
+use crate::estimate::elastic::ElasticChoice;
+use crate::model::process::ForceAxes;
+use crate::model::stiffness::Model;
 use crate::units::Sense;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::ops::RangeInclusive;
@@ -136,3 +139,43 @@ pub fn pause() -> impl Fn(&str) -> Result<Duration, String> + Clone {
         _ => Err("give seconds from 0.02 to 3600".to_string()),
     }
 }
+
+/// How displacements are calculated.
+pub const MODEL: &[Choice<Model>] = &[
+    ("linear", "Linear in the load", Model::Linear),
+    (
+        "equilibrium",
+        "Exact static equilibrium",
+        Model::Equilibrium,
+    ),
+];
+
+/// What gives way.
+pub const ELASTIC: &[Choice<ElasticChoice>] = &[
+    ("axes", "The joint axes alone", ElasticChoice::Axes),
+    (
+        "mixed",
+        "Joints and base in all directions, as far as the data show",
+        ElasticChoice::Mixed,
+    ),
+];
+
+/// Axes of a path's forces.
+pub const AXES: &[Choice<ForceAxes>] = &[
+    ("base", "The robot's base", ForceAxes::Base),
+    (
+        "tool",
+        "The tip frame; its z is the tool axis",
+        ForceAxes::Tool,
+    ),
+    (
+        "workpiece",
+        "The workpiece frame of the cell",
+        ForceAxes::Workpiece,
+    ),
+    (
+        "path",
+        "The path: z the tool axis, x the feed direction across it",
+        ForceAxes::Path,
+    ),
+];

@@ -11,9 +11,9 @@ use crate::session::Session;
 use crate::target::Target;
 use slowly::write_slowly;
 use stiffarm::Result;
+use stiffarm::ask::simulate::Options;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::simulate;
-use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm_files::source::read_groups;
@@ -21,7 +21,7 @@ use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// Runs the simulation.
 pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
-    if args.elastic() != ElasticChoice::Axes {
+    if args.options.elastic() != ElasticChoice::Axes {
         return elastic::run(session, args);
     }
     let target_of = |path: &Option<String>| {
@@ -32,7 +32,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let displacements = target_of(&args.measurements)?;
     let readings = target_of(&args.readings)?;
     check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
-    let options = args.request().simulation_options()?;
+    let options = args.options.simulation_options()?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
@@ -43,12 +43,12 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     let mut files = Vec::new();
     if let Some(target) = displacements {
         let model = Model::Equilibrium;
-        let measured = simulate_measurements(cell, first, truth, model, args.seed, 0)?;
+        let measured = simulate_measurements(cell, first, truth, model, args.options.seed, 0)?;
         files.push((target, write_simulated(measured, cell)));
     }
     if let Some(target) = readings {
         let done = Experiment::as_measured(cell);
-        let table = experiment(cell, first, truth, &done, args.seed, 0)?;
+        let table = experiment(cell, first, truth, &done, args.options.seed, 0)?;
         let text = write_simulated_readings(table, cell);
         match args.slowly {
             Some(pause) => write_slowly(session, &target, &text, pause)?,
@@ -57,7 +57,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
     }
     write_all(session, &files)?;
     let options = Options::from(&options);
-    let envelope = session.envelope("simulate", Some(args.seed), options, &result);
+    let envelope = session.envelope("simulate", Some(args.options.seed), options, &result);
     session.deliver_told(None, &envelope, &named, args.details)?;
     Ok(if result.interrupted || session.stopped() {
         Exit::Interrupted

@@ -5,7 +5,7 @@ use super::story::angles;
 use super::{counted, shown};
 use crate::identified::{influence_figure, load_states_figure};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::next_posture::NextPosture;
 use stiffarm::findings::{list, visible};
 

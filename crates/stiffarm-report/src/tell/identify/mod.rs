@@ -15,8 +15,8 @@ pub(super) use story::MORE_THAN_NOISE;
 use super::{Given, Outcome, Telling, Told, arrows, counted, of_saved, shown};
 use joints::Joints;
 use stiffarm::Result;
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::estimate::identified::Identified;
 use stiffarm::findings::{Severity, codes};
 use stiffarm_files::result::SavedResult;
 

@@ -8,9 +8,9 @@ use super::readings::shortened;
 use crate::level::level;
 use crate::order::in_order;
 use crate::tell::{Given, Number, Quantity, Text};
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
 use stiffarm::estimate::elastic::Elastic;
-use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
 use stiffarm::findings::{Finding, Severity, list, visible};
 

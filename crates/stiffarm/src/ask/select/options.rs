@@ -127,7 +127,7 @@ const LOAD: &str = "Choosing the load together with the postures";
 pub struct SelectOptions {
     /// Index to improve; `stiffarm evaluate` shows all of them [default: prediction, or expected-error where load parameters
     /// are chosen too]
-    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME", value_parser = index_named, long_help = index_help()))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME", value_parser = Index::from_name, long_help = index_help()))]
     pub index: Option<Index>,
     /// Number of postures to select; with --curve the largest [default: 6, with --curve 12]
     #[cfg_attr(feature = "clap", arg(long, short = 'n', value_name = "N",
@@ -330,15 +330,6 @@ impl SelectOptions {
             given: inputs.given.iter().map(|p| p.q.clone()).collect(),
         }
     }
-}
-
-/// An index by its name, for the command line.
-#[cfg(feature = "clap")]
-fn index_named(name: &str) -> std::result::Result<Index, String> {
-    Index::from_name(name).map_err(|e| {
-        let message = e.message().trim_end_matches('.');
-        format!("{message}; {}", e.hint_text().unwrap_or_default())
-    })
 }
 
 /// The comment of `index`, with the names that there are.
