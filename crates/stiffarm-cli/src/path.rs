@@ -1,6 +1,6 @@
 //! What the commands at work share: the stiffness, options of a path, its table and picture.
 
-use crate::files::{Contents, check_targets, ends_in, write_all};
+use crate::files::{Contents, Files, check_targets, ends_in};
 use crate::picture::check_picture_name;
 use crate::session::Session;
 use crate::target::Target;
@@ -72,16 +72,15 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes what was asked for.
+    /// The files that were asked for; `tables` and `figure` make what is in them.
     ///
     /// # Errors
-    /// A text that cannot be made, or a file that cannot be written.
-    pub fn write<C: Contents>(
+    /// A text that cannot be made.
+    pub fn files<C: Contents + 'static>(
         self,
-        session: &Session,
         tables: impl FnOnce() -> Result<Vec<C>>,
         figure: impl FnOnce() -> String,
-    ) -> Result<()> {
+    ) -> Result<Files> {
         let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if !self.tables.is_empty() {
             for (target, contents) in self.tables.into_iter().zip(tables()?) {
@@ -91,6 +90,6 @@ impl Outputs {
         if let Some(target) = self.figure {
             files.push((target, Box::new(figure())));
         }
-        write_all(session, &files)
+        Ok(Files::new(files))
     }
 }

@@ -1,6 +1,7 @@
 //! `stiffarm compensate`: the path to command so that the loaded tool follows
 //! the nominal one.
 
+use crate::answer::{Answer, AtWork};
 use crate::args::{CompensateArgs, WriteChoice};
 use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
@@ -22,8 +23,12 @@ use stiffarm_files::table::{PathFormat, PathKind, PathTable, write_path};
 use stiffarm_files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm_report::{compensation_figure, render_svg};
 
+/// Said where a path is asked for that is not to be commanded.
+const WITHHELD: &str =
+    "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n";
+
 /// Compensates.
-pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let mut outputs = Outputs::new(
         session,
         args.output.as_deref(),
@@ -65,11 +70,8 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .extend(path.findings.iter().cloned());
     let wanted = args.output.is_some() || args.figure.is_some();
     let withheld = wanted && !args.beyond_data && is_objected(&result);
-    if withheld {
-        session.print_error(
-            "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n",
-        );
-    } else if wanted {
+    let mut files = None;
+    if wanted && !withheld {
         let found = &result.compensation;
         let figure = || render_svg(&compensation_figure(found, Some(&cell.work.workpiece)));
         let mut left = Vec::new();
@@ -87,16 +89,17 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             };
             Ok(vec![text.into_bytes()])
         };
-        outputs.write(session, tables, figure)?;
+        files = Some(outputs.files(tables, figure)?);
         result.postures.findings.extend(left);
     }
-    let exit = session.deliver_at_work(
-        session.envelope("compensate", None, options, result),
-        |result| &mut result.compensation.points,
-        (&named, &saved),
-        args.details,
-    )?;
-    Ok(if withheld { Exit::Finding } else { exit })
+    let envelope = session.envelope("compensate", None, options.clone(), result);
+    let made = AtWork::new(envelope, |result| &mut result.compensation.points)?;
+    let mut answer = made.answer(named, &saved, args.details).with(files);
+    if withheld {
+        answer.exit = Exit::Finding;
+        answer.warning = WITHHELD;
+    }
+    Ok(answer)
 }
 
 /// Whether something speaks against commanding the path.

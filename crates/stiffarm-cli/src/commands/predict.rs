@@ -1,18 +1,19 @@
 //! `stiffarm predict`: how far the loaded tool bends away, and how sure that is.
 
+use crate::answer::{Answer, AtWork};
 use crate::args::PredictArgs;
 use crate::files::Rows;
-use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
+use std::rc::Rc;
 use stiffarm::{Error, Result};
 use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
-pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     let outputs = Outputs::new(
         session,
         args.output.as_deref(),
@@ -56,17 +57,15 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
         summary.findings.extend(path.findings.iter().cloned());
     }
-    let prediction = &result.prediction;
+    let envelope = session.envelope("predict", None, request.clone(), result);
+    let made = AtWork::new(envelope, |result| &mut result.prediction.points)?;
+    let result = &made.envelope.result;
     let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);
-    outputs.write(
-        session,
-        || Ok(vec![Rows(|out: &mut dyn Write| prediction.write_csv(out))]),
-        || render_svg(&prediction_figure(prediction, workpiece)),
+    let table = Rc::clone(&made.envelope);
+    let rows = move |out: &mut dyn Write| table.result.prediction.write_csv(out);
+    let files = outputs.files(
+        || Ok(vec![Rows(rows)]),
+        || render_svg(&prediction_figure(&result.prediction, workpiece)),
     )?;
-    session.deliver_at_work(
-        session.envelope("predict", None, request, result),
-        |result| &mut result.prediction.points,
-        (&named, &saved),
-        args.details,
-    )
+    Ok(made.answer(named, &saved, args.details).with(files))
 }

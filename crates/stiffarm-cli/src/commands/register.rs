@@ -1,5 +1,6 @@
 //! `stiffarm register`: the transform from tracker to base axes.
 
+use crate::answer::Answer;
 use crate::args::RegisterArgs;
 use crate::files::only_target;
 use crate::output::Exit;
@@ -10,7 +11,7 @@ use stiffarm_files::source::Source;
 use stiffarm_files::table::read_pairs;
 
 /// Registers tracker to base.
-pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &RegisterArgs) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
     let options = &args.options;
@@ -19,7 +20,6 @@ pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
 
     let exit = Exit::finding(registration.is_serious());
     let record = RegistrationRecord::from(&registration);
-    let envelope = session.envelope("register", None, options, &record);
-    session.deliver_told(target, &envelope, None, args.details)?;
-    Ok(exit)
+    let envelope = session.envelope("register", None, options.clone(), record);
+    Answer::told(exit, envelope, None, args.details).with_object(target)
 }

@@ -1,6 +1,7 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
+use crate::answer::Answer;
 use crate::args::ValidateArgs;
 use crate::files::ends_in;
 use crate::output::Exit;
@@ -16,7 +17,7 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::{NamedCell, read_measurements, read_registration, read_stiffness};
 
 /// Validates.
-pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
     let request = &args.options;
     request.check()?;
     match (&args.stiffness, request.folds) {
@@ -48,14 +49,14 @@ fn held_out(
     args: &ValidateArgs,
     request: &ValidateOptions,
     stiffness: &str,
-) -> Result<Exit> {
+) -> Result<Answer> {
     request.fit.refuse()?;
     let named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, stiffness, &named.cell)?;
     let measured = measured(session, args, request, &args.measurements, &named.cell)?;
     let hash = session.last_hash("cell");
     let result = request.held_out(&named.cell, hash.as_deref(), &saved, measured)?;
-    deliver(session, args, &named, request.options(None), &result)
+    answer(session, args, named, request.options(None), result)
 }
 
 /// Predicts each posture from fits without it.
@@ -65,7 +66,7 @@ fn cross(
     request: &ValidateOptions,
     from: &[String],
     folds: Folds,
-) -> Result<Exit> {
+) -> Result<Answer> {
     if request.model != Model::Linear {
         return Err(Error::new(
             Code::Unsupported,
@@ -85,25 +86,25 @@ fn cross(
         })?;
     drop(progress);
     let options = request.options(Some(described));
-    deliver(session, args, &named, options, &result)
+    answer(session, args, named, options, result)
 }
 
-fn deliver(
+fn answer(
     session: &Session,
     args: &ValidateArgs,
-    named: &NamedCell,
+    named: NamedCell,
     options: Options,
-    result: &Validated,
-) -> Result<Exit> {
-    let envelope = session.envelope("validate", None, options, result);
-    session.deliver_told(None, &envelope, named, args.details)?;
+    result: Validated,
+) -> Result<Answer> {
     let mut remarks = result.remarks.iter();
     let found = &result.validation;
-    Ok(Exit::finding(
+    let exit = Exit::finding(
         found.passed == Some(false)
             || !found.unpredicted.is_empty()
             || remarks.any(|f| f.severity == Severity::Serious),
-    ))
+    );
+    let envelope = session.envelope("validate", None, options, result);
+    Ok(Answer::told(exit, envelope, named, args.details))
 }
 
 /// The measurements, or those of `--only`.

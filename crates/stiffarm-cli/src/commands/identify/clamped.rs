@@ -1,5 +1,6 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
+use crate::answer::Answer;
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
 use crate::output::Exit;
@@ -14,7 +15,7 @@ use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::read_clamped;
 
 /// Identifies the joint stiffness from clamped postures.
-pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
@@ -46,9 +47,8 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let complete = result.estimates.is_complete();
     let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
     let exit = Exit::finding(!complete || result.findings.iter().any(serious));
-    let envelope = session.envelope("identify", None, asked, &result);
-    session.deliver_told(target, &envelope, &named, args.details)?;
-    Ok(exit)
+    let envelope = session.envelope("identify", None, asked.clone(), result);
+    Answer::told(exit, envelope, named, args.details).with_object(target)
 }
 
 fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec<ClampedPosture>> {

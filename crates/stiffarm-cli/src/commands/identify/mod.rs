@@ -2,6 +2,7 @@
 
 mod clamped;
 
+use crate::answer::Answer;
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
 use crate::output::Exit;
@@ -14,7 +15,7 @@ use stiffarm::measure::prepare;
 use stiffarm_files::source::{read_measurements, read_registration};
 
 /// Identifies the joint stiffness.
-pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     if args.options.clamped {
         return clamped::run(session, args);
     }
@@ -43,7 +44,6 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     } else {
         Exit::Interrupted
     };
-    let envelope = session.envelope("identify", Some(asked.seed), asked, &result);
-    session.deliver_told(target, &envelope, &named, args.details)?;
-    Ok(exit)
+    let envelope = session.envelope("identify", Some(asked.seed), asked.clone(), result);
+    Answer::told(exit, envelope, named, args.details).with_object(target)
 }

@@ -3,8 +3,9 @@
 
 pub mod place;
 
+use crate::answer::{Answer, AtWork};
 use crate::args::MapArgs;
-use crate::files::{check_folder, shown, write_folder};
+use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
@@ -20,14 +21,14 @@ const FILES: [&str; 2] = ["map.svg", "map.csv"];
 const MANY: usize = 100_000;
 
 /// Maps, or places.
-pub fn run(session: &Session, args: &MapArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &MapArgs) -> Result<Answer> {
     match &args.place.place {
         Some(path) => place::run(session, args, path),
         None => map(session, args),
     }
 }
 
-fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
+fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     let mut named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
         check_folder(session, folder, FILES, args.force)?;
@@ -52,31 +53,25 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let result = result?;
     let said = request.options(&options, &named.cell);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
-    write_pictures(session, args, FILES, pictures)?;
+    let pictures = pictures_of(args, FILES, pictures);
     let interrupted = result.interrupted;
-    let exit = session.deliver_at_work(
-        session.envelope("map", None, said, result),
-        |map| &mut map.nodes,
-        (&named, &saved),
-        args.details,
-    )?;
-    Ok(if interrupted { Exit::Interrupted } else { exit })
+    let envelope = session.envelope("map", None, said, result);
+    let made = AtWork::new(envelope, |map| &mut map.nodes)?;
+    let mut answer = made.answer(named, &saved, args.details).with(pictures);
+    if interrupted {
+        answer.exit = Exit::Interrupted;
+    }
+    Ok(answer)
 }
 
-/// Writes picture and table to the folder, where one is asked for.
-fn write_pictures(
-    session: &Session,
+/// Picture and table in the folder, where one is asked for.
+fn pictures_of(
     args: &MapArgs,
     names: [&str; 2],
     texts: impl FnOnce() -> [String; 2],
-) -> Result<()> {
-    let Some(folder) = &args.output_dir else {
-        return Ok(());
-    };
-    let files = names.map(String::from).into_iter().zip(texts()).collect();
-    write_folder(session, folder, files, args.force)?;
-    if !session.has_failed() {
-        session.has_written(format!("{} to {}", names.join(" and "), shown(folder)));
-    }
-    Ok(())
+) -> Option<Files> {
+    let folder = args.output_dir.as_ref()?;
+    let files = names.map(String::from).into_iter().zip(texts());
+    let said = format!("{} to {}", names.join(" and "), shown(folder));
+    Some(Files::folder(folder, files, args.force).said(Said::As(said)))
 }

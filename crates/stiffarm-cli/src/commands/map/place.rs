@@ -1,6 +1,7 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
-use super::{MANY, write_pictures};
+use super::{MANY, pictures_of};
+use crate::answer::{Answer, AtWork};
 use crate::args::MapArgs;
 use crate::files::check_folder;
 use crate::output::Exit;
@@ -18,7 +19,7 @@ const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
 const SEARCHED: usize = 200;
 
 /// Searches the best place.
-pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
+pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
     let request = &args.options;
     request.check_places()?;
     let named = session.read_cell(&args.cell)?;
@@ -64,13 +65,13 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
             placement_table(&result).csv(),
         ]
     };
-    write_pictures(session, args, FILES, pictures)?;
+    let pictures = pictures_of(args, FILES, pictures);
     let interrupted = result.interrupted;
-    let exit = session.deliver_at_work(
-        session.envelope("map", None, said, result),
-        |placement| &mut placement.candidates,
-        (&named, &saved),
-        args.details,
-    )?;
-    Ok(if interrupted { Exit::Interrupted } else { exit })
+    let envelope = session.envelope("map", None, said, result);
+    let made = AtWork::new(envelope, |placement| &mut placement.candidates)?;
+    let mut answer = made.answer(named, &saved, args.details).with(pictures);
+    if interrupted {
+        answer.exit = Exit::Interrupted;
+    }
+    Ok(answer)
 }

@@ -2,6 +2,7 @@
 
 mod watch;
 
+use crate::answer::Answer;
 use crate::args::{Goal, MeasureArgs};
 use crate::output::Exit;
 use crate::progress::Progress;
@@ -14,7 +15,7 @@ use stiffarm::{Code, Control, Error, Result};
 use stiffarm_files::source::{read_growing_measurements, read_postures, read_registration};
 
 /// Judges what is there, once or again and again.
-pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &MeasureArgs) -> Result<Answer> {
     if !args.once {
         if session.json {
             let message = "One JSON object cannot tell a whole day.";
@@ -22,20 +23,20 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
                 .key("--json")
                 .hint("add --once for the judgement of what is there"));
         }
-        return watch::watch(session, args);
+        return watch::watch(session, args).map(Answer::ended);
     }
     let named = session.read_cell(&args.cell)?;
     let plan = read_postures(session, "plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
     let found = Progress::new(session, "judging the readings")
         .watch(|control| look(session, (&named.cell, &plan), args, control))?;
-    let envelope = session.envelope("measure", Some(args.seed), options(args), &found);
-    session.deliver_told(None, &envelope, &named, true)?;
-    Ok(if session.stopped() {
+    let exit = if session.stopped() {
         Exit::Interrupted
     } else {
         Exit::finding(found.is_serious() || found.is_missed())
-    })
+    };
+    let envelope = session.envelope("measure", Some(args.seed), options(args), found);
+    Ok(Answer::told(exit, envelope, named, true))
 }
 
 /// What is asked for, as the library takes it.

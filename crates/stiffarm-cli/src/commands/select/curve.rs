@@ -1,6 +1,7 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
 use super::job::Job;
+use crate::answer::Answer;
 use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
@@ -8,16 +9,16 @@ use stiffarm::ask::select::{Curve, plan_curve};
 use stiffarm::plan::index::Index;
 
 /// Selects groups of every size up to the largest, and bounds them all.
-pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
         let mut watch = |stage| job.tell(&progress, stage);
         plan_curve(job.cell(), &job.args.options, &mut watch, control)
     })?;
     drop(progress);
-    job.outputs
-        .write_text(job.session, || csv(&planned.result))?;
-    job.show(&planned, &planned.result.findings)
+    let table = job.outputs.text(|| csv(&planned.result));
+    let exit = Exit::of_findings(&planned.result.findings);
+    Ok(job.told(planned, exit).with(table))
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.

@@ -1,6 +1,7 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::job::Job;
+use crate::answer::Answer;
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use stiffarm::Result;
@@ -12,7 +13,7 @@ use stiffarm_files::source::read_postures;
 const EVALUATIONS: usize = 10_000;
 
 /// Compares the ways to leave postures out and writes those that stay.
-pub(super) fn run(job: &Job<'_>, given: &str, count: usize) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>, given: &str, count: usize) -> Result<Answer> {
     let robot = &job.cell().setup.robot;
     let given = read_postures(job.session, "given", given, robot)?;
     if count < given.len() {
@@ -21,5 +22,6 @@ pub(super) fn run(job: &Job<'_>, given: &str, count: usize) -> Result<Exit> {
     }
     let planned = Progress::new(job.session, "leaving postures out")
         .watch(|control| plan_drop(job.cell(), &given, &job.args.options, control))?;
-    job.deliver(&planned, &planned.result.findings)
+    let exit = Exit::of_findings(&planned.result.findings);
+    job.answer(planned, exit)
 }

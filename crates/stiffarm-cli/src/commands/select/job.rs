@@ -1,7 +1,8 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
+use crate::answer::Answer;
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::files::{Contents, check_targets, write_all};
+use crate::files::{Contents, Files, check_targets};
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::picture::check_picture_name;
@@ -11,7 +12,6 @@ use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
 use stiffarm::ask::select::{Planned, Stage};
-use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
@@ -38,27 +38,26 @@ impl Job<'_> {
         &self.named.cell
     }
 
-    /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
-    pub fn deliver<R: Serialize + Telling>(
+    /// The result, with its postures as plan, sheet and pictures where these are wanted.
+    pub fn answer<R: Serialize + Telling + 'static>(
         &self,
-        planned: &Planned<R>,
-        findings: &[Finding],
-    ) -> Result<Exit> {
-        self.outputs
-            .write_postures(self.session, &planned.cell, &planned.postures)?;
-        self.show(planned, findings)
+        planned: Planned<R>,
+        exit: Exit,
+    ) -> Result<Answer> {
+        let files = self.outputs.postures(&planned.cell, &planned.postures)?;
+        Ok(self.told(planned, exit).with(files))
     }
 
-    /// Tells the result, and how the command ends by its findings.
-    pub fn show<R: Serialize + Telling>(
+    /// The result alone.
+    pub fn told<R: Serialize + Telling + 'static>(
         &self,
-        planned: &Planned<R>,
-        findings: &[Finding],
-    ) -> Result<Exit> {
-        let (session, seed) = (self.session, planned.seed);
-        let envelope = session.envelope("select", seed, &planned.options, &planned.result);
-        session.deliver_told(None, &envelope, &self.named, self.args.details)?;
-        Ok(Exit::of_findings(findings))
+        planned: Planned<R>,
+        exit: Exit,
+    ) -> Answer {
+        let (options, result) = (planned.options, planned.result);
+        let session = self.session;
+        let envelope = session.envelope("select", planned.seed, options, result);
+        Answer::told(exit, envelope, self.named.clone(), self.args.details)
     }
 
     /// Shows what the work is at.
@@ -185,13 +184,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes postures as plan, as sheet and as picture of `cell`, where these are wanted.
-    pub fn write_postures(
-        &self,
-        session: &Session,
-        cell: &Cell,
-        postures: &[Posture],
-    ) -> Result<()> {
+    /// Postures as plan, as sheet and as picture of `cell`, where these are wanted.
+    pub fn postures(&self, cell: &Cell, postures: &[Posture]) -> Result<Files> {
         let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if let Some(figure) = &self.figure {
             let drawing = cell_drawing(cell, postures, Full::Tightest)?;
@@ -219,14 +213,12 @@ impl Outputs {
             };
             files.push((target.clone(), contents));
         }
-        write_all(session, &files)
+        Ok(Files::new(files))
     }
 
-    /// Writes text as the main output, where one is wanted.
-    pub fn write_text(&self, session: &Session, text: impl FnOnce() -> String) -> Result<()> {
-        match &self.main {
-            Some(target) => write_all(session, &[(target.clone(), text())]),
-            None => Ok(()),
-        }
+    /// Text as the main output, where one is wanted.
+    pub fn text(&self, text: impl FnOnce() -> String) -> Option<Files> {
+        let target = self.main.as_ref()?;
+        Some(Files::one(target.clone(), text()))
     }
 }

@@ -8,6 +8,7 @@ mod job;
 mod plan;
 mod space_filling;
 
+use crate::answer::Answer;
 use crate::args::SelectArgs;
 use crate::output::Exit;
 use crate::session::Session;
@@ -15,7 +16,7 @@ use job::{Job, Outputs};
 use stiffarm::Result;
 
 /// Selects, and writes what was asked for.
-pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &SelectArgs) -> Result<Answer> {
     let outputs = Outputs::new(session, &args.output)?;
     let named = session.read_cell(&args.cell)?;
     outputs.check_states(&named.cell)?;
@@ -25,7 +26,7 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
         named,
         outputs,
     };
-    let exit = if let Some(list) = &args.candidates {
+    let mut answer = if let Some(list) = &args.candidates {
         candidates::run(&job, list)?
     } else if args.options.space_filling {
         space_filling::run(&job)?
@@ -36,9 +37,8 @@ pub fn run(session: &Session, args: &SelectArgs) -> Result<Exit> {
     } else {
         plan::run(&job)?
     };
-    Ok(if session.stopped() {
-        Exit::Interrupted
-    } else {
-        exit
-    })
+    if session.stopped() {
+        answer.exit = Exit::Interrupted;
+    }
+    Ok(answer)
 }

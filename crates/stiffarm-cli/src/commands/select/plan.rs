@@ -1,6 +1,7 @@
 //! A plan: from a global search, from an initial group, or beside given postures.
 
 use super::job::Job;
+use crate::answer::Answer;
 use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
@@ -8,7 +9,7 @@ use stiffarm::ask::select::{SelectInputs, plan};
 use stiffarm_files::source::read_postures;
 
 /// Selects, bounds and examines the plan, and writes plan and sheet.
-pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let (session, args) = (job.session, job.args);
     let robot = &job.cell().setup.robot;
     let read = |role: &str, from: &Option<String>| {
@@ -26,5 +27,6 @@ pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
         plan(job.cell(), &inputs, &args.options, &mut watch, control)
     })?;
     drop(progress);
-    job.deliver(&planned, &planned.result.findings)
+    let exit = Exit::of_findings(&planned.result.findings);
+    job.answer(planned, exit)
 }
