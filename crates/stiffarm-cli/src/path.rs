@@ -1,6 +1,5 @@
 //! What the commands at work share: the stiffness, options of a path, its table and picture.
 
-use crate::args::PathArgs;
 use crate::files::{Contents, Files, check_targets, ends_in};
 use crate::picture::check_picture_name;
 use crate::session::Session;
@@ -8,25 +7,8 @@ use crate::target::Target;
 use std::path::Path;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::model::cell::Cell;
-use stiffarm::work::along::PathOptions;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source;
-
-impl PathArgs {
-    /// The options of the library, which the result holds.
-    pub fn options(&self) -> PathOptions {
-        PathOptions {
-            axes: self.axes,
-            force_n: self.force_n,
-            moment_nm: self.moment_nm,
-            load_uncertainty_percent: self.load_uncertainty_percent,
-            near_deg: (!self.near_deg.is_empty()).then(|| self.near_deg.clone()),
-            max_step_deg: self.max_step_deg,
-            free_turn: self.free_turn,
-            tolerance_mm: self.tolerance_mm,
-        }
-    }
-}
 
 /// Reads a stiffness, with a caution among its doubts where it was identified with another version of the cell.
 ///

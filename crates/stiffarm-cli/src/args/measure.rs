@@ -1,8 +1,8 @@
 //! The command line of `stiffarm measure`.
 
-use super::values::{pause, seed};
 use clap::{Args, ValueHint};
 use std::time::Duration;
+use stiffarm::ask::values::{pause, seed};
 use stiffarm::units::mm_to_m;
 
 /// Goals are shares of k; beyond this one says nothing.

@@ -8,13 +8,13 @@ use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
+use stiffarm::ask::compensate::Compensated;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::compensate::Compensation;
-use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::program::Language;
@@ -38,12 +38,10 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = read_stiffness(session, &args.stiffness, cell)?;
-    let options = Options {
-        path: args.along.options(),
-    };
+    let options = &args.options;
     let wrong = options.compensate_options(&saved).map(|_| ());
-    wrong.and_then(|()| options.path.posture_options(cell))?;
-    let (axes, log) = (options.path.axes, args.along.log.as_deref());
+    wrong.and_then(|()| options.posture_options(cell))?;
+    let (axes, log) = (options.axes, args.along.log.as_deref());
     let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
@@ -62,9 +60,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let mut result = Progress::new(session, "compensating the path")
         .watch(|control| {
             let points = &path.table.points;
-            let followed = options
-                .path
-                .follow(cell, &saved.predictor, points, control)?;
+            let followed = options.follow(cell, &saved.predictor, points, control)?;
             options.compensate(cell, &saved, &followed, control)
         })
         .map_err(|e| path.in_file(e))?;
@@ -96,7 +92,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
         files = Some(outputs.files(tables, figure)?);
         result.postures.findings.extend(left);
     }
-    let envelope = session.envelope("compensate", None, options, result);
+    let envelope = session.envelope("compensate", None, options.clone(), result);
     let made = AtWork::new(envelope, |result| &mut result.compensation.points)?;
     let mut answer = made.answer(named, &saved, args.details).with(files);
     if withheld {

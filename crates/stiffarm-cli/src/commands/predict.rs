@@ -8,7 +8,6 @@ use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
 use std::rc::Rc;
-use stiffarm::work::predicted::Request;
 use stiffarm::{Error, Result};
 use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
@@ -23,16 +22,10 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     )?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
-    let request = Request {
-        path: args.along.options(),
-        model: args.model,
-        matrix: args.matrix,
-        cell_load: args.cell_load,
-        load_case: args.load_case.clone(),
-    };
+    let request = &args.options;
     named.cell = request.under_case(named.cell)?;
-    request.predict_options(&saved)?;
-    if args.path.is_some() && !args.cell_load {
+    request.at_work(&saved)?;
+    if args.path.is_some() && !request.cell_load {
         let wrong = request.path.posture_options(&named.cell);
         wrong?;
     }
@@ -64,7 +57,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
         summary.findings.extend(path.findings.iter().cloned());
     }
-    let envelope = session.envelope("predict", None, request.options(), result);
+    let envelope = session.envelope("predict", None, request.clone(), result);
     let made = AtWork::new(envelope, |result| &mut result.prediction.points)?;
     let result = &made.envelope.result;
     let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);

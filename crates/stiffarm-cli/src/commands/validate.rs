@@ -7,9 +7,9 @@ use crate::files::ends_in;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
+use stiffarm::ask::validate::{Folds, Options, ValidateOptions, Validated};
 use stiffarm::estimate::identify::Fit;
 use stiffarm::estimate::validate::Model;
-use stiffarm::estimate::validated::{Folds, Options, Request, Validated};
 use stiffarm::findings::Severity;
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
@@ -18,15 +18,11 @@ use stiffarm_files::source::{NamedCell, read_measurements, read_registration, re
 
 /// Validates.
 pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
-    let request = Request {
-        model: args.model,
-        tolerance_mm: args.tolerance_mm,
-        only: args.only.clone(),
-    };
+    let request = &args.options;
     request.check()?;
-    match (&args.stiffness, args.folds) {
-        (Some(stiffness), None) => held_out(session, args, &request, stiffness),
-        (None, Some(folds)) => cross(session, args, &request, &args.measurements, folds),
+    match (&args.stiffness, request.folds) {
+        (Some(stiffness), None) => held_out(session, args, request, stiffness),
+        (None, Some(folds)) => cross(session, args, request, &args.measurements, folds),
         (None, None) => Err(Error::new(
             Code::Usage,
             "There is no joint stiffness to validate.",
@@ -36,7 +32,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
         (Some(first), Some(folds)) if !ends_in(first, "json") => {
             let first = std::slice::from_ref(first);
             let from = [first, &args.measurements].concat();
-            cross(session, args, &request, &from, folds)
+            cross(session, args, request, &from, folds)
         }
         (Some(_), Some(_)) => Err(Error::new(
             Code::Usage,
@@ -51,17 +47,10 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
 fn held_out(
     session: &Session,
     args: &ValidateArgs,
-    request: &Request,
+    request: &ValidateOptions,
     stiffness: &str,
 ) -> Result<Answer> {
-    if let Some(option) = args.fit.given() {
-        return Err(Error::new(
-            Code::Usage,
-            format!("{option} can be used only with --folds."),
-        )
-        .key(option)
-        .hint("a saved stiffness brings its own estimator, terms and confidence"));
-    }
+    request.fit.refuse()?;
     let named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, stiffness, &named.cell)?;
     let measured = measured(session, args, request, &args.measurements, &named.cell)?;
@@ -74,7 +63,7 @@ fn held_out(
 fn cross(
     session: &Session,
     args: &ValidateArgs,
-    request: &Request,
+    request: &ValidateOptions,
     from: &[String],
     folds: Folds,
 ) -> Result<Answer> {
@@ -86,12 +75,11 @@ fn cross(
         .key("--model"));
     }
     let named = session.read_cell(&args.cell)?;
-    let fit = args.fit.options(&named.cell.setup.robot)?;
+    let fit = request.fit.options(&named.cell.setup.robot)?;
     let measured = measured(session, args, request, from, &named.cell)?;
     let progress = Progress::new(session, "predicting each posture");
-    let asked = args.fit.elastic;
     let (result, described) = Fit::watched(&named.cell, measured, &fit, progress.shared())
-        .and_then(|fit| request.by_folds(&fit, asked, folds))
+        .and_then(|fit| request.by_folds(&fit, folds))
         .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
             _ => e,
@@ -123,7 +111,7 @@ fn answer(
 fn measured(
     session: &Session,
     args: &ValidateArgs,
-    request: &Request,
+    request: &ValidateOptions,
     from: &[String],
     cell: &Cell,
 ) -> Result<Measured> {

@@ -311,7 +311,7 @@ fn place(axis: &Axis, value: f64) -> String {
         let name = axis.categories.get(value.round().max(0.0) as usize);
         return name.cloned().unwrap_or_default();
     }
-    let shown = Number::new("", Some(value)).significant(5);
+    let shown = Number::computed(value).significant(5);
     shown.text()
 }
 
@@ -319,7 +319,7 @@ fn beside(series: &Series, i: usize) -> String {
     let values = series.colour.as_ref().map(|colour| &colour.values);
     let value = series.error.get(i).or_else(|| values?.get(i));
     value.map_or_else(String::new, |value| {
-        let shown = Number::new("", Some(*value)).significant(4);
+        let shown = Number::computed(*value).significant(4);
         escape(&shown.text())
     })
 }

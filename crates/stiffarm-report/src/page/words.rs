@@ -6,7 +6,7 @@ use crate::tell::{Number, Piece, Text};
 /// Longest code that stays on one line \[characters\]; narrow screens have room for it.
 const UNBROKEN: usize = 26;
 
-/// Words in which numbers know their place in the file.
+/// Words in which numbers of the result keep their full value.
 pub(super) fn text(text: &Text) -> String {
     let pieces = text.0.iter().map(|piece| match piece {
         Piece::Words(words) => together(words),
@@ -37,10 +37,10 @@ fn code(words: &str) -> String {
     format!("<code{class}>{}</code>", escape(words))
 }
 
-/// A number with its place in the file and its full value.
+/// A number with its full value, where the result has it.
 fn number_html(number: &Number) -> String {
     let shown = escape(&number.text());
-    if number.pointer.is_empty() {
+    if !number.is_of_result {
         return format!("<span class=\"n\">{shown}</span>");
     }
     // JSON's own writing of the value, `null` where there is none.
@@ -50,13 +50,7 @@ fn number_html(number: &Number) -> String {
     } else {
         format!(" data-factor=\"{}\"", number.factor)
     };
-    let result = number
-        .result
-        .map_or_else(String::new, |result| format!(" data-result=\"{result}\""));
-    format!(
-        "<span class=\"n\" data-path=\"{}\" data-value=\"{value}\"{factor}{result}>{shown}</span>",
-        escape(&number.pointer)
-    )
+    format!("<span class=\"n\" data-value=\"{value}\"{factor}>{shown}</span>")
 }
 
 /// A sentence in which what one types stands in backticks.

@@ -4,7 +4,7 @@ use crate::cell::{Full, cell_drawing};
 use crate::path::{norm, thinned};
 use crate::scene::{Ellipsoid, Scene, SceneGroup, SceneOptions, ScenePath, scene};
 use crate::tell::Given;
-use crate::tell::{Block, DataTable, Form, Quantity, Section};
+use crate::tell::{Block, DataTable, Form, Number, Quantity, Section};
 use std::collections::BTreeSet;
 use stiffarm::Result;
 use stiffarm::findings::visible;
@@ -254,67 +254,52 @@ fn ellipsoid(group: usize, posture: usize, point: &WorkPoint) -> Option<Ellipsoi
 }
 
 fn digits(value: f64) -> String {
-    let number = crate::tell::Number::new("", Some(value)).significant(3);
+    let number = Number::computed(value).significant(3);
     number.text()
 }
 
-/// Where the tip gives way: name, pointer to its principal axes, and these.
-pub(super) type GivesWay = (String, String, [PrincipalAxis; 3]);
+/// Where the tip gives way: name and principal axes.
+pub(super) type GivesWay = (String, [PrincipalAxis; 3]);
 
 /// What gives way how much at some places.
-pub(super) fn principal_table(context: &Given<'_>, places: &[GivesWay]) -> DataTable {
+pub(super) fn principal_table(places: &[GivesWay]) -> DataTable {
     let axes = ["softest", "middle", "stiffest"];
-    let of = |row: usize| (&places[row / axes.len()], row % axes.len());
-    let names = (0..places.len() * axes.len()).map(|row| match of(row) {
-        ((name, ..), 0) => name.clone(),
-        _ => String::new(),
+    let rows = places.iter().flat_map(|(name, principal)| {
+        let name = |i| if i == 0 { name.as_str() } else { "" };
+        (0..axes.len()).map(move |i| (name(i), axes[i], principal[i]))
     });
+    let rows: Vec<(&str, &str, PrincipalAxis)> = rows.collect();
     let part = |row: usize, k: usize| {
-        let ((_, pointer, principal), i) = of(row);
-        let below = format!("{pointer}/{i}/direction/{k}");
-        Some(context.valued(&below, principal[i].direction[k]))
+        let (.., axis) = rows[row];
+        Some(Number::new(axis.direction[k]))
     };
     DataTable::of(
         "Stiffness of the tip along its principal axes, under a force without moment, softest first",
         "place",
-        names,
+        rows.iter().map(|row| row.0),
     )
-    .words("axis", |row| axes[of(row).1].into())
+    .words("axis", |row| rows[row].1.into())
     .numbers("stiffness", TIP_STIFFNESS, |row| {
-        let ((_, pointer, principal), i) = of(row);
-        let below = format!("{pointer}/{i}/stiffness_n_per_m");
-        Some(context.valued(&below, principal[i].stiffness_n_per_m))
+        let (.., axis) = rows[row];
+        Some(Number::new(axis.stiffness_n_per_m))
     })
     .numbers("x", DIRECTION, |row| part(row, 0))
     .numbers("y", DIRECTION, |row| part(row, 1))
     .numbers("z", DIRECTION, |row| part(row, 2))
 }
 
-/// What the ± of a point is made of; `pointer` is that of its band.
-pub(super) fn band_table(
-    context: &Given<'_>,
-    caption: String,
-    pointer: &str,
-    band: &TipBand,
-) -> DataTable {
+/// What the ± of a point is made of.
+pub(super) fn band_table(caption: String, band: &TipBand) -> DataTable {
     let rows = [
-        (
-            "scatter of the readings",
-            "statistical_m",
-            band.statistical_m,
-        ),
-        ("errors common to the experiment", "common_m", band.common_m),
-        ("load at work", "load_m", band.load_m),
-        ("total", "total_m", band.total_m),
+        ("scatter of the readings", band.statistical_m),
+        ("errors common to the experiment", band.common_m),
+        ("load at work", band.load_m),
+        ("total", band.total_m),
     ];
-    let axis = |row: usize, axis: usize| {
-        let (_, key, parts) = rows[row];
-        Some(context.valued(&format!("{pointer}/{key}/{axis}"), parts[axis]))
-    };
+    let axis = |row: usize, axis: usize| Some(Number::new(rows[row].1[axis]));
     DataTable::of(caption, "from", rows.map(|(name, ..)| name))
         .numbers("size", Quantity::LENGTH, |row| {
-            let below = format!("{pointer}/size_m/{row}");
-            Some(context.valued(&below, band.size_m[row]))
+            Some(Number::new(band.size_m[row]))
         })
         .numbers("x", Quantity::LENGTH, |row| axis(row, 0))
         .numbers("y", Quantity::LENGTH, |row| axis(row, 1))

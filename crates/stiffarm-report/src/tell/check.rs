@@ -18,9 +18,9 @@ impl Telling for CellCheck {
     fn told(&self, given: &Given<'_>) -> Result<Told> {
         let check = self;
         let done = Text::new("The cell was looked at in ")
-            .number(given.number("/postures_sampled").decimals(0))
+            .number(Number::count(check.postures_sampled))
             .words(" postures spread over its bounds; ")
-            .number(given.number("/postures_within_limits").decimals(0))
+            .number(Number::count(check.postures_within_limits))
             .words(" of them meet its limits.");
         let of = |severity: Severity| {
             check
@@ -107,7 +107,6 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
     };
     let names = check.joints.iter();
     let names = names.map(|joint| visible(&joint.name).into_owned());
-    let number = |j: usize, key: &str| Some(given.number(&format!("/joints/{j}/{key}")));
     DataTable::of(
         "The joints, and the most that the load does to each",
         "joint",
@@ -133,12 +132,12 @@ fn joints(given: &Given<'_>, check: &CellCheck) -> DataTable {
         Some(Number::computed(*prior.get(j)?))
     })
     .numbers("torque", Quantity::TORQUE, |j| {
-        number(j, "largest_torque_nm")
+        Some(Number::new(check.joints[j].largest_torque_nm))
     })
     .numbers(
         "share of a displacement",
         Quantity::new("mm", 1e3, Form::Significant(3)),
-        |j| number(j, "largest_displacement_m"),
+        |j| Some(Number::new(check.joints[j].largest_displacement_m)),
     )
 }
 

@@ -9,26 +9,25 @@ use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
+use stiffarm::ask::compensate::Compensated;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::compensate::Compensation;
-use stiffarm::work::compensated::Compensated;
 
-impl Telling for Compensation {
+impl Telling for Compensated {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
-        let result = self;
+        let result = &self.compensation;
         let count = result.points.len();
         let done = Text::new(format!(
             "The path of {count} points was changed so that the loaded tool follows the path that is wanted."
         ));
         let verdict = [
-            done.then(how_found(context)),
-            came(context, result),
+            done.then(how_found(&self.postures)),
+            came(result),
             next(result),
         ];
         let order = largest_first(result.points.iter().map(|p| p.correction_size_m));
         let key = corrections(
-            context,
             result,
             "The largest corrections, each with the ± of the deflection that it makes up for",
             &order[..count.min(KEY_ROWS)],
@@ -38,44 +37,40 @@ impl Telling for Compensation {
             sections.push(cell_section(context, result)?);
             sections.push(path_section(context, result));
         }
-        sections.extend(features_section(context));
-        sections.extend(band_section(context, result));
-        sections.extend(stiffness_section(context, result));
+        sections.extend(features_section(&self.features));
+        sections.extend(band_section(result));
+        sections.extend(stiffness_section(result));
         sections.push(all_points(
             context,
             "The corrections",
             count,
-            |caption, rows| corrections(context, result, caption, rows),
+            |caption, rows| corrections(result, caption, rows),
         ));
         Ok(context.told("Compensated path", verdict, Some(key), sections))
     }
 }
 
-impl Telling for Compensated {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
-        self.compensation.told(context)
-    }
-}
-
-fn came(context: &Given<'_>, result: &Compensation) -> Text {
-    let mm = |below: &str| context.number(below).mm().decimals(3);
+fn came(result: &Compensation) -> Text {
+    let mm = |length: f64| Number::new(length).mm().decimals(3);
     let text = Text::new("Without it the tool bends away by ")
-        .number(mm("/uncompensated_rms_m"))
+        .number(mm(result.uncompensated_rms_m))
         .words(" (RMS), at most ")
-        .number(mm("/uncompensated_max_m"));
+        .number(mm(result.uncompensated_max_m));
     let Some(beyond) = result.beyond_uncertainty else {
         return text
             .words("; nothing says how much of that the correction takes away on the real arm.");
     };
-    let text = text.words("; with it ").number(mm("/error_rms_m"));
+    let text = text
+        .words("; with it ")
+        .number(Number::new(result.error_rms_m).mm().decimals(3));
     let text = match result.expected_factor {
         Some(factor) if factor < 1.0 => text
             .words(" (RMS) are to be expected, ")
-            .number(Number::new("", Some(1.0 / factor)).significant(2))
+            .number(Number::computed(1.0 / factor).significant(2))
             .words(" times more"),
-        Some(_) => text
+        Some(factor) => text
             .words(" (RMS) are to be expected, ")
-            .number(context.number("/expected_factor").significant(2))
+            .number(Number::new(factor).significant(2))
             .words(" times less"),
         None => text.words(" (RMS) are to be expected"),
     };
@@ -91,7 +86,7 @@ fn came(context: &Given<'_>, result: &Compensation) -> Text {
         ))
     } else {
         text.words(". The correction is larger than its own uncertainty at ")
-            .number(context.number("/beyond_uncertainty").decimals(0))
+            .number(Number::count(beyond))
             .words(format!(" of {count} {points}."))
     }
 }
@@ -122,31 +117,20 @@ fn next(result: &Compensation) -> Text {
     }
 }
 
-fn corrections(
-    context: &Given<'_>,
-    result: &Compensation,
-    caption: &str,
-    rows: &[usize],
-) -> DataTable {
+fn corrections(result: &Compensation, caption: &str, rows: &[usize]) -> DataTable {
     let point = |row: usize| &result.points[rows[row]];
-    let at = |row: usize, below: &str, value: f64| {
-        Some(context.valued(&format!("/points/{}/{below}", rows[row]), value))
-    };
-    let part = |row: usize, axis: usize| {
-        let value = point(row).correction_m[axis];
-        at(row, &format!("correction_m/{axis}"), value)
-    };
+    let part = |row: usize, axis: usize| Some(Number::new(point(row).correction_m[axis]));
     let names = rows.iter().map(|i| visible(&result.points[*i].point));
     let names = names.map(|name| name.into_owned());
     let table = DataTable::of(caption, heading(rows.len(), result.points.len()), names)
         .numbers("deflection without", Quantity::LENGTH, |row| {
-            at(row, "uncompensated_m", point(row).uncompensated_m)
+            Some(Number::new(point(row).uncompensated_m))
         })
         .numbers("correction", Quantity::LENGTH, |row| {
-            at(row, "correction_size_m", point(row).correction_size_m)
+            Some(Number::new(point(row).correction_size_m))
         });
     along_axes(table, part).numbers("± total", Quantity::LENGTH, |row| {
-        at(row, "band/size_m/3", point(row).band?.size_m[3])
+        Some(Number::new(point(row).band?.size_m[3]))
     })
 }
 
@@ -205,17 +189,17 @@ fn path_section(context: &Given<'_>, result: &Compensation) -> Section {
     Section::new("path", "Along the path", blocks)
 }
 
-fn band_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
+fn band_section(result: &Compensation) -> Option<Section> {
     let i = *largest_first(result.points.iter().map(|p| p.uncompensated_m)).first()?;
     let band = result.points[i].band?;
     let name = visible(&result.points[i].point);
     let caption = format!("What the ± is made of at point {name}, where the tip bends most");
-    let table = band_table(context, caption, &format!("/points/{i}/band"), &band);
+    let table = band_table(caption, &band);
     let model = if result.residual_max_m < 1e-9 {
         Text::new("By the model itself nothing is left (below 10⁻⁶ mm): ")
     } else {
         Text::new("By the model itself ")
-            .number(context.number("/residual_max_m").mm().significant(2))
+            .number(Number::new(result.residual_max_m).mm().significant(2))
             .words(" are left at most: ")
     };
     let text = model.words(format!(
@@ -230,12 +214,12 @@ fn band_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
     ))
 }
 
-fn stiffness_section(context: &Given<'_>, result: &Compensation) -> Option<Section> {
+fn stiffness_section(result: &Compensation) -> Option<Section> {
     let extremes = result.extremes?;
     let places = extreme_places(&extremes, |at| {
         Some(result.points.get(at)?.point.to_string())
     });
-    let table = Block::Table(principal_table(context, &places));
+    let table = Block::Table(principal_table(&places));
     let title = "Which way the tip gives way";
     Some(Section::new("stiffness", title, vec![table]))
 }

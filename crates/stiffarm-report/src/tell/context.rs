@@ -159,7 +159,7 @@ fn stopped(saved: &SavedResult) -> Option<Finding> {
     );
     let sizes = result["sizes"].as_array().map(|sizes| sizes.len() as u64);
     let counts = [
-        (sizes, &options["postures"]),
+        (sizes, &result["largest"]),
         (result["split_count"].as_u64(), &result["options"]["splits"]),
     ];
     let shorter = counts

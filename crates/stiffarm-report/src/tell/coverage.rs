@@ -20,9 +20,9 @@ impl Telling for Coverage {
             found.experiments
         ));
         let came = Text::new("The intervals held the truth in ")
-            .number(given.number("/coverage").of(SHARE))
+            .number(Number::new(found.coverage).of(SHARE))
             .words(" (standard error ")
-            .number(given.number("/standard_error").of(Quantity::PERCENT))
+            .number(Number::new(found.standard_error).of(Quantity::PERCENT))
             .words(") of all these joints and experiments; they promise ")
             .number(Number::computed(promised).of(SHARE))
             .words(".");
@@ -33,23 +33,23 @@ impl Telling for Coverage {
             off if off > FAR => "They are wider than they need to be, which is safe.",
             _ => "They keep what they promise, as far as noise alone is concerned.",
         };
-        let number = |j: usize, key: &str| Some(given.number(&format!("/joints/{j}/{key}")));
-        let share = |j: usize, key: &str, value: f64| number(j, key).filter(|_| value > 0.0);
+        let joint = |j: usize| &found.joints[j];
+        let share = |share: f64| (share > 0.0).then(|| Number::new(share));
         let names = found.joints.iter().map(|j| visible(&j.name).into_owned());
         let key = DataTable::of(
             "How often the interval of each joint held its stiffness",
             "joint",
             names,
         )
-        .numbers("held", SHARE, |j| number(j, "coverage"))
+        .numbers("held", SHARE, |j| Some(Number::new(joint(j).coverage)))
         .numbers("mean half width", Quantity::PERCENT, |j| {
-            number(j, "relative_half_width")
+            Some(Number::new(joint(j).relative_half_width))
         })
         .numbers("only a lower end", Quantity::PERCENT, |j| {
-            share(j, "open_above", found.joints[j].open_above)
+            share(joint(j).open_above)
         })
         .numbers("no interval", Quantity::PERCENT, |j| {
-            share(j, "without_interval", found.joints[j].without_interval)
+            share(joint(j).without_interval)
         });
         Ok(given.told(
             "Coverage of the intervals",

@@ -1,7 +1,9 @@
 //! What `evaluate` says: indices and expected errors of given postures.
 
 use super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{DataTable, Depth, Form, Given, Quantity, Telling, Text, Told, counted, shown};
+use crate::tell::{
+    DataTable, Depth, Form, Given, Number, Quantity, Telling, Text, Told, counted, shown,
+};
 use stiffarm::Result;
 use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
@@ -13,9 +15,7 @@ impl Telling for Evaluated {
         let groups: Vec<Worth<'_>> = result
             .groups
             .iter()
-            .enumerate()
-            .map(|(g, group)| Worth {
-                at: format!("/groups/{g}"),
+            .map(|group| Worth {
                 evaluation: &group.evaluation,
                 posture_names: &group.posture_names,
             })
@@ -32,7 +32,7 @@ impl Telling for Evaluated {
             )),
         };
         let best = best(&groups);
-        let came = came(context, result, &groups, best);
+        let came = came(result, &groups, best);
         let next = match best {
             None => Text::new("Add postures that differ, or measuring points: ")
                 .code("stiffarm check")
@@ -101,12 +101,7 @@ fn best(groups: &[Worth<'_>]) -> Option<usize> {
         .or_else(|| by(&|group| group.evaluation.indices.condition))
 }
 
-fn came(
-    context: &Given<'_>,
-    result: &Evaluated,
-    groups: &[Worth<'_>],
-    best: Option<usize>,
-) -> Text {
+fn came(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
     let Some(g) = best else {
         let joints = groups
             .iter()
@@ -128,7 +123,7 @@ fn came(
             .words(": "),
     };
     if group.evaluation.indices.expected_error.is_none() {
-        let condition = context.number(&format!("{}/indices/condition", group.at));
+        let condition = Number::new(group.evaluation.indices.condition);
         let begin = if groups.len() == 1 { "The" } else { "the" };
         return text
             .words(format!(
@@ -138,24 +133,20 @@ fn came(
             .words("; how sure the stiffness will be is not known without a prior stiffness.");
     }
     let begin = if groups.len() == 1 { "The" } else { "the" };
-    let error = context.number(&format!("{}/indices/expected_error", group.at));
+    let error = Number::new(group.evaluation.indices.expected_error);
     text = text
         .words(format!(
             "{begin} joint stiffness can be expected with a relative standard error (RMS over the joints) of "
         ))
         .number(error.percent().significant(3));
-    text.words(" by noise alone.").then(least_sure(
-        context,
-        &group.at,
-        group.evaluation,
-        &result.joints,
-    ))
+    text.words(" by noise alone.")
+        .then(least_sure(group.evaluation, &result.joints))
 }
 
 /// One row per group.
 fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     let caption = "The groups; expected errors are relative standard errors of the joint stiffness";
-    let number = |g: usize, key: &str| Some(context.number(&format!("{}/{key}", groups[g].at)));
+    let indices = |g: usize| &groups[g].evaluation.indices;
     let percent = Quantity::PERCENT.digits(3);
     let ratio = Quantity::RATIO.digits(4);
     let names = groups.iter();
@@ -170,17 +161,23 @@ fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     };
     DataTable::of(caption, "group", names)
         .numbers("postures", Quantity::new("", 1.0, Form::Decimals(0)), |g| {
-            number(g, "posture_count")
+            Some(Number::count(groups[g].evaluation.posture_count))
         })
         .numbers("expected error", percent, |g| {
-            number(g, "indices/expected_error")
+            Some(Number::new(indices(g).expected_error))
         })
-        .numbers("worst joint", percent, |g| number(g, "indices/worst_joint"))
+        .numbers("worst joint", percent, |g| {
+            Some(Number::new(indices(g).worst_joint))
+        })
         .numbers("one posture lost", percent, |g| {
-            number(g, "indices/drop_one")
+            Some(Number::new(indices(g).drop_one))
         })
-        .numbers("cond(Ψ)", ratio, |g| number(g, "indices/condition"))
-        .numbers("novel index", ratio, |g| number(g, "indices/novel"))
+        .numbers("cond(Ψ)", ratio, |g| {
+            Some(Number::new(indices(g).condition))
+        })
+        .numbers("novel index", ratio, |g| {
+            Some(Number::new(indices(g).novel))
+        })
         .words("determines", |g| {
             let evaluation = groups[g].evaluation;
             if !evaluation.undetermined_joints.is_empty() {

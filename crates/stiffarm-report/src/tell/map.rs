@@ -11,9 +11,9 @@ use crate::tell::{
 };
 use serde::Deserialize;
 use stiffarm::Result;
+use stiffarm::ask::map::LoadSource;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
-use stiffarm::work::mapped::LoadSource;
 
 /// Deflection of a tip under a small load, from m.
 const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));
@@ -21,6 +21,13 @@ const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));
 const IS_SMALL: f64 = 1e-4;
 /// Controller angles, from degrees.
 const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
+
+/// The columns of a range.
+pub(super) const RANGE: [(&str, fn(&MapRange) -> f64); 3] = [
+    ("smallest", |range| range.smallest),
+    ("median", |range| range.median),
+    ("largest", |range| range.largest),
+];
 
 /// What a result says of `map`, with a workpiece to place or without.
 pub(super) fn told(context: &Given<'_>) -> Result<Told> {
@@ -33,7 +40,7 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
 impl Telling for StiffnessMap {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
         let map = self;
-        let verdict = [done(context, map), came(context, map), next(map)];
+        let verdict = [done(context, map), came(map), next(map)];
         let mut sections = Vec::new();
         let mut shown = Vec::new();
         if context.pictures {
@@ -41,7 +48,7 @@ impl Telling for StiffnessMap {
             shown.push(Block::Figure(map_figure(map)));
         }
         if map.extremes.is_some() {
-            shown.push(Block::Table(ranges(context, map)));
+            shown.push(Block::Table(ranges(map)));
         }
         if !shown.is_empty() {
             sections.push(Section::new("map", "The map", shown).in_summary());
@@ -50,18 +57,13 @@ impl Telling for StiffnessMap {
             sections.push(postures(map, extremes));
         }
         if let Some(principal) = map.extremes.and_then(|e| e.principal) {
-            let names = ["stiffest place", "softest place"].into_iter();
-            let places = names.zip(principal).enumerate();
-            let places = places.map(|(i, (name, principal))| {
-                let pointer = format!("/extremes/principal/{i}");
-                (name.to_string(), pointer, principal)
-            });
-            let places: Vec<GivesWay> = places.collect();
-            let table = Block::Table(principal_table(context, &places));
+            let names = ["stiffest place", "softest place"].map(String::from);
+            let places: Vec<GivesWay> = names.into_iter().zip(principal).collect();
+            let table = Block::Table(principal_table(&places));
             let title = "Which way the tip gives way";
             sections.push(Section::new("stiffness", title, vec![table]));
         }
-        let counts = Block::Table(counts(context, map));
+        let counts = Block::Table(counts(map));
         sections.push(Section::new(
             "nodes",
             "What the arm may reach",
@@ -70,7 +72,7 @@ impl Telling for StiffnessMap {
         Ok(context.told(
             "Stiffness of the tool tip over the workspace",
             verdict,
-            map.extremes.map(|extremes| key(context, map, extremes)),
+            map.extremes.map(|extremes| key(map, extremes)),
             sections,
         ))
     }
@@ -100,7 +102,7 @@ fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
         vector(map.force_n),
         load(context)
     ))
-    .number(context.number("/counts/reachable").decimals(0))
+    .number(Number::count(map.counts.reachable))
     .words(" of them are reachable within all limits.")
 }
 
@@ -121,7 +123,7 @@ fn values(map: &StiffnessMap, node: usize) -> Option<&NodeValues> {
     map.nodes.get(node)?.values.as_ref()
 }
 
-fn came(context: &Given<'_>, map: &StiffnessMap) -> Text {
+fn came(map: &StiffnessMap) -> Text {
     let value = |node: usize| Some(values(map, node)?.deflection_m);
     let ends = map
         .extremes
@@ -129,13 +131,10 @@ fn came(context: &Given<'_>, map: &StiffnessMap) -> Text {
     let Some((extremes, least, most)) = ends else {
         return Text::new("There is no place to compare.");
     };
-    let place = |node: usize| {
-        let pointer = format!("/nodes/{node}/position_m");
-        position(context, &pointer, map.nodes[node].position_m)
-    };
+    let place = |node: usize| position(map.nodes[node].position_m);
     // In millimetres, or in micrometres where it is small.
-    let deflection = |node: usize, value: f64| {
-        let number = context.valued(&format!("/nodes/{node}/values/deflection_m"), value);
+    let deflection = |value: f64| {
+        let number = Number::new(value);
         if value < IS_SMALL {
             number.of(SMALL)
         } else {
@@ -145,24 +144,24 @@ fn came(context: &Given<'_>, map: &StiffnessMap) -> Text {
     let text = Text::new("It gives way least at ")
         .then(place(extremes.best))
         .words(", by ")
-        .number(deflection(extremes.best, least));
-    half_width(context, map, extremes.best, text)
+        .number(deflection(least));
+    half_width(map, extremes.best, text)
         .words("; ")
         .number(Number::computed(most / least).significant(2))
         .words(" times as far at ")
         .then(place(extremes.worst))
         .words(", by ")
-        .number(deflection(extremes.worst, most))
+        .number(deflection(most))
         .words(".")
 }
 
-fn half_width(context: &Given<'_>, map: &StiffnessMap, node: usize, text: Text) -> Text {
+fn half_width(map: &StiffnessMap, node: usize, text: Text) -> Text {
     match values(map, node).and_then(|v| Some((v.half_width_m?, v.deflection_m))) {
         None => text,
         // Errors that do not shrink with the load, such as lost motion, say nothing about stiffness under a small one.
         Some((half, size)) if half > size => text,
         Some((half, size)) => {
-            let number = context.valued(&format!("/nodes/{node}/values/half_width_m"), half);
+            let number = Number::new(half);
             let number = if size < IS_SMALL {
                 number.of(SMALL.digits(2))
             } else {
@@ -195,7 +194,7 @@ fn next(map: &StiffnessMap) -> Text {
 }
 
 /// The two extreme places.
-fn key(context: &Given<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
+fn key(map: &StiffnessMap, extremes: MapExtremes) -> DataTable {
     let is_small = values(map, extremes.best)
         .is_some_and(|v| v.half_width_m.is_some_and(|half| half > v.deflection_m));
     let caption = format!(
@@ -208,32 +207,25 @@ fn key(context: &Given<'_>, map: &StiffnessMap, extremes: MapExtremes) -> DataTa
         }
     );
     let nodes = [extremes.best, extremes.worst];
-    let place = |row: usize, axis: usize| {
-        let node = nodes[row];
-        let at = map.nodes[node].position_m[axis];
-        Some(context.valued(&format!("/nodes/{node}/position_m/{axis}"), at))
-    };
-    let own = |row: usize, key: &str, of: fn(&NodeValues) -> Option<f64>| {
-        let value = of(values(map, nodes[row])?)?;
-        Some(context.valued(&format!("/nodes/{}/values/{key}", nodes[row]), value))
+    let place = |row: usize, axis: usize| Some(Number::new(map.nodes[nodes[row]].position_m[axis]));
+    let own = |row: usize, of: fn(&NodeValues) -> Option<f64>| {
+        of(values(map, nodes[row])?).map(Number::new)
     };
     DataTable::of(caption, "place", ["stiffest", "softest"])
         .numbers("x", POSITION, |row| place(row, 0))
         .numbers("y", POSITION, |row| place(row, 1))
         .numbers("z", POSITION, |row| place(row, 2))
         .numbers("deflection", SMALL, |row| {
-            own(row, "deflection_m", |v| Some(v.deflection_m))
+            own(row, |v| Some(v.deflection_m))
         })
         .numbers("± total", SMALL.digits(2), |row| {
-            own(row, "half_width_m", |v| v.half_width_m)
+            own(row, |v| v.half_width_m)
         })
         .numbers("along the direction", TIP_STIFFNESS, |row| {
-            own(row, "stiffness_n_per_m", |v| v.stiffness_n_per_m)
+            own(row, |v| v.stiffness_n_per_m)
         })
         .numbers("softest", TIP_STIFFNESS, |row| {
-            own(row, "softest/stiffness_n_per_m", |v| {
-                v.softest.stiffness_n_per_m
-            })
+            own(row, |v| v.softest.stiffness_n_per_m)
         })
 }
 
@@ -253,56 +245,47 @@ fn postures(map: &StiffnessMap, extremes: MapExtremes) -> Section {
     Section::new("postures", title, vec![Block::Table(table)])
 }
 
-fn ranges(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
+fn ranges(map: &StiffnessMap) -> DataTable {
     let along = format!("stiffness along {} [N/µm]", vector(map.direction));
-    let rows: [(&str, &str, f64, Option<MapRange>); 4] = [
+    let rows: [(&str, f64, Option<MapRange>); 4] = [
         (
             "deflection per newton [µm/N]",
-            "deflection_per_newton_m",
             1e6,
             map.deflection_per_newton_m,
         ),
-        (&along, "stiffness_n_per_m", 1e-6, map.stiffness_n_per_m),
+        (&along, 1e-6, map.stiffness_n_per_m),
         (
             "stiffness along the softest direction [N/µm]",
-            "softest_n_per_m",
             1e-6,
             map.softest_n_per_m,
         ),
-        ("k(J_N)", "k_jn", 1.0, map.k_jn),
+        ("k(J_N)", 1.0, map.k_jn),
     ];
-    let rows: Vec<_> = rows.iter().filter(|row| row.3.is_some()).collect();
+    let rows = rows.iter();
+    let rows: Vec<_> = rows
+        .filter_map(|row| Some((row.0, row.1, row.2?)))
+        .collect();
     let caption = "Over the reachable places, at each the posture that bends least";
     let table = DataTable::of(caption, "quantity", rows.iter().map(|row| row.0));
-    let ends = ["smallest", "median", "largest"].into_iter();
-    ends.fold(table, |table, end| {
+    RANGE.into_iter().fold(table, |table, (end, of)| {
         table.words(end, |row| {
-            let (_, key, factor, _) = rows[row];
-            let number = context.number(&format!("/{key}/{end}"));
-            number.times(*factor).significant(3).into()
+            let (_, factor, range) = &rows[row];
+            Number::new(of(range)).times(*factor).significant(3).into()
         })
     })
 }
 
-fn counts(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
+fn counts(map: &StiffnessMap) -> DataTable {
     let rows = [
-        ("reachable", "reachable", map.counts.reachable),
-        (
-            "forbidden by the cell's limits",
-            "forbidden",
-            map.counts.forbidden,
-        ),
-        (
-            "outside the joint limits",
-            "outside_joint_limits",
-            map.counts.outside_joint_limits,
-        ),
-        ("out of reach", "unreachable", map.counts.unreachable),
-        ("not computed", "not_computed", map.counts.not_computed),
+        ("reachable", map.counts.reachable),
+        ("forbidden by the cell's limits", map.counts.forbidden),
+        ("outside the joint limits", map.counts.outside_joint_limits),
+        ("out of reach", map.counts.unreachable),
+        ("not computed", map.counts.not_computed),
     ];
     let rows: Vec<_> = rows
         .iter()
-        .filter(|(_, key, count)| *count > 0 || *key == "reachable")
+        .filter(|(status, count)| *count > 0 || *status == "reachable")
         .collect();
     let share = Quantity::new("%", 100.0, Form::Decimals(1));
     DataTable::of(
@@ -310,12 +293,9 @@ fn counts(context: &Given<'_>, map: &StiffnessMap) -> DataTable {
         "status",
         rows.iter().map(|row| row.0),
     )
-    .words("positions", |row| {
-        let number = context.number(&format!("/counts/{}", rows[row].1));
-        number.decimals(0).into()
-    })
+    .words("positions", |row| Number::count(rows[row].1).into())
     .numbers("share", share, |row| {
-        let share = rows[row].2 as f64 / map.nodes.len().max(1) as f64;
+        let share = rows[row].1 as f64 / map.nodes.len().max(1) as f64;
         Some(Number::computed(share))
     })
 }

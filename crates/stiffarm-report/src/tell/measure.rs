@@ -17,8 +17,8 @@ const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
 impl Telling for Judgement {
     fn told(&self, given: &Given<'_>) -> Result<Told> {
         let found = self;
-        let verdict = [done(found), came(given, found), next(given, found)];
-        let key = found.standing.as_ref().map(|own| joints(given, found, own));
+        let verdict = [done(found), came(given, found), next(found)];
+        let key = found.standing.as_ref().map(|own| joints(found, own));
         let mut sections = Vec::new();
         if !found.measured.is_empty() {
             let block = Block::Text(shown(&found.measured).into());
@@ -96,31 +96,31 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
             } else {
                 format!("Every joint but {} is known to ± ", shown(&left_out))
             })
-            .number(given.number("/standing/largest").of(Quantity::PERCENT))
+            .number(Number::new(standing.largest).of(Quantity::PERCENT))
             .words(" at ")
-            .number(given.number("/standing/confidence").of(Quantity::PERCENT))
+            .number(Number::new(standing.confidence).of(Quantity::PERCENT))
             .words(" confidence, all errors together"),
     };
     text.then(goal(given, found, standing))
         .words(".")
-        .then(misfit(given, standing))
+        .then(misfit(standing))
         .then(at_tasks(given, found))
 }
 
 /// What the fit leaves, beside the noise.
-fn misfit(given: &Given<'_>, standing: &Standing) -> Text {
+fn misfit(standing: &Standing) -> Text {
     let Some(left) = standing.residual_std_m else {
         return Text::default();
     };
-    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
     let text = Text::new(" What the fit leaves has a standard deviation of ")
-        .number(mm("/standing/residual_std_m"))
+        .number(mm(left))
         .words(" against ")
-        .number(mm("/standing/expected_std_m"))
+        .number(mm(standing.expected_std_m))
         .words(" expected");
     let ratio = left / standing.expected_std_m;
     if standing.expected_std_m > 0.0 && ratio > MORE_THAN_NOISE {
-        let ratio = Number::new("", Some(ratio)).significant(2);
+        let ratio = Number::computed(ratio).significant(2);
         text.words(", ").number(ratio).words(" times as much.")
     } else {
         text.words(".")
@@ -129,7 +129,7 @@ fn misfit(given: &Given<'_>, standing: &Standing) -> Text {
 
 /// How far the goal is, where it is one of the stiffness.
 fn goal(given: &Given<'_>, found: &Judgement, standing: &Standing) -> Text {
-    let number = given.option("/until_stiffness");
+    let number = Number::new(given.saved.number("/options/until_stiffness"));
     if number.value.is_none() {
         return Text::default();
     }
@@ -163,14 +163,15 @@ fn at_tasks(given: &Given<'_>, found: &Judgement) -> Text {
     let Some(deflection) = &found.deflection else {
         return Text::default();
     };
-    let goal = given.option("/until_deflection_m").of(DEFLECTION.digits(3));
+    let goal =
+        Number::new(given.saved.number("/options/until_deflection_m")).of(DEFLECTION.digits(3));
     if deflection.largest_m.is_none() {
         return Text::new(" No deflection at the tasks is predicted yet; the goal is ± ")
             .number(goal)
             .words(".");
     }
     let text = Text::new(" The deflection at the tasks is predicted to ± ")
-        .number(given.number("/deflection/largest_m").of(DEFLECTION))
+        .number(Number::new(deflection.largest_m).of(DEFLECTION))
         .words(format!(
             " or better ({} is worst); ",
             visible(&deflection.task)
@@ -184,7 +185,7 @@ fn at_tasks(given: &Given<'_>, found: &Judgement) -> Text {
 }
 
 /// What to drive to.
-fn next(given: &Given<'_>, found: &Judgement) -> Text {
+fn next(found: &Judgement) -> Text {
     if found.is_serious() {
         return Text::default()
             .strong("Settle what is marked serious")
@@ -203,15 +204,15 @@ fn next(given: &Given<'_>, found: &Judgement) -> Text {
             };
             let name = visible(&planned.name);
             Text::new(format!("Posture {name}{again} at q = "))
-                .then(angles(given, "/next", planned.angles.len()))
+                .then(angles(&planned.angles))
                 .words(".")
         }
     };
-    text.then(better(given, found))
+    text.then(better(found))
 }
 
 /// A posture that helps more.
-fn better(given: &Given<'_>, found: &Judgement) -> Text {
+fn better(found: &Judgement) -> Text {
     let Some(better) = &found.better else {
         return Text::default();
     };
@@ -219,18 +220,14 @@ fn better(given: &Given<'_>, found: &Judgement) -> Text {
         None => Text::new(" One more would help most: q = "),
         Some(_) => Text::new(" One beside the plan would help more: q = "),
     };
-    let text = text.then(angles(given, "/better", better.angles.len()));
+    let text = text.then(angles(&better.angles));
     let joints = found.standing.iter().flat_map(|own| &own.joints);
-    let after = better.after.iter().zip(joints).enumerate();
-    let known = after.filter_map(|(j, (error, joint))| Some((j, (*error)?, joint)));
-    match known.max_by(|a, b| a.1.total_cmp(&b.1)) {
-        Some((j, _, joint)) => text
+    let after = better.after.iter().zip(joints);
+    let known = after.filter_map(|(error, joint)| Some(((*error)?, joint)));
+    match known.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((error, joint)) => text
             .words("; it leaves a standard error of at most ")
-            .number(
-                given
-                    .number(&format!("/better/after/{j}"))
-                    .of(Quantity::PERCENT),
-            )
+            .number(Number::new(error).of(Quantity::PERCENT))
             .words(format!(
                 " ({}) by the scatter of the readings alone.",
                 visible(&joint.name)
@@ -239,17 +236,15 @@ fn better(given: &Given<'_>, found: &Judgement) -> Text {
     }
 }
 
-/// Angles of a posture below `/result`.
-fn angles(given: &Given<'_>, below: &str, count: usize) -> Text {
-    let numbers = (0..count).map(|j| given.number(&format!("{below}/posture_deg/{j}")).of(ANGLE));
+/// Angles of a posture.
+fn angles(angles: &[f64]) -> Text {
+    let numbers = angles.iter().map(|q| Number::degrees(*q).of(ANGLE));
     Text::new("(").numbers(numbers).words(")°")
 }
 
 /// A row for each joint.
-fn joints(given: &Given<'_>, found: &Judgement, standing: &Standing) -> DataTable {
+fn joints(found: &Judgement, standing: &Standing) -> DataTable {
     let all = &standing.joints;
-    let number = |j: usize, key: &str| given.number(&format!("/standing/joints/{j}/{key}"));
-    let half = |part: Option<f64>, j: usize, key: &str| part.map(|_| number(j, key));
     let names = all.iter().map(|joint| visible(&joint.name).into_owned());
     let table = DataTable::of(
         "Joint stiffness so far with its ±; ≈: what is expected with the postures that are left",
@@ -257,22 +252,22 @@ fn joints(given: &Given<'_>, found: &Judgement, standing: &Standing) -> DataTabl
         names,
     )
     .numbers("k", Quantity::STIFFNESS, |j| {
-        half(all[j].stiffness_nm_per_rad, j, "stiffness_nm_per_rad")
+        all[j].stiffness_nm_per_rad.map(Number::new)
     })
     .numbers("± total", Quantity::PERCENT, |j| {
-        half(all[j].total, j, "total")
+        all[j].total.map(Number::new)
     })
     .numbers("± systematic", Quantity::PERCENT, |j| {
-        half(all[j].systematic, j, "systematic")
+        all[j].systematic.map(Number::new)
     });
     if found.left.is_empty() {
         return table;
     }
     table
         .numbers("with the next ≈", Quantity::PERCENT, |j| {
-            half(all[j].with_next, j, "with_next")
+            all[j].with_next.map(Number::new)
         })
         .numbers("with all ≈", Quantity::PERCENT, |j| {
-            half(all[j].with_all, j, "with_all")
+            all[j].with_all.map(Number::new)
         })
 }

@@ -48,17 +48,17 @@ use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
 use serde::de::DeserializeOwned;
 use std::cmp::Reverse;
+use stiffarm::ask::compensate::Compensated;
+use stiffarm::ask::predict::Predicted;
+use stiffarm::ask::validate::Validated;
 use stiffarm::estimate::coverage::Coverage;
-use stiffarm::estimate::validated::Validated;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::Evaluated;
 use stiffarm::plan::zones::Zones;
-use stiffarm::work::compensate::Compensation;
 use stiffarm::work::judged::Judgement;
-use stiffarm::work::predict::Prediction;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::result::SavedResult;
 
@@ -94,13 +94,13 @@ pub struct Given<'a> {
 /// The telling of each command's results.
 const TELLERS: &[(&str, Teller)] = &[
     ("check", of_saved::<CellCheck>),
-    ("compensate", of_saved::<Compensation>),
+    ("compensate", of_saved::<Compensated>),
     ("coverage", of_saved::<Coverage>),
     ("evaluate", of_saved::<Evaluated>),
     ("identify", identify::told),
     ("map", map::told),
     ("measure", of_saved::<Judgement>),
-    ("predict", of_saved::<Prediction>),
+    ("predict", of_saved::<Predicted>),
     ("register", of_saved::<RegistrationRecord>),
     ("route", of_saved::<Routed>),
     ("select", select::told),
@@ -168,26 +168,6 @@ impl<'a> Given<'a> {
             pictures: false,
             ..self
         }
-    }
-
-    /// The number at a JSON Pointer below `/result`.
-    pub fn number(&self, below: &str) -> Number {
-        self.number_at(format!("/result{below}"))
-    }
-
-    /// The number at a JSON Pointer below `/options`.
-    pub fn option(&self, below: &str) -> Number {
-        self.number_at(format!("/options{below}"))
-    }
-
-    fn number_at(&self, pointer: String) -> Number {
-        let value = self.saved.number(&pointer);
-        Number::new(pointer, value)
-    }
-
-    /// The same with its value: a number of a list that the saved result need not hold.
-    pub(crate) fn valued(&self, below: &str, value: impl Into<Option<f64>>) -> Number {
-        Number::new(format!("/result{below}"), value.into())
     }
 }
 

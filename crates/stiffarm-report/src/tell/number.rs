@@ -1,12 +1,14 @@
-//! Numbers that know where they come from.
+//! Numbers with their unit and their digits.
 
-/// A number of a saved result, as the page shows it.
+use stiffarm::units::rad_to_shortest_deg;
+
+/// A number of a result, as it is shown.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Number {
-    /// Where it stands in the file, a JSON Pointer (RFC 6901); empty for a number computed for the page.
-    pub pointer: String,
-    /// The value in the file; `None` for `null`.
+    /// The value; `None` for `null`, and where it is not finite.
     pub value: Option<f64>,
+    /// Whether it stands in the result, and is not computed for the telling.
+    pub is_of_result: bool,
     /// The shown number is the value times this.
     pub factor: f64,
     /// Unit behind the number; empty where a heading has it.
@@ -15,8 +17,6 @@ pub struct Number {
     pub form: Form,
     /// Written behind a ±.
     pub plus_minus: bool,
-    /// The result it stands in, by its number on the page; `None` for that of the part it is in.
-    pub result: Option<usize>,
 }
 
 /// How many digits of a number are shown.
@@ -78,8 +78,21 @@ const DEGREE: f64 = 180.0 / std::f64::consts::PI;
 
 impl Number {
     /// A number that was computed for the telling and stands in no file.
-    pub fn computed(value: f64) -> Self {
-        Number::new("", Some(value))
+    pub fn computed(value: impl Into<Option<f64>>) -> Self {
+        Number {
+            is_of_result: false,
+            ..Number::new(value)
+        }
+    }
+
+    /// An angle of a result \[rad\] in degrees, as its file has it.
+    pub fn degrees(angle: f64) -> Self {
+        Number::new(rad_to_shortest_deg(angle))
+    }
+
+    /// A count of a result.
+    pub fn count(count: usize) -> Self {
+        Number::new(count as f64).decimals(0)
     }
 
     /// The same as one of this kind, with its unit.
@@ -96,16 +109,15 @@ impl Number {
         self.times(quantity.factor).unit(quantity.unit)
     }
 
-    /// A number with four significant digits and no unit.
-    pub fn new(pointer: impl Into<String>, value: Option<f64>) -> Self {
+    /// A number of a result, with four significant digits and no unit.
+    pub fn new(value: impl Into<Option<f64>>) -> Self {
         Number {
-            pointer: pointer.into(),
-            value,
+            value: value.into().filter(|value| value.is_finite()),
+            is_of_result: true,
             factor: 1.0,
             unit: String::new(),
             form: Form::Significant(4),
             plus_minus: false,
-            result: None,
         }
     }
 
@@ -173,9 +185,6 @@ impl Number {
         let Some(value) = self.value.map(|value| value * self.factor) else {
             return "–".to_string();
         };
-        if !value.is_finite() {
-            return "–".to_string();
-        }
         let text = match self.form {
             Form::Decimals(digits) => format!("{value:.digits$}"),
             Form::Significant(digits) => significant(value, digits),
@@ -223,7 +232,7 @@ mod tests {
     use super::*;
 
     fn shown(value: f64, digits: usize) -> String {
-        let number = Number::new("/a", Some(value)).significant(digits);
+        let number = Number::new(value).significant(digits);
         number.digits()
     }
 
@@ -241,12 +250,12 @@ mod tests {
 
     #[test]
     fn units_and_signs_stand_around() {
-        let number = Number::new("/a", Some(1.25e-4)).mm().decimals(3);
+        let number = Number::new(1.25e-4).mm().decimals(3);
         assert_eq!(number.text(), "0.125\u{a0}mm");
         assert_eq!(number.clone().plus_minus().text(), "±\u{a0}0.125\u{a0}mm");
         assert_eq!(number.bare().text(), "0.125");
-        assert_eq!(Number::new("/a", None).mm().text(), "–");
-        let tiny = Number::new("/a", Some(-1e-9)).mm().decimals(2);
+        assert_eq!(Number::new(None).mm().text(), "–");
+        let tiny = Number::new(-1e-9).mm().decimals(2);
         assert_eq!(tiny.digits(), "0.00");
     }
 }

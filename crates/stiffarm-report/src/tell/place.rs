@@ -15,11 +15,7 @@ const WORTH: f64 = 1.05;
 impl Telling for Placement {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
         let placement = self;
-        let verdict = [
-            done(context, placement),
-            came(context, placement),
-            next(placement),
-        ];
+        let verdict = [done(context, placement), came(placement), next(placement)];
         let mut sections = Vec::new();
         let mut places = Vec::new();
         if context.pictures {
@@ -29,7 +25,7 @@ impl Telling for Placement {
         sections.extend(placement.best.as_ref().map(lines));
         places.push(Block::Table(counts(placement)));
         sections.push(Section::new("places", "The places", places));
-        let key = key(context, placement);
+        let key = key(placement);
         Ok(context.told("Place of the workpiece", verdict, Some(key), sections))
     }
 }
@@ -50,11 +46,11 @@ fn done(context: &Given<'_>, placement: &Placement) -> Text {
         "{} places of the workpiece{within} were tried for a path of ",
         placement.candidates.len()
     ))
-    .number(context.number("/point_count").decimals(0))
+    .number(Number::count(placement.point_count))
     .words(" points under its loads");
     let text = if placement.searched_points < placement.point_count {
         text.words(", of which ")
-            .number(context.number("/searched_points").decimals(0))
+            .number(Number::count(placement.searched_points))
             .words(" were looked at")
     } else {
         text
@@ -62,32 +58,32 @@ fn done(context: &Given<'_>, placement: &Placement) -> Text {
     text.words(format!("; at {works} of them the arm can go along."))
 }
 
-fn came(context: &Given<'_>, placement: &Placement) -> Text {
-    let mm = |below: &str| context.number(below).mm().decimals(3);
+fn came(placement: &Placement) -> Text {
+    let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
     let Some(best) = &placement.best else {
         return Text::new("At none of them can the arm go along the whole path.");
     };
-    let place = position(context, "/best/position_m", best.position_m);
+    let place = position(best.position_m);
     let mut text = Text::new("At ").then(place);
     if best.yaw != 0.0 {
-        let yaw = context.number("/best/yaw_deg").unit("°").significant(4);
+        let yaw = Number::degrees(best.yaw).unit("°").significant(4);
         text = text.words(", turned by ").number(yaw).words(",");
     }
     text = text
         .words(" the path bends the tip by ")
-        .number(mm("/best/deflection_rms_m"))
+        .number(mm(best.deflection_rms_m))
         .words(" (RMS), at most ")
-        .number(mm("/best/deflection_max_m"));
+        .number(mm(best.deflection_max_m));
     match (placement.gain, &placement.given.deflection_rms_m) {
         (Some(gain), Some(_)) if gain > 1.0 => text
             .words(", ")
-            .number(context.number("/gain").decimals(2))
+            .number(Number::new(gain).decimals(2))
             .words(" times less than at the given place (")
-            .number(mm("/given/deflection_rms_m"))
+            .number(mm(placement.given.deflection_rms_m))
             .words(")."),
         (Some(_), Some(_)) => text
             .words("; no place is better than the given one (")
-            .number(mm("/given/deflection_rms_m"))
+            .number(mm(placement.given.deflection_rms_m))
             .words(")."),
         _ => text.words("; at the given place the arm cannot go along."),
     }
@@ -129,35 +125,38 @@ fn lines(best: &Placed) -> Section {
     Section::new("lines", title, vec![Block::List(lines)]).in_summary()
 }
 
-fn key(context: &Given<'_>, placement: &Placement) -> DataTable {
+fn key(placement: &Placement) -> DataTable {
     let rows = [
         Some(("given", &placement.given)),
         placement.best.as_ref().map(|best| ("best", best)),
     ];
     let rows: Vec<(&str, &Placed)> = rows.into_iter().flatten().collect();
-    let number = |row: usize, below: &str| {
-        let number = context.number(&format!("/{}/{below}", rows[row].0));
-        number.value.map(|_| number)
-    };
+    let placed = |row: usize| rows[row].1;
     DataTable::of(
         "Deflection along the whole path at the given place and the best one",
         "place",
         rows.iter().map(|(key, _)| *key),
     )
-    .numbers("x", POSITION, |row| number(row, "position_m/0"))
-    .numbers("y", POSITION, |row| number(row, "position_m/1"))
-    .numbers("z", POSITION, |row| number(row, "position_m/2"))
+    .numbers("x", POSITION, |row| {
+        Some(Number::new(placed(row).position_m[0]))
+    })
+    .numbers("y", POSITION, |row| {
+        Some(Number::new(placed(row).position_m[1]))
+    })
+    .numbers("z", POSITION, |row| {
+        Some(Number::new(placed(row).position_m[2]))
+    })
     .numbers("turned by [°]", Quantity::RATIO.digits(4), |row| {
-        number(row, "yaw_deg")
+        Some(Number::degrees(placed(row).yaw))
     })
     .numbers("RMS", Quantity::LENGTH, |row| {
-        number(row, "deflection_rms_m")
+        placed(row).deflection_rms_m.map(Number::new)
     })
     .numbers("largest", Quantity::LENGTH, |row| {
-        number(row, "deflection_max_m")
+        placed(row).deflection_max_m.map(Number::new)
     })
     .words("at point", |row| {
-        let placed = rows[row].1;
+        let placed = placed(row);
         match &placed.deflection_max_point {
             Some(point) => visible(point).into_owned().into(),
             None => placed.status.describe().into(),
@@ -186,7 +185,7 @@ fn counts(placement: &Placement) -> DataTable {
         if of.is_empty() {
             continue;
         }
-        let count = Number::new("", Some(of.len() as f64)).decimals(0);
+        let count = Number::computed(of.len() as f64).decimals(0);
         let reason = of.iter().find_map(|c| {
             let point = visible(c.point.as_deref()?);
             Some(format!(

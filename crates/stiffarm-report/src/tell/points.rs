@@ -3,6 +3,9 @@
 use super::at_work::GivesWay;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
 use stiffarm::findings::visible;
+use stiffarm::units::rad_to_deg;
+use stiffarm::work::features::{Feature, Verdict};
+use stiffarm::work::posture_path::{Origin, PosturePathSummary};
 use stiffarm::work::predict::PathExtremes;
 
 /// Rows of the table of those points where something is largest.
@@ -66,36 +69,44 @@ pub(super) fn all_points(
 }
 
 /// How the features of a path come out, where the result says so.
-pub(super) fn features_section(context: &Given<'_>) -> Option<Section> {
-    let features = context.saved.json["result"]["features"].as_array()?;
-    let word = |row: usize, key: &str| {
-        let word = features[row][key].as_str().unwrap_or_default();
-        Text::new(visible(word).into_owned())
-    };
-    let at = |row: usize, key: &str| {
-        let number = features[row][key].is_number();
-        number.then(|| context.number(&format!("/features/{row}/{key}")))
-    };
-    let names = (0..features.len()).map(|row| word(row, "name"));
+pub(super) fn features_section(features: &[Feature]) -> Option<Section> {
+    if features.is_empty() {
+        return None;
+    }
+    let verdict = |verdict: Option<Verdict>| Text::new(verdict.map_or("", Verdict::word));
+    let names = features.iter();
+    let names = names.map(|own| visible(&own.name).into_owned());
     let table = DataTable::of(
         "Deviation of each feature, largest over its points",
         "feature",
         names,
     )
-    .words("worst point", |row| word(row, "worst"))
+    .words("worst point", |row| {
+        visible(&features[row].worst).into_owned().into()
+    })
     .numbers("across feed", Quantity::LENGTH, |row| {
-        at(row, "across_max_m")
+        Some(Number::new(features[row].across_max_m))
     })
-    .numbers("± total", Quantity::LENGTH, |row| at(row, "half_width_m"))
-    .numbers("tolerance", Quantity::LENGTH, |row| at(row, "tolerance_m"))
-    .words("verdict", |row| word(row, "verdict"))
+    .numbers("± total", Quantity::LENGTH, |row| {
+        features[row].half_width_m.map(Number::new)
+    })
+    .numbers("tolerance", Quantity::LENGTH, |row| {
+        features[row].tolerance_m.map(Number::new)
+    })
+    .words("verdict", |row| verdict(features[row].verdict))
     .numbers("compensated", Quantity::LENGTH, |row| {
-        at(row, "compensated_m")
+        features[row].compensated_m.map(Number::new)
     })
-    .words("then", |row| word(row, "compensated_verdict"))
-    .numbers("along feed", Quantity::LENGTH, |row| at(row, "feed_max_m"))
-    .numbers("cross", Quantity::LENGTH, |row| at(row, "cross_max_m"))
-    .numbers("tool axis", Quantity::LENGTH, |row| at(row, "axis_max_m"));
+    .words("then", |row| verdict(features[row].compensated_verdict))
+    .numbers("along feed", Quantity::LENGTH, |row| {
+        Some(Number::new(features[row].feed_max_m))
+    })
+    .numbers("cross", Quantity::LENGTH, |row| {
+        Some(Number::new(features[row].cross_max_m))
+    })
+    .numbers("tool axis", Quantity::LENGTH, |row| {
+        Some(Number::new(features[row].axis_max_m))
+    });
     let words = "What lies across the feed changes the shape of the part, what lies along it does not. Compensated is what \
                  may be left: the residual with its ±.";
     let blocks = vec![Block::Text(words.into()), Block::Table(table)];
@@ -108,43 +119,35 @@ pub(super) fn extreme_places(
     name: impl Fn(usize) -> Option<String>,
 ) -> Vec<GivesWay> {
     let (best, worst) = (&extremes.best, &extremes.worst);
-    let both = [
-        ("bends most", "worst", worst),
-        ("bends least", "best", best),
-    ];
+    let both = [("bends most", worst), ("bends least", best)];
     // Of equals there is one.
     let apart = if best.at == worst.at { 1 } else { 2 };
-    let places = both
-        .into_iter()
-        .take(apart)
-        .filter_map(|(words, key, own)| {
-            let name = format!("{words}, point {}", visible(&name(own.at)?));
-            Some((name, format!("/extremes/{key}/principal"), own.principal))
-        });
+    let places = both.into_iter().take(apart).filter_map(|(words, own)| {
+        let name = format!("{words}, point {}", visible(&name(own.at)?));
+        Some((name, own.principal))
+    });
     places.collect()
 }
 
-/// How the postures of a path were found, as a sentence behind another one; empty where there is no path.
-pub(super) fn how_found(context: &Given<'_>) -> Text {
-    let how = match context.saved.text("/result/postures/origin") {
-        Some("given") => " The joint angles are as given",
-        Some("closed_form") => " The postures come from inverse kinematics in closed form",
-        Some("numeric") => " The postures come from inverse kinematics, iterated",
-        _ => return Text::default(),
+/// How the postures of a path were found, as a sentence behind another one.
+pub(super) fn how_found(postures: &PosturePathSummary) -> Text {
+    let how = match postures.origin {
+        Origin::Given => " The joint angles are as given",
+        Origin::ClosedForm => " The postures come from inverse kinematics in closed form",
+        Origin::Numeric => " The postures come from inverse kinematics, iterated",
     };
-    let step = context.number("/postures/largest_step_deg");
+    let step = Number::new(rad_to_deg(postures.largest_step));
     Text::new(how)
         .words(", with steps of a joint up to ")
         .number(step.significant(3).unit("°"))
         .words(".")
 }
 
-/// Where a tip or a workpiece is: `x = 1425, y = −814, z = 800 mm`; `pointer` is that of the position.
-pub(super) fn position(context: &Given<'_>, pointer: &str, at_m: [f64; 3]) -> Text {
+/// Where a tip or a workpiece is: `x = 1425, y = −814, z = 800 mm`.
+pub(super) fn position(at_m: [f64; 3]) -> Text {
     let mut text = Text::default();
     for (axis, name) in ["x = ", ", y = ", ", z = "].into_iter().enumerate() {
-        let number = context.valued(&format!("{pointer}/{axis}"), at_m[axis]);
-        let number = number.mm().decimals(0);
+        let number = Number::new(at_m[axis]).mm().decimals(0);
         let number = if axis < 2 { number.bare() } else { number };
         text = text.words(name).number(number);
     }

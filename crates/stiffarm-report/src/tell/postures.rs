@@ -21,12 +21,11 @@ const ROOM: Quantity = Quantity::new("mm", 1e3, Form::Decimals(1));
 /// What is left of a limit, from a fraction.
 const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
 
-/// Postures with their angles, and what leaves each the least room; `at` is the place of the angles below `/result`.
+/// Postures with their angles, and what leaves each the least room.
 pub(super) fn posture_table(
-    given: &Given<'_>,
     caption: &str,
     names: &[String],
-    (at, postures): (&str, &[Vec<f64>]),
+    postures: &[Vec<f64>],
     limits: &[PostureLimits],
 ) -> DataTable {
     let joints = postures.first().map_or(0, Vec::len);
@@ -34,22 +33,17 @@ pub(super) fn posture_table(
     let mut table = DataTable::of(caption, "posture", rows);
     for j in 0..joints {
         table = table.numbers(&format!("q{}", j + 1), ANGLE, |p| {
-            Some(given.number(&format!("{at}/{p}/{j}")))
+            Some(Number::degrees(*postures[p].get(j)?))
         });
     }
-    let number = |p: usize, i: usize, key: &str| {
-        Some(given.number(&format!("/limits/{p}/nearest/{i}/{key}")))
-    };
     let length = |p: usize| limits.get(p).and_then(nearest_length);
     let share = |p: usize| limits.get(p).and_then(nearest_share);
     table
-        .numbers("room", ROOM, |p| number(p, length(p)?.0, "margin_m"))
+        .numbers("room", ROOM, |p| Some(Number::new(length(p)?.margin_m)))
         .words("least at", |p| {
-            length(p).map_or_else(Text::default, |(_, limit)| place(limit).into())
+            length(p).map_or_else(Text::default, |limit| place(limit).into())
         })
-        .numbers("torque left", SHARE, |p| {
-            number(p, share(p)?, "margin_share")
-        })
+        .numbers("torque left", SHARE, |p| share(p).map(Number::new))
 }
 
 /// The name of a posture, or its number.
@@ -60,20 +54,18 @@ pub(super) fn name_of(names: &[String], p: usize) -> String {
     }
 }
 
-fn nearest_length(limits: &PostureLimits) -> Option<(usize, &NearestLimit)> {
-    let all = limits.nearest.iter().enumerate();
+fn nearest_length(limits: &PostureLimits) -> Option<&NearestLimit> {
     // How far a displacement is from its limit is no room.
-    let lengths = all.filter(|(_, limit)| limit.kind.unit() == MarginUnit::Length);
-    let lengths = lengths.filter_map(|(i, limit)| Some((i, limit, limit.margin_m?)));
-    let least = lengths.min_by(|a, b| a.2.total_cmp(&b.2))?;
-    Some((least.0, least.1))
+    let lengths = limits.nearest.iter();
+    let lengths = lengths.filter(|limit| limit.kind.unit() == MarginUnit::Length);
+    let lengths = lengths.filter_map(|limit| Some((limit, limit.margin_m?)));
+    let least = lengths.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(least.0)
 }
 
-fn nearest_share(limits: &PostureLimits) -> Option<usize> {
-    let all = limits.nearest.iter().enumerate();
-    let shares = all.filter_map(|(i, limit)| Some((i, limit.margin_share?)));
-    let least = shares.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(least.0)
+fn nearest_share(limits: &PostureLimits) -> Option<f64> {
+    let shares = limits.nearest.iter().filter_map(|limit| limit.margin_share);
+    shares.min_by(f64::total_cmp)
 }
 
 /// A place in few words, for a narrow column.
@@ -96,22 +88,21 @@ pub(super) fn limit_table(
     let rows = (0..limits.len()).map(|p| name_of(names, p));
     let caption = "How near each posture comes to each kind of limit";
     let mut table = DataTable::of(caption, "posture", rows);
-    let position = |p: usize, kind| limits[p].nearest.iter().position(|near| near.kind == kind);
+    let nearest = |p: usize, kind| limits[p].nearest.iter().find(|near| near.kind == kind);
     for kind in LimitKind::ALL {
-        let (key, quantity) = match kind.unit() {
-            MarginUnit::Length => ("margin_m", ROOM),
-            MarginUnit::Displacement => ("margin_m", Quantity::LENGTH),
-            MarginUnit::Angle => ("margin_rad", DEGREES),
-            MarginUnit::Share => ("margin_share", SHARE),
+        type Margin = fn(&NearestLimit) -> Option<f64>;
+        let (margin, quantity): (Margin, Quantity) = match kind.unit() {
+            MarginUnit::Length => (|near| near.margin_m, ROOM),
+            MarginUnit::Displacement => (|near| near.margin_m, Quantity::LENGTH),
+            MarginUnit::Angle => (|near| near.margin_rad, DEGREES),
+            MarginUnit::Share => (|near| near.margin_share, SHARE),
         };
         table = table.numbers(kind.short(), quantity, |p| {
-            let i = position(p, kind)?;
-            Some(given.number(&format!("/limits/{p}/nearest/{i}/{key}")))
+            Some(Number::new(margin(nearest(p, kind)?)))
         });
         if kind == LimitKind::Shapes {
             table = table.words("which shapes", |p| {
-                let near = position(p, kind).map(|i| &limits[p].nearest[i]);
-                near.map_or_else(Text::default, |near| place(near).into())
+                nearest(p, kind).map_or_else(Text::default, |near| place(near).into())
             });
         }
     }
@@ -128,8 +119,7 @@ pub(super) fn limit_table(
             own => visible(&own.visible_points.join(", ")).into_owned().into(),
         })
         .numbers("displacement", Quantity::LENGTH, |p| {
-            limits[p].displacement_m?;
-            Some(given.number(&format!("/limits/{p}/displacement_m")))
+            limits[p].displacement_m.map(Number::new)
         });
     (table.headings.len() > 1).then_some(table)
 }
@@ -147,30 +137,25 @@ pub(super) fn hides_points(given: &Given<'_>, limits: &[PostureLimits]) -> bool 
     seen.any(|own| own.visible_points.len() < all)
 }
 
-/// The moves of a route that stands at `at` below `/result`; `None` where there are none.
-pub(super) fn route_section(
-    given: &Given<'_>,
-    names: &[String],
-    route: &Route,
-    at: &str,
-) -> Option<Section> {
+/// The moves of a route; `None` where there are none.
+pub(super) fn route_section(given: &Given<'_>, names: &[String], route: &Route) -> Option<Section> {
     if route.moves.is_empty() {
         return None;
     }
-    let mut blocks = vec![Block::Text(moves_in_words(given, route, at))];
-    let table = Block::Table(move_table(given, names, route, at));
+    let mut blocks = vec![Block::Text(moves_in_words(given, route))];
+    let table = Block::Table(move_table(names, route));
     // What stops a drive is seen at once.
     if route.is_blocked() {
         blocks.push(table);
     } else {
         blocks.push(Block::Details("The moves".to_string(), vec![table]));
     }
-    blocks.extend(via_table(given, names, route, at).map(Block::Table));
+    blocks.extend(via_table(names, route).map(Block::Table));
     Some(Section::new("route", "Order and moves", blocks).in_summary())
 }
 
 /// How far the moves go, how long they take and what they were kept clear of.
-fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
+fn moves_in_words(given: &Given<'_>, route: &Route) -> Text {
     let order = match route.shortest {
         // A way around something is one that was found, not the shortest there is.
         Some(true) if route.moves.iter().any(|one| !one.via.is_empty()) => {
@@ -180,12 +165,12 @@ fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
         Some(false) => "a shorter order may exist",
         None => "the order was given",
     };
-    let turn = given.number(&format!("{at}/turn_deg"));
+    let turn = Number::degrees(route.turn);
     let mut said = Text::new(format!("{}, {order}: ", counted(route.moves.len(), "move")))
         .number(turn.unit("°").decimals(0))
         .words(" of largest turns in all");
-    if route.travel_s.is_some() {
-        let time = given.number(&format!("{at}/travel_s"));
+    if let Some(time) = route.travel_s {
+        let time = Number::new(time);
         said = said.words(" in ").number(time.unit("s").decimals(1));
         if let Some(cell) = given.cell {
             let share = 100.0 * cell.route.speed_share;
@@ -217,14 +202,15 @@ fn moves_in_words(given: &Given<'_>, route: &Route, at: &str) -> Text {
     said
 }
 
-fn move_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> DataTable {
-    let number = |m: usize, key: &str| Some(given.number(&format!("{at}/moves/{m}/{key}")));
+fn move_table(names: &[String], route: &Route) -> DataTable {
     let nearest = |m: usize| route.moves[m].nearest.as_ref();
     let rows = route.moves.iter().map(|one| between(names, one));
     DataTable::of("The moves", "move", rows)
-        .numbers("largest turn", ANGLE, |m| number(m, "turn_deg"))
+        .numbers("largest turn", ANGLE, |m| {
+            Some(Number::degrees(route.moves[m].turn))
+        })
         .numbers("time", Quantity::new("s", 1.0, Form::Decimals(1)), |m| {
-            number(m, "time_s")
+            Some(Number::new(route.moves[m].time_s))
         })
         .words("via postures", |m| match route.moves[m].via.len() {
             0 => Text::default(),
@@ -238,8 +224,7 @@ fn move_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> D
             }
         })
         .numbers("nearest", ROOM, |m| {
-            nearest(m)?;
-            number(m, "nearest/distance_m")
+            Some(Number::new(nearest(m)?.distance_m))
         })
         .words("between", |m| {
             nearest(m).map_or_else(Text::default, |near| {
@@ -249,18 +234,16 @@ fn move_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> D
 }
 
 /// The postures between stops; `None` where every move is straight.
-fn via_table(given: &Given<'_>, names: &[String], route: &Route, at: &str) -> Option<DataTable> {
-    let each = route.moves.iter().enumerate();
-    let each = each.flat_map(|(m, one)| (0..one.via.len()).map(move |v| (m, v)));
-    let vias: Vec<(usize, usize)> = each.collect();
-    let (first, _) = vias.first()?;
-    let joints = route.moves[*first].via[0].len();
-    let rows = vias.iter().map(|(m, _)| between(names, &route.moves[*m]));
+fn via_table(names: &[String], route: &Route) -> Option<DataTable> {
+    let each = route.moves.iter();
+    let each = each.flat_map(|one| one.via.iter().map(move |via| (one, via)));
+    let vias: Vec<(&RouteMove, &Vec<f64>)> = each.collect();
+    let joints = vias.first()?.1.len();
+    let rows = vias.iter().map(|(one, _)| between(names, one));
     let mut table = DataTable::of("Via postures, in their order", "move", rows);
     for j in 0..joints {
         table = table.numbers(&format!("q{}", j + 1), ANGLE, |row| {
-            let (m, v) = vias[row];
-            Some(given.number(&format!("{at}/moves/{m}/via_deg/{v}/{j}")))
+            Some(Number::degrees(*vias[row].1.get(j)?))
         });
     }
     Some(table)

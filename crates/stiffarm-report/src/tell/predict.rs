@@ -11,9 +11,9 @@ use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
+use stiffarm::ask::predict::Predicted;
 use stiffarm::findings::{codes, visible};
-use stiffarm::work::predict::{PointPrediction, Prediction, TipBand};
-use stiffarm::work::predicted::Predicted;
+use stiffarm::work::predict::{PointPrediction, Prediction};
 
 /// Points whose stiffness matrices are shown.
 const MATRICES: usize = 2;
@@ -22,45 +22,34 @@ const STIFFNESS: Quantity = Quantity::new("", 1e-3, Form::Significant(5));
 /// Entries of a matrix below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
 
-impl Telling for Prediction {
+impl Telling for Predicted {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
-        let prediction = self;
-        let work = What::of(context);
+        let prediction = &self.prediction;
+        let work = What::of(context, self);
         let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
         let worst = order.first().copied();
         let verdict = [
-            done(context, prediction, &work),
+            done(self, &work),
             came(context, prediction, worst),
             next(context, prediction, &work, worst),
         ];
         let shown = &order[..order.len().min(KEY_ROWS)];
         let caption = "Deflection of the tool tip where it is largest";
-        let key = points_table(context, prediction, caption, shown);
+        let key = points_table(prediction, caption, shown);
         let mut sections = Vec::new();
         if context.pictures {
             sections.push(cell_section(context, prediction, &work)?);
             sections.push(path_section(context, prediction, &work));
         }
-        sections.extend(features_section(context));
-        sections.extend(matrices_section(context, prediction));
-        sections.extend(worst.and_then(|worst| band_section(context, prediction, worst)));
-        sections.extend(stiffness_section(context, prediction));
+        sections.extend(features_section(&self.features));
+        sections.extend(matrices_section(prediction));
+        sections.extend(worst.and_then(|worst| band_section(prediction, worst)));
+        sections.extend(stiffness_section(prediction));
         let count = prediction.points.len();
         sections.push(all_points(context, "The points", count, |caption, rows| {
-            with_parts(
-                context,
-                prediction,
-                rows,
-                points_table(context, prediction, caption, rows),
-            )
+            with_parts(prediction, rows, points_table(prediction, caption, rows))
         }));
         Ok(context.told("Predicted deflection", verdict, Some(key), sections))
-    }
-}
-
-impl Telling for Predicted {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
-        self.prediction.told(context)
     }
 }
 
@@ -73,11 +62,11 @@ struct What {
 }
 
 impl What {
-    fn of(context: &Given<'_>) -> Self {
+    fn of(context: &Given<'_>, predicted: &Predicted) -> Self {
         let json = &context.saved.json;
-        let is_cell_load = json["options"]["load_at"] == "loading_point";
+        let is_cell_load = json["options"]["cell_load"] == true;
         What {
-            is_path: !json["result"]["postures"].is_null(),
+            is_path: predicted.postures.is_some(),
             is_cell_load,
         }
     }
@@ -91,8 +80,8 @@ impl What {
     }
 }
 
-fn done(context: &Given<'_>, prediction: &Prediction, what: &What) -> Text {
-    let count = prediction.points.len();
+fn done(predicted: &Predicted, what: &What) -> Text {
+    let count = predicted.prediction.points.len();
     let points = match (what.is_path, what.is_cell_load, count) {
         (true, _, 1) => "at one point of the path".to_string(),
         (true, _, count) => format!("at {count} points of the path"),
@@ -106,22 +95,27 @@ fn done(context: &Given<'_>, prediction: &Prediction, what: &What) -> Text {
     Text::new(format!(
         "The deflection of the tool tip was predicted {points}, each under its own load."
     ))
-    .then(how_found(context))
+    .then(
+        predicted
+            .postures
+            .as_ref()
+            .map_or_else(Text::default, how_found),
+    )
 }
 
 fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> Text {
-    let number = |below: &str| context.number(below).mm().decimals(3);
+    let mm = |length: f64| Number::new(length).mm().decimals(3);
     let text = Text::new("The tool bends away by ")
-        .number(number("/deflection_rms_m"))
+        .number(mm(prediction.deflection_rms_m))
         .words(" (RMS), at most ")
-        .number(number("/deflection_max_m"));
+        .number(mm(prediction.deflection_max_m));
     let at = format!(" at point {}", visible(&prediction.deflection_max_point));
-    let band = worst.and_then(|i| Some((i, prediction.points[i].band?, prediction.confidence?)));
+    let band = worst.and_then(|i| Some((prediction.points[i].band?, prediction.confidence?)));
     match band {
         None => text.words(format!("{at}; nothing says how sure that is.")),
-        Some((i, band, confidence)) => text
+        Some((band, confidence)) => text
             .words(" ")
-            .number(total(context, i, &band).mm().decimals(3).plus_minus())
+            .number(mm(band.size_m[3]).plus_minus())
             .words(format!(
                 " ({} %){at}; most of the ± comes from {}.",
                 level(confidence),
@@ -182,25 +176,9 @@ fn next(context: &Given<'_>, prediction: &Prediction, what: &What, worst: Option
         .words(" looks for a stiffer place for the workpiece.")
 }
 
-/// The total ± of a point.
-fn total(context: &Given<'_>, point: usize, band: &TipBand) -> Number {
-    context.valued(&format!("/points/{point}/band/size_m/3"), band.size_m[3])
-}
-
-fn points_table(
-    context: &Given<'_>,
-    prediction: &Prediction,
-    caption: &str,
-    rows: &[usize],
-) -> DataTable {
+fn points_table(prediction: &Prediction, caption: &str, rows: &[usize]) -> DataTable {
     let point = |row: usize| &prediction.points[rows[row]];
-    let at = |row: usize, below: &str, value: f64| {
-        Some(context.valued(&format!("/points/{}/{below}", rows[row]), value))
-    };
-    let shift = |row: usize, axis: usize| {
-        let value = point(row).shift_m[axis];
-        at(row, &format!("shift_m/{axis}"), value)
-    };
+    let shift = |row: usize, axis: usize| Some(Number::new(point(row).shift_m[axis]));
     let names = rows.iter().map(|i| name(&prediction.points[*i]));
     let table = DataTable::of(caption, heading(rows.len(), prediction.points.len()), names)
         .numbers("force", FORCE, |row| {
@@ -208,27 +186,20 @@ fn points_table(
         });
     along_axes(table, shift)
         .numbers("deflection", Quantity::LENGTH, |row| {
-            at(row, "deflection_m", point(row).deflection_m)
+            Some(Number::new(point(row).deflection_m))
         })
         .numbers("± total", Quantity::LENGTH, |row| {
-            let band = point(row).band.as_ref();
-            band.map(|band| total(context, rows[row], band))
+            Some(Number::new(point(row).band?.size_m[3]))
         })
 }
 
 /// The same table with the parts of the ±.
-fn with_parts(
-    context: &Given<'_>,
-    prediction: &Prediction,
-    rows: &[usize],
-    table: DataTable,
-) -> DataTable {
+fn with_parts(prediction: &Prediction, rows: &[usize], table: DataTable) -> DataTable {
     let parts = ["± readings", "± systematic", "± load"].into_iter();
     parts.enumerate().fold(table, |table, (i, heading)| {
         table.numbers(heading, Quantity::LENGTH, |row| {
-            let band = prediction.points[rows[row]].band?;
-            let below = format!("/points/{}/band/size_m/{i}", rows[row]);
-            (band.size_m[i] > 0.0).then(|| context.valued(&below, band.size_m[i]))
+            let size = prediction.points[rows[row]].band?.size_m[i];
+            (size > 0.0).then(|| Number::new(size))
         })
     })
 }
@@ -320,14 +291,14 @@ fn along_path(context: &Given<'_>, prediction: &Prediction) -> Section {
     Section::new("path", "Along the path", blocks)
 }
 
-fn band_section(context: &Given<'_>, prediction: &Prediction, worst: usize) -> Option<Section> {
+fn band_section(prediction: &Prediction, worst: usize) -> Option<Section> {
     let band = prediction.points[worst].band?;
     let name = name(&prediction.points[worst]);
     let caption = format!("What the ± is made of at point {name}, where the tip bends most");
-    let table = band_table(context, caption, &format!("/points/{worst}/band"), &band);
+    let table = band_table(caption, &band);
     let text = Text::new(format!("Most of the ± comes from {}. ", dominant(band.size_m)))
         .words("Over all points the errors that the bands stand for are ")
-        .number(context.number("/error_rms_m").mm().decimals(3))
+        .number(Number::new(prediction.error_rms_m).mm().decimals(3))
         .words(
             " (RMS, all axes together). The bands know what the identification knows: what the model leaves out, ",
         )
@@ -337,7 +308,7 @@ fn band_section(context: &Given<'_>, prediction: &Prediction, worst: usize) -> O
     Some(Section::new("how-sure", "How sure that is", blocks))
 }
 
-fn stiffness_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
+fn stiffness_section(prediction: &Prediction) -> Option<Section> {
     let extremes = prediction.extremes?;
     let places = extreme_places(&extremes, |at| {
         Some(prediction.points.get(at)?.point.to_string())
@@ -346,7 +317,7 @@ fn stiffness_section(context: &Given<'_>, prediction: &Prediction) -> Option<Sec
                  stiffer one helps as much as a stiffer place.";
     let blocks = vec![
         Block::Text(words.into()),
-        Block::Table(principal_table(context, &places)),
+        Block::Table(principal_table(&places)),
     ];
     Some(Section::new(
         "stiffness",
@@ -356,33 +327,22 @@ fn stiffness_section(context: &Given<'_>, prediction: &Prediction) -> Option<Sec
 }
 
 /// The Cartesian stiffness of the first points, where it was asked for.
-fn matrices_section(context: &Given<'_>, prediction: &Prediction) -> Option<Section> {
-    let points = prediction.points.iter().enumerate();
-    let points = points.filter_map(|(i, p)| Some((i, name(p), p.stiffness.as_deref()?)));
-    let points: Vec<_> = points.take(MATRICES).collect();
+fn matrices_section(prediction: &Prediction) -> Option<Section> {
+    let points = prediction.points.iter();
+    let points = points.filter_map(|p| Some((name(p), p.stiffness.as_deref()?)));
     let mut blocks = Vec::new();
-    for (i, name, stiffness) in &points {
-        let below = format!("/points/{i}/stiffness");
-        let axes = (
-            format!("point {name}"),
-            format!("{below}/principal"),
-            stiffness.principal,
-        );
-        blocks.push(Block::Table(principal_table(context, &[axes])));
+    for (name, stiffness) in points.take(MATRICES) {
+        let axes = (format!("point {name}"), stiffness.principal);
+        blocks.push(Block::Table(principal_table(&[axes])));
         let both = [
-            ("K, Eq. (2)", "matrix", &stiffness.matrix),
-            (
-                "K with K_C of this load",
-                "matrix_with_k_c",
-                &stiffness.matrix_with_k_c,
-            ),
+            ("K, Eq. (2)", &stiffness.matrix),
+            ("K with K_C of this load", &stiffness.matrix_with_k_c),
         ];
-        blocks.extend(both.map(|(what, key, matrix)| match matrix {
+        blocks.extend(both.map(|(what, matrix)| match matrix {
             Some(matrix) => {
                 let units = "N/mm, N/mrad; N·m/mm, N·m/mrad";
                 let caption = format!("{what}, at point {name} [{units}]");
-                let below = format!("{below}/{key}");
-                Block::Table(matrix_table(context, caption, &below, matrix))
+                Block::Table(matrix_table(caption, matrix))
             }
             None => Block::Text(format!("{what}: none, point {name} is singular.").into()),
         }));
@@ -391,12 +351,7 @@ fn matrices_section(context: &Given<'_>, prediction: &Prediction) -> Option<Sect
         .then(|| Section::new("matrices", "Stiffness matrices of the tip", blocks).in_summary())
 }
 
-fn matrix_table(
-    context: &Given<'_>,
-    caption: String,
-    pointer: &str,
-    matrix: &[[f64; 6]; 6],
-) -> DataTable {
+fn matrix_table(caption: String, matrix: &[[f64; 6]; 6]) -> DataTable {
     let largest = matrix.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
     let table = DataTable::of(caption, "", ["Fx", "Fy", "Fz", "Mx", "My", "Mz"]);
     let axes = ["x", "y", "z", "about x", "about y", "about z"].into_iter();
@@ -406,7 +361,7 @@ fn matrix_table(
             Some(if value.abs() < ROUNDING * largest {
                 Number::computed(0.0)
             } else {
-                context.valued(&format!("{pointer}/{row}/{column}"), value)
+                Number::new(value)
             })
         })
     })

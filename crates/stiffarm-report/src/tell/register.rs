@@ -5,6 +5,7 @@ use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Tell
 use stiffarm::Result;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::measure::registration::RegistrationRecord;
+use stiffarm::units::rad_to_deg;
 
 /// Roll, pitch and yaw: at the end of ten metres as fine as [`Quantity::LENGTH`].
 const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(7));
@@ -16,23 +17,23 @@ const PLACE: Quantity = Quantity::new("mm", 1e3, Form::Decimals(0));
 impl Telling for RegistrationRecord {
     fn told(&self, given: &Given<'_>) -> Result<Told> {
         let found = self;
-        let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+        let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
         let done = Text::new(format!(
             "The tracker was registered to the robot's base by {} points that both know.",
             found.pairs.len()
         ));
         let came = Text::new("The points agree within ")
-            .number(mm("/rms_m"))
+            .number(mm(found.rms_m))
             .words(" (RMS); a coordinate scatters by ")
-            .number(mm("/residual_std_m"))
+            .number(mm(found.residual_std_m))
             .words(format!(
                 ", from {} degrees of freedom",
                 found.degrees_of_freedom
             ));
         let came = match found.known_std_m {
-            Some(_) => came
+            Some(known) => came
                 .words(", where ")
-                .number(mm("/known_std_m"))
+                .number(mm(known))
                 .words(" are given."),
             None => came.words("."),
         };
@@ -52,8 +53,8 @@ impl Telling for RegistrationRecord {
                 .words("; or copy the transform into [tracker] of the cell.")
         };
         let sections = vec![
-            transform(given, is_serious).in_summary(),
-            uncertainty(given, found).in_summary(),
+            transform(found, is_serious).in_summary(),
+            uncertainty(found).in_summary(),
             Section::new(
                 "residuals",
                 "Point by point",
@@ -61,7 +62,7 @@ impl Telling for RegistrationRecord {
             ),
         ];
         let heading = "Registration of the tracker";
-        let key = residuals(given, found);
+        let key = residuals(found);
         Ok(given.told(heading, [done, came, next], Some(key), sections))
     }
 }
@@ -79,7 +80,7 @@ fn distance(found: &RegistrationRecord, i: usize) -> f64 {
 }
 
 /// What is left at each point, the largest first.
-fn residuals(given: &Given<'_>, found: &RegistrationRecord) -> DataTable {
+fn residuals(found: &RegistrationRecord) -> DataTable {
     let mut order: Vec<usize> = (0..found.residuals_m.len()).collect();
     order.sort_by(|a, b| distance(found, *b).total_cmp(&distance(found, *a)));
     let names = order.iter().map(|i| name(found, *i));
@@ -87,7 +88,7 @@ fn residuals(given: &Given<'_>, found: &RegistrationRecord) -> DataTable {
     let mut table = DataTable::of(caption, "point", names);
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
         table = table.numbers(axis, Quantity::LENGTH, |row| {
-            Some(given.number(&format!("/residuals_m/{}/{k}", order[row])))
+            Some(Number::new(found.residuals_m[order[row]][k]))
         });
     }
     table.numbers("distance", Quantity::LENGTH, |row| {
@@ -96,15 +97,15 @@ fn residuals(given: &Given<'_>, found: &RegistrationRecord) -> DataTable {
 }
 
 /// The lines of the cell file.
-fn transform(given: &Given<'_>, is_serious: bool) -> Section {
-    let line = |key: &str, below: &str, quantity: Quantity| {
-        let numbers = (0..3).map(|k| given.number(&format!("{below}/{k}")).of(quantity.bare()));
+fn transform(found: &RegistrationRecord, is_serious: bool) -> Section {
+    let line = |key: &str, values: [f64; 3], quantity: Quantity| {
+        let numbers = values.map(|value| Number::new(value).of(quantity.bare()));
         Text::new(format!("{key} = [")).numbers(numbers).words("]")
     };
     let lines = vec![
         Text::new("[tracker]"),
-        line("xyz_mm", "/translation_m", Quantity::LENGTH),
-        line("rpy_deg", "/rpy_deg", ANGLE),
+        line("xyz_mm", found.translation_m, Quantity::LENGTH),
+        line("rpy_deg", found.roll_pitch_yaw.map(rad_to_deg), ANGLE),
     ];
     let title = if is_serious {
         "Base frame from tracker frame; not to be used before the serious finding is settled"
@@ -115,7 +116,7 @@ fn transform(given: &Given<'_>, is_serious: bool) -> Section {
 }
 
 /// Standard errors of the transform, and the point that a turn leaves where it is.
-fn uncertainty(given: &Given<'_>, found: &RegistrationRecord) -> Section {
+fn uncertainty(found: &RegistrationRecord) -> Section {
     let rows = ["shift of the centroid [mm]", "turn [mrad]"];
     let mut table = DataTable::of("Standard errors, base axes", "", rows);
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
@@ -126,7 +127,7 @@ fn uncertainty(given: &Given<'_>, found: &RegistrationRecord) -> Section {
             error.of(quantity.bare()).into()
         });
     }
-    let centroid = (0..3).map(|k| given.number(&format!("/centroid_m/{k}")).of(PLACE.bare()));
+    let centroid = found.centroid_m.map(|m| Number::new(m).of(PLACE.bare()));
     let about = Text::new("The turn acts about the centroid of the points, (")
         .numbers(centroid)
         .words(") mm.");

@@ -65,14 +65,13 @@ pub fn told_route(posture_names: &[String], route: &Route, given: &Given<'_>) ->
         ),
     };
     let key = posture_table(
-        given,
         "The postures in this order, controller angles",
         posture_names,
-        ("/postures_deg", &route.postures),
+        &route.postures,
         &[],
     );
     let mut sections = Vec::new();
-    sections.extend(route_section(given, posture_names, route, ""));
+    sections.extend(route_section(given, posture_names, route));
     let group = PostureGroup::named("route", posture_names, route.postures.iter().cloned());
     sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
     let heading = "Order of the postures and moves between them";

@@ -111,7 +111,7 @@ impl Telling for Study {
         section(
             "set-up",
             "Set-up",
-            vec![Some(Block::Text(set_up(context, study)))],
+            vec![Some(Block::Text(set_up(study)))],
         ),
         section(
             "expected",
@@ -138,7 +138,7 @@ impl Telling for Study {
         section(
             "bound",
             "The bound of Eq. (19)",
-            vec![said(&["error-bound"]), Some(Block::Table(bound(context, study)))],
+            vec![said(&["error-bound"]), Some(Block::Table(bound(study)))],
         ),
         section(
             "starts",
@@ -185,7 +185,7 @@ impl Telling for Study {
         sections.retain(|section| !section.blocks.is_empty());
         let heading = format!("Posture selection study: {}", visible(&study.cell));
         let verdict = [done, came, next];
-        let mut told = context.told(heading, verdict, Some(key(context, study)), sections);
+        let mut told = context.told(heading, verdict, Some(key(study)), sections);
         // The notes are all told above.
         told.findings.retain(|f| f.severity > Severity::Note);
         Ok(told)
@@ -193,17 +193,16 @@ impl Telling for Study {
 }
 
 /// The expected deviation of each joint and group.
-fn key(context: &Given<'_>, study: &Study) -> DataTable {
+fn key(study: &Study) -> DataTable {
     // The last row holds their means.
     let names = study.joints.iter().map(|j| Text::new(visible(j)));
     let names = names.chain([Text::default().strong("mean")]);
     let caption = "Expected deviation of the joint stiffness at the cell's noise, closed form";
     let mut table = DataTable::of(caption, "joint", names);
-    for (g, group) in study.groups.iter().enumerate() {
+    for group in &study.groups {
         table = table.numbers(&visible(&group.name), DEVIATION, |row| {
             if row < study.joints.len() {
-                let below = format!("/groups/{g}/evaluation/expected_deviation/{row}");
-                return Some(context.number(&below));
+                return Some(Number::new(group.evaluation.expected_deviation[row]));
             }
             let mean = group.evaluation.mean_expected_deviation()?;
             Some(Number::computed(mean))
@@ -213,10 +212,10 @@ fn key(context: &Given<'_>, study: &Study) -> DataTable {
 }
 
 /// What was simulated.
-fn set_up(context: &Given<'_>, study: &Study) -> Text {
-    let noise = context.number("/noise_std_m").times(1e6).unit("µm");
+fn set_up(study: &Study) -> Text {
+    let noise = Number::new(study.noise_std_m).times(1e6).unit("µm");
     let length = match study.characteristic_length_m {
-        Some(_) => Text::default().number(context.number("/characteristic_length_m").mm()),
+        Some(length) => Text::default().number(Number::new(length).mm()),
         None => Text::new("none"),
     };
     Text::new(format!(
@@ -232,8 +231,8 @@ fn set_up(context: &Given<'_>, study: &Study) -> Text {
 }
 
 /// Eq. (19) beside what it bounds.
-fn bound(context: &Given<'_>, study: &Study) -> DataTable {
-    let number = |g: usize, key: &str| Some(context.number(&format!("/groups/{g}/{key}")));
+fn bound(study: &Study) -> DataTable {
+    let group = |g: usize| &study.groups[g];
     let names = study.groups.iter().map(|g| visible(&g.name).into_owned());
     DataTable::of(
         "Relative error of the vector H of joint compliances: the bound of Eq. (19) and what is to be expected",
@@ -241,13 +240,13 @@ fn bound(context: &Given<'_>, study: &Study) -> DataTable {
         names,
     )
     .numbers("cond(Ψ)", Quantity::RATIO.digits(4), |g| {
-        number(g, "evaluation/indices/condition")
+        Some(Number::new(group(g).evaluation.indices.condition))
     })
     .numbers("bound", Quantity::PERCENT.digits(4), |g| {
-        number(g, "error_bound/bound")
+        Some(Number::new(group(g).error_bound.as_ref()?.bound))
     })
     .numbers("expected", Quantity::PERCENT.digits(4), |g| {
-        number(g, "expected_relative_norm")
+        Some(Number::new(group(g).expected_relative_norm))
     })
 }
 
@@ -261,7 +260,7 @@ fn best(study: &Study) -> Option<usize> {
 }
 
 fn percent(fraction: Option<f64>) -> String {
-    Number::new("", fraction).of(DEVIATION).text()
+    Number::computed(fraction).of(DEVIATION).text()
 }
 
 /// The cell with all groups, the recommended one first.

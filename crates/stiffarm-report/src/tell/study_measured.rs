@@ -2,7 +2,7 @@
 
 use super::tables::data_table;
 use crate::study::{measured_figure, measured_table};
-use crate::tell::{Block, DataTable, Given, Quantity, Section, Telling, Text, Told};
+use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::findings::{Severity, visible};
@@ -20,10 +20,7 @@ impl Telling for MeasuredStudy {
             study.pool_count,
             study.posture_count - study.pool_count
         ));
-        let number = |i: usize, key: &str| {
-            let number = context.number(&format!("/choices/{i}/{key}"));
-            number.of(Quantity::LENGTH)
-        };
+        let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
         let fewest = study.options.counts.iter().copied().min().unwrap_or(0);
         let known = |i: &usize| study.choices[*i].mean_m.is_finite();
         let mean = |i: &usize| study.choices[*i].mean_m;
@@ -45,16 +42,16 @@ impl Telling for MeasuredStudy {
                 in_words(own.choice),
                 own.model.in_words()
             ))
-            .number(number(i, "mean_m"))
+            .number(mm(own.mean_m))
             .words(" ")
-            .number(number(i, "standard_error_m").plus_minus());
+            .number(mm(own.standard_error_m).plus_minus());
                 if let Some(whole) = whole.filter(known) {
                     text = text
                         .words(format!(
                             ", all {} of the pool with the joint axes alone miss them by ",
                             study.pool_count
                         ))
-                        .number(number(whole, "mean_m"));
+                        .number(mm(study.choices[whole].mean_m));
                 }
                 text.words(" (RMS of a component).")
             }
@@ -88,7 +85,7 @@ impl Telling for MeasuredStudy {
             .filter(|f| f.severity == Severity::Note);
         let notes: Vec<Text> = notes.map(|f| Text::from(f.sentence.as_str())).collect();
         let how = Text::new("The measured displacements have an RMS of ")
-        .number(context.number("/displacement_rms_m").of(Quantity::LENGTH))
+        .number(Number::new(study.displacement_rms_m).of(Quantity::LENGTH))
         .words(
             ". An index knows angles and wrenches but no reading. Joint stiffness, or the mixed model with its sizes, is \
              identified from the chosen postures alone and predicts the others. The index prediction takes the pool's own \
@@ -111,12 +108,7 @@ impl Telling for MeasuredStudy {
             "Choosing postures on measured readings: {}",
             visible(&study.cell)
         );
-        let mut told = context.told(
-            heading,
-            [done, came, next],
-            Some(key(context, study)),
-            sections,
-        );
+        let mut told = context.told(heading, [done, came, next], Some(key(study)), sections);
         // The notes are all told above.
         told.findings.retain(|f| f.severity > Severity::Note);
         Ok(told)
@@ -124,15 +116,15 @@ impl Telling for MeasuredStudy {
 }
 
 /// Every way to choose, with both models side by side.
-fn key(context: &Given<'_>, study: &MeasuredStudy) -> DataTable {
+fn key(study: &MeasuredStudy) -> DataTable {
     let all = study.choices.iter();
     let rows: Vec<_> = all.filter(|c| c.model == ElasticChoice::Axes).collect();
     let place = |row: usize, model: ElasticChoice| {
         let own = rows[row];
         let mut all = study.choices.iter();
-        all.position(|c| (c.postures, c.choice, c.model) == (own.postures, own.choice, model))
+        all.find(|c| (c.postures, c.choice, c.model) == (own.postures, own.choice, model))
     };
-    let number = |i: usize, key: &str| context.number(&format!("/choices/{i}/{key}"));
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH.bare());
     let mut table = DataTable::of(
         "RMS error of a displacement component at the postures outside the pool, ± its standard error, and share \
          of the splits in which the choice predicts better than chance",
@@ -144,13 +136,9 @@ fn key(context: &Given<'_>, study: &MeasuredStudy) -> DataTable {
     for model in models {
         table = table.words(format!("{} [mm]", model.in_words()), |row| {
             match place(row, model) {
-                Some(i) => Text::from(number(i, "mean_m").of(Quantity::LENGTH.bare()))
+                Some(own) => Text::from(mm(own.mean_m))
                     .words(" ")
-                    .number(
-                        number(i, "standard_error_m")
-                            .of(Quantity::LENGTH.bare())
-                            .plus_minus(),
-                    ),
+                    .number(mm(own.standard_error_m).plus_minus()),
                 None => Text::default(),
             }
         });
@@ -158,9 +146,7 @@ fn key(context: &Given<'_>, study: &MeasuredStudy) -> DataTable {
     for model in models {
         let heading = format!("better than chance, {}", model.in_words());
         table = table.numbers(&heading, Quantity::PERCENT.digits(3), |row| {
-            let i = place(row, model)?;
-            study.choices[i].better_than_random?;
-            Some(number(i, "better_than_random"))
+            place(row, model)?.better_than_random.map(Number::new)
         });
     }
     table

@@ -10,7 +10,7 @@ pub(super) fn data_table(table: &Table) -> DataTable {
     for row in &table.rows {
         let cells = row.iter().map(|cell| match cell {
             Cell::Text(text) => Text::from(visible(text).into_owned()),
-            Cell::Number(value) => Number::new("", *value).into(),
+            Cell::Number(value) => Number::computed(*value).into(),
         });
         out.rows.push(cells.collect());
     }

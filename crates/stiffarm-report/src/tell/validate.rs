@@ -10,8 +10,8 @@ use crate::tell::{
 use crate::validated::validation_figure;
 use serde::Deserialize;
 use stiffarm::Result;
+use stiffarm::ask::validate::Validated;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
-use stiffarm::estimate::validated::Validated;
 use stiffarm::findings::{Severity, codes, list, visible};
 use stiffarm::measure::is_of_table;
 use stiffarm::model::observation::ExtraTerm;
@@ -25,11 +25,7 @@ impl Telling for Validated {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
         let all = self;
         let found = &all.validation;
-        let verdict = [
-            done(context, found),
-            came(context, found),
-            next(context, found),
-        ];
+        let verdict = [done(context, found), came(found), next(context, found)];
         let mut sections = Vec::new();
         if context.pictures {
             sections.push(Section::new(
@@ -38,18 +34,18 @@ impl Telling for Validated {
                 vec![Block::Figure(validation_figure(found))],
             ));
         }
-        sections.push(points(context, found));
+        sections.push(points(found));
         if context.pictures {
             sections.extend(cell(context, found)?);
         }
         let readings = all.readings.as_ref();
         let screening = readings.map(|readings| &readings.screening);
-        sections.extend(readings::section(context, screening, readings));
+        sections.extend(readings::section(screening, readings));
         let heading = match found.folds {
             Some(_) => "Cross-validation of the joint stiffness",
             None => "Validation of the joint stiffness",
         };
-        let mut told = context.told(heading, verdict, Some(key(context, found)), sections);
+        let mut told = context.told(heading, verdict, Some(key(found)), sections);
         // What the table does not hold yet belongs to what was done.
         let [done, ..] = &mut told.verdict;
         for finding in told.findings.iter().filter(|f| is_of_table(f)) {
@@ -112,8 +108,8 @@ fn fits(context: &Given<'_>) -> String {
     format!(" Estimator of the fits: {estimator}{terms}{elastic}.")
 }
 
-fn came(context: &Given<'_>, found: &Validation) -> Text {
-    let mm = |below: &str| context.number(below).mm().decimals(4);
+fn came(found: &Validation) -> Text {
+    let mm = |length: f64| Number::new(length).mm().decimals(4);
     let unpredicted = if found.unpredicted.is_empty() {
         Text::default()
     } else {
@@ -122,11 +118,11 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
     };
     let mut text = unpredicted
         .words("Calculated and measured differ by ")
-        .number(mm("/deviation_rms_m"))
+        .number(mm(found.deviation_rms_m))
         .words(" (RMS), at most ")
-        .number(mm("/deviation_max_m"));
+        .number(mm(found.deviation_max_m));
     if found.displacement_rms_m > 0.0 {
-        let share = Number::new("", Some(found.deviation_rms_m / found.displacement_rms_m));
+        let share = Number::computed(found.deviation_rms_m / found.displacement_rms_m);
         text = text
             .words(": ")
             .number(share.percent().significant(2))
@@ -136,7 +132,7 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
     if found.noise_expectation_m > 0.0 {
         text = text
             .words(" Noise alone gives ")
-            .number(mm("/noise_expectation_m"))
+            .number(mm(found.noise_expectation_m))
             .words(" on average.");
     }
     if let Some(band) = &found.band {
@@ -155,25 +151,25 @@ fn came(context: &Given<'_>, found: &Validation) -> Text {
         let text_of = text.words(" Compensated as calculated, the errors would have been ");
         text = if factor < 1.0 {
             text_of
-                .number(Number::new("", Some(1.0 / factor)).significant(3))
+                .number(Number::computed(1.0 / factor).significant(3))
                 .words(" times larger.")
         } else {
             text_of
                 .words(at_least)
-                .number(context.number("/compensation_factor").significant(3))
+                .number(Number::new(factor).significant(3))
                 .words(" times smaller, the noise of these readings aside.")
         };
     }
     if found.folds.is_some() {
         text = text
             .words(" The RMS of the components, to be held beside the residual RMS of the identification, is ")
-            .number(mm("/component_rms_m"))
+            .number(mm(found.component_rms_m))
             .words(".");
     }
     match found.passed {
         Some(passed) => text
             .words(" The tolerance of ")
-            .number(mm("/tolerance_m"))
+            .number(Number::new(found.tolerance_m).mm().decimals(4))
             .words(" is ")
             .strong(if passed { "kept" } else { "not kept" })
             .words("."),
@@ -208,7 +204,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
     let outside = findings.iter().any(|f| f.code == codes::OUTSIDE_BANDS);
     if let (Some(tolerance), Some(false), false) = (found.tolerance_m, found.passed, outside) {
         // The scatter of readings may be all that is beyond the tolerance.
-        let noise = context.number("/noise_expectation_m").mm().decimals(4);
+        let noise = Number::new(found.noise_expectation_m).mm().decimals(4);
         return if tolerance < found.noise_expectation_m {
             Text::new("No stiffness can keep this tolerance in such readings: by noise alone they deviate by ")
                 .number(noise)
@@ -237,7 +233,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
     if found.noise_expectation_m > 0.0 && found.deviation_rms_m > MODEL * found.noise_expectation_m
     {
         return Text::new("At postures like these count on errors of ")
-            .number(context.number("/deviation_max_m").mm().decimals(2))
+            .number(Number::new(found.deviation_max_m).mm().decimals(2))
             .words(": what is left is the model's, not the tracker's.");
     }
     Text::new("The stiffness can be worked with: ")
@@ -248,7 +244,7 @@ fn next(context: &Given<'_>, found: &Validation) -> Text {
 }
 
 /// The worst point of each posture, the worst posture first.
-fn key(context: &Given<'_>, found: &Validation) -> DataTable {
+fn key(found: &Validation) -> DataTable {
     let names = in_order(found.points.iter().map(|p| p.posture.as_str()));
     let size = |i: &usize| found.points[*i].deviation_m;
     let worst = names.iter().filter_map(|name| {
@@ -264,19 +260,15 @@ fn key(context: &Given<'_>, found: &Validation) -> DataTable {
     };
     let caption = format!("Largest deviation at each posture, Eq. (22), {which}");
     worst.truncate(MOST_ROWS);
-    table(context, found, &caption, &worst)
+    table(found, &caption, &worst)
 }
 
 /// Rows of Eq. (22).
-fn table(context: &Given<'_>, found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
+fn table(found: &Validation, caption: &str, rows: &[usize]) -> DataTable {
     let point = |row: usize| &found.points[rows[row]];
     let states = found.points.iter().map(|p| &p.state);
     let has_states = states.clone().zip(states.skip(1)).any(|(a, b)| a != b);
     let size = |v: &[f64; 3]| Some(Number::computed(norm(*v)));
-    let at = |row: usize, key: &str| {
-        let number = context.number(&format!("/points/{}/{key}", rows[row]));
-        number.value.map(|_| number)
-    };
     let names = (0..rows.len()).map(|row| visible(&point(row).posture).into_owned());
     DataTable::of(caption, "posture", names)
         .words("load state", |row| {
@@ -296,9 +288,11 @@ fn table(context: &Given<'_>, found: &Validation, caption: &str, rows: &[usize])
             size(&point(row).calculated_m)
         })
         .numbers("± calculated", Quantity::LENGTH, |row| {
-            at(row, "band/norm_half_width_m")
+            Some(Number::new(point(row).band.as_ref()?.norm_half_width_m))
         })
-        .numbers("deviation", Quantity::LENGTH, |row| at(row, "deviation_m"))
+        .numbers("deviation", Quantity::LENGTH, |row| {
+            Some(Number::new(point(row).deviation_m))
+        })
         .words("outside its band along", |row| outside(point(row)))
 }
 
@@ -316,10 +310,10 @@ fn outside(point: &PointDeviation) -> Text {
 }
 
 /// Every point, folded away.
-fn points(context: &Given<'_>, found: &Validation) -> Section {
+fn points(found: &Validation) -> Section {
     let rows: Vec<usize> = (0..found.points.len()).collect();
     let caption = "Every displacement: measured against calculated";
-    let all = table(context, found, caption, &rows);
+    let all = table(found, caption, &rows);
     let summary = format!("All {} displacements", rows.len());
     let details = Block::Details(summary, vec![Block::Table(all)]);
     Section::new("points", "Point by point", vec![details])

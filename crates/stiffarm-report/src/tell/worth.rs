@@ -12,15 +12,15 @@ use stiffarm::findings::{list, visible};
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::certificate::JointEfficiency;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::index::{FIRST_ORDER_LIMIT, GroupEvaluation, Index, expected_deviation};
+use stiffarm::plan::index::{
+    FIRST_ORDER_LIMIT, Forecast, GroupEvaluation, Index, expected_deviation,
+};
 
 /// What to know where some joint is beyond what the first order says.
 pub(super) const UNSURE: &str = "A joint's relative standard error is above 10 %: its stiffness may come out far from the truth.";
 
-/// A group with the place of its evaluation in the file.
+/// A group with what it tells.
 pub(super) struct Worth<'a> {
-    /// JSON Pointer below `/result`.
-    pub at: String,
     pub evaluation: &'a GroupEvaluation,
     pub posture_names: &'a [String],
 }
@@ -38,41 +38,33 @@ pub fn index_quantity(index: Index) -> Quantity {
     Quantity::new(unit, factor, Form::Significant(digits))
 }
 
-/// The value of an index in its unit; `below` is its place below `/result`.
-pub(super) fn index_number(given: &Given<'_>, index: Index, below: &str) -> Number {
-    given.number(below).of(index_quantity(index))
+/// The value of an index in its unit.
+pub(super) fn index_number(index: Index, value: impl Into<Option<f64>>) -> Number {
+    Number::new(value).of(index_quantity(index))
 }
 
 /// Which joint will be least sure, as sentences: by the ± that `identify` is expected to print, else by the noise alone.
-/// `at` is the evaluation's place below `/result`.
-pub(super) fn least_sure(
-    given: &Given<'_>,
-    at: &str,
-    evaluation: &GroupEvaluation,
-    joints: &[String],
-) -> Text {
+pub(super) fn least_sure(evaluation: &GroupEvaluation, joints: &[String]) -> Text {
     let errors = &evaluation.relative_standard_error;
     let forecast = evaluation.forecast.as_ref().map(|forecast| &forecast.total);
     let forecast = forecast.filter(|total| total.iter().all(Option::is_some));
     let known = forecast.unwrap_or(errors).iter().enumerate();
     let known = known.filter_map(|(j, error)| Some((j, (*error)?)));
-    let Some((worst, _)) = known.max_by(|a, b| a.1.total_cmp(&b.1)) else {
+    let Some((worst, error)) = known.max_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Text::default();
     };
     let name = &joint_names(joints, evaluation)[worst];
-    let (begin, below, end) = match forecast {
+    let (begin, end) = match forecast {
         Some(_) => (
             format!(" Least sure will be {name}: "),
-            "forecast/total",
             " in what identify prints, systematic errors included.",
         ),
         None => (
             format!(" By noise alone {name} is least sure, with a standard error of "),
-            "relative_standard_error",
             ".",
         ),
     };
-    let number = given.number(&format!("{at}/{below}/{worst}")).percent();
+    let number = Number::new(error).percent();
     let number = match forecast {
         Some(_) => number.significant(2).plus_minus(),
         None => number.significant(3),
@@ -118,7 +110,7 @@ pub(super) fn worth_sections(
     let all: Vec<&GroupEvaluation> = evaluations.iter().collect();
     let names = joint_names(joints, first.evaluation);
     let mut sections = Vec::new();
-    if let Some(table) = joint_table(given, joints, groups, bounds) {
+    if let Some(table) = joint_table(joints, groups, bounds) {
         let deviations = all.iter().map(|group| Deviations {
             name: &group.name,
             each: &group.expected_deviation,
@@ -137,7 +129,7 @@ pub(super) fn worth_sections(
             ));
         }
         let parts = groups.iter();
-        let parts = parts.filter_map(|group| error_parts(given, &names, group));
+        let parts = parts.filter_map(|group| error_parts(&names, group));
         let parts: Vec<Block> = parts.map(Block::Table).collect();
         if !parts.is_empty() {
             blocks.push(Block::Details("What each ± rests on".to_string(), parts));
@@ -151,7 +143,7 @@ pub(super) fn worth_sections(
         .iter()
         .filter(|g| !g.evaluation.correlation.is_empty());
     let tables: Vec<Block> = tables
-        .map(|group| Block::Table(correlations(given, &names, group)))
+        .map(|group| Block::Table(correlations(&names, group)))
         .collect();
     if !tables.is_empty() {
         blocks.push(Block::Details(
@@ -171,14 +163,14 @@ pub(super) fn worth_sections(
         .collect();
     let figure = dexterity_figure(&with_names).map(Block::Figure);
     let mut blocks: Vec<Block> = figure.into_iter().collect();
-    blocks.push(Block::Table(indices(given, groups)));
+    blocks.push(Block::Table(indices(groups)));
     blocks.extend(length_in_words(given).map(Block::Text));
     let sizes = all.iter().find_map(|group| group.indices.prediction_sizes);
     blocks.extend(sizes.map(|sizes| {
         let taken = format!("The index prediction takes {}.", sizes.in_words());
         Block::Text(taken.into())
     }));
-    let dexterity = groups.iter().filter_map(|group| dexterity(given, group));
+    let dexterity = groups.iter().filter_map(|group| dexterity(group));
     let dexterity: Vec<Block> = dexterity.map(Block::Table).collect();
     if !dexterity.is_empty() {
         blocks.push(Block::Details(
@@ -192,7 +184,6 @@ pub(super) fn worth_sections(
 
 /// What each joint can be expected to have, beside the least that is possible; `None` where nothing is known of it.
 pub(super) fn joint_table(
-    given: &Given<'_>,
     joints: &[String],
     groups: &[Worth<'_>],
     bounds: &[JointEfficiency],
@@ -224,29 +215,29 @@ pub(super) fn joint_table(
     };
     let errors = Quantity::PERCENT.digits(3);
     for group in groups {
+        let evaluation = group.evaluation;
         table = table.numbers(&heading("by noise", "", group), errors, |j| {
-            let below = if j < count {
-                format!("relative_standard_error/{j}")
+            Some(Number::new(if j < count {
+                evaluation.relative_standard_error[j]
             } else {
-                "indices/expected_error".to_string()
-            };
-            Some(given.number(&format!("{}/{below}", group.at)))
+                evaluation.indices.expected_error
+            }))
         });
     }
-    let bound = |j: usize, key: &str| {
-        let known = bounds.get(j)?;
-        let number = given.number(&format!("/joint_efficiencies/{j}/{key}"));
-        (known.bound > 0.0).then_some(number)
-    };
+    let bound = |j: usize| bounds.get(j).filter(|known| known.bound > 0.0);
     let share = Quantity::new("%", 100.0, Form::Decimals(1));
     table = table
-        .numbers("no plan below", errors, |j| bound(j, "bound"))
-        .numbers("of what is possible", share, |j| bound(j, "efficiency"));
+        .numbers("no plan below", errors, |j| {
+            Some(Number::new(bound(j)?.bound))
+        })
+        .numbers("of what is possible", share, |j| {
+            Some(Number::new(bound(j)?.efficiency))
+        });
     for group in groups {
         table = table.numbers(
             &heading("± identified", "± ", group),
             Quantity::PERCENT,
-            |j| part(given, group, "total", j),
+            |j| part(group, |found| &found.total, j),
         );
     }
     Some(match groups {
@@ -255,12 +246,14 @@ pub(super) fn joint_table(
     })
 }
 
+/// A part of a forecast, joint by joint.
+type Part = fn(&Forecast) -> &[Option<f64>];
+
 /// A part of the ± that `identify` is expected to print; what is as large as the stiffness says nothing.
-fn part(given: &Given<'_>, group: &Worth<'_>, key: &str, j: usize) -> Option<Number> {
-    group.evaluation.forecast.as_ref()?;
-    let number = given.number(&format!("{}/forecast/{key}/{j}", group.at));
-    number.value.filter(|part| *part < 1.0)?;
-    Some(number)
+fn part(group: &Worth<'_>, of: Part, j: usize) -> Option<Number> {
+    let found = group.evaluation.forecast.as_ref()?;
+    let part = of(found).get(j).copied().flatten();
+    part.filter(|part| *part < 1.0).map(Number::new)
 }
 
 /// Where most of a joint's ± comes from.
@@ -272,18 +265,26 @@ fn source(group: &Worth<'_>, j: usize) -> Text {
 }
 
 /// The ± that `identify` is expected to print, part by part; nothing where there is none.
-fn error_parts(given: &Given<'_>, joints: &[String], group: &Worth<'_>) -> Option<DataTable> {
+fn error_parts(joints: &[String], group: &Worth<'_>) -> Option<DataTable> {
     let found = group.evaluation.forecast.as_ref()?;
     let caption = format!(
         "{}: ± of the stiffness at {} % that identify will print, for one reading of each point under the whole load",
         visible(&group.evaluation.name),
         level(found.confidence)
     );
-    let number = |key: &'static str| move |j: usize| part(given, group, key, j);
+    let number = |of: Part| move |j: usize| part(group, of, j);
     let table = DataTable::of(caption, "joint", joints.iter().cloned())
-        .numbers("total", Quantity::PERCENT, number("total"))
-        .numbers("readings", Quantity::PERCENT, number("readings"))
-        .numbers("systematic", Quantity::PERCENT, number("systematic"))
+        .numbers("total", Quantity::PERCENT, number(|found| &found.total))
+        .numbers(
+            "readings",
+            Quantity::PERCENT,
+            number(|found| &found.readings),
+        )
+        .numbers(
+            "systematic",
+            Quantity::PERCENT,
+            number(|found| &found.systematic),
+        )
         .words("largest source", |j| source(group, j));
     (table.headings.len() > 1).then_some(table)
 }
@@ -312,7 +313,7 @@ pub(super) fn length_in_words(given: &Given<'_>) -> Option<Text> {
     let pointer = "/options/characteristic_length_m";
     let length = given.saved.number(pointer);
     if length.is_some() {
-        let number = Number::new(pointer, length).times(1e3).unit("mm");
+        let number = Number::new(length).times(1e3).unit("mm");
         let stands = |cell: &Cell| cell.characteristic_length.is_some();
         let computed = if given.cell.is_some_and(|cell| !stands(cell)) {
             ", computed: robot.characteristic_length_mm is not set."
@@ -326,21 +327,21 @@ pub(super) fn length_in_words(given: &Given<'_>) -> Option<Text> {
     missing.map(|why| format!("No characteristic length: {}", visible(&why)).into())
 }
 
-fn correlations(given: &Given<'_>, joints: &[String], group: &Worth<'_>) -> DataTable {
+fn correlations(joints: &[String], group: &Worth<'_>) -> DataTable {
     let name = visible(&group.evaluation.name);
     let caption = format!("Correlation of the joints' errors, {name}");
     let mut table = DataTable::of(caption, "", joints.iter().cloned());
     let number = Quantity::new("", 1.0, Form::Decimals(2));
     for (j, joint) in joints.iter().enumerate() {
         table = table.numbers(joint, number, |i| {
-            Some(given.number(&format!("{}/correlation/{i}/{j}", group.at)))
+            Some(Number::new(group.evaluation.correlation[i][j]))
         });
     }
     table
 }
 
 /// Every index that some group has.
-pub(super) fn indices(given: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
+pub(super) fn indices(groups: &[Worth<'_>]) -> DataTable {
     let has = |index: Index| {
         let mut values = groups.iter().map(|g| g.evaluation.indices.get(index));
         values.any(|value| value.is_some())
@@ -356,20 +357,20 @@ pub(super) fn indices(given: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
     for group in groups {
         let name = visible(&group.evaluation.name);
         table = table.words(name, |i| {
-            let below = format!("{}/indices/{}", group.at, all[i].as_str());
-            index_number(given, all[i], &below).bare().into()
+            let value = group.evaluation.indices.get(all[i]);
+            index_number(all[i], value).bare().into()
         });
     }
     table.words("what it is", |i| all[i].meaning().into())
 }
 
 /// k(J_N) posture by posture; `None` without any.
-fn dexterity(given: &Given<'_>, group: &Worth<'_>) -> Option<DataTable> {
+fn dexterity(group: &Worth<'_>) -> Option<DataTable> {
     let known = &group.evaluation.k_jn;
     known.iter().flatten().next()?;
     let caption = format!("k(J_N), Eq. (21): {}", visible(&group.evaluation.name));
     let names = (0..known.len()).map(|p| name_of(group.posture_names, p));
     let table = DataTable::of(caption, "posture", names);
-    let number = |p: usize| Some(given.number(&format!("{}/k_jn/{p}", group.at)));
+    let number = |p: usize| Some(Number::new(known[p]));
     Some(table.numbers("k(J_N)", Quantity::RATIO.digits(4), number))
 }

@@ -1,7 +1,8 @@
 //! What `zones` says: where dexterity is high and K_C matters little.
 
+use super::map::RANGE;
 use super::worth::length_in_words;
-use crate::tell::{Block, DataTable, Given, Section, Telling, Text, Told, counted};
+use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted};
 use crate::zones::zones_figure;
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
@@ -27,24 +28,23 @@ impl Telling for Zones {
         ends(&zones.q3),
         list(&held)
     ))
-    .number(context.number("/within_limits").decimals(0))
+    .number(Number::count(zones.within_limits))
     .words(" of them meet the limits of the cell.");
-        let angle = |below: &str| context.number(below).decimals(0);
+        let angle = |angle: f64| Number::degrees(angle).decimals(0).unit("°");
         let came = match &zones.best {
-            Some(_) => Text::new(format!("The best zone is {horizontal} from "))
-                .number(angle("/best/q2_deg/0").unit("°"))
+            Some(best) => Text::new(format!("The best zone is {horizontal} from "))
+                .number(angle(best.q2[0]))
                 .words(" to ")
-                .number(angle("/best/q2_deg/1").unit("°"))
+                .number(angle(best.q2[1]))
                 .words(format!(" and {vertical} from "))
-                .number(angle("/best/q3_deg/0").unit("°"))
+                .number(angle(best.q3[0]))
                 .words(" to ")
-                .number(angle("/best/q3_deg/1").unit("°"))
+                .number(angle(best.q3[1]))
                 .words(": dexterity 1/k(J_N) up to ")
-                .number(context.number("/best/inverse_condition").significant(3))
+                .number(Number::new(best.inverse_condition).significant(3))
                 .words(", K_C changes the translation by ")
                 .number(
-                    context
-                        .number("/best/translation_deviation")
+                    Number::new(best.translation_deviation)
                         .percent()
                         .significant(2),
                 )
@@ -61,8 +61,8 @@ impl Telling for Zones {
                 .code("stiffarm select")
                 .words("."),
         };
-        let has_zone = zones.best.is_some();
-        let mut key = if has_zone {
+        let best = zones.best.as_ref();
+        let mut key = if best.is_some() {
             DataTable::new(
                 "Range over the map, and the most dexterous posture of the best zone",
                 ["quantity", "smallest", "median", "largest", "best posture"],
@@ -76,30 +76,30 @@ impl Telling for Zones {
         let rows = [
             (
                 "dexterity 1/k(J_N)",
-                "inverse_condition_range",
-                "inverse_condition",
+                zones.inverse_condition_range,
+                best.map(|best| best.inverse_condition),
                 1.0,
             ),
             (
                 "translation with against without K_C [%]",
-                "translation_range",
-                "translation_deviation",
+                zones.translation_range,
+                best.map(|best| best.translation_deviation),
                 100.0,
             ),
             (
                 "rotation with against without K_C [%]",
-                "rotation_range",
-                "rotation_deviation",
+                zones.rotation_range,
+                best.map(|best| best.rotation_deviation),
                 100.0,
             ),
         ];
         for (name, range, best, factor) in rows {
-            let of = |below: String| {
-                let number = context.number(&below).times(factor);
+            let of = |value: Option<f64>| {
+                let number = Number::new(value).times(factor);
                 Text::from(number.significant(3))
             };
-            let ends = ["smallest", "median", "largest"].map(|end| of(format!("/{range}/{end}")));
-            let best = has_zone.then(|| of(format!("/best/{best}")));
+            let ends = RANGE.map(|(_, end)| of(range.as_ref().map(end)));
+            let best = best.map(|best| of(Some(best)));
             key.row(name, ends.into_iter().chain(best));
         }
         let mut sections = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::common::{exchange, group, saved, saved_with};
 use serde_json::json;
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::prepare;
 use stiffarm::measure::registration::{RegistrationRecord, register};

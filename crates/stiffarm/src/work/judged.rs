@@ -1,7 +1,7 @@
 //! All that `measure` says: what the readings so far are worth, and what to measure next.
 
 use crate::error::{Code, Result};
-use crate::estimate::identified::doubts;
+use crate::estimate::diagnosed::doubts;
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
@@ -16,7 +16,7 @@ use crate::numerics::control::Control;
 use crate::plan::route::rounded;
 use crate::plan::select::GlobalOptions;
 use crate::work::predict::{PredictOptions, predict};
-use crate::work::predicted::tasks;
+use crate::work::tasks::tasks;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 

@@ -13,7 +13,6 @@ use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::work::map::{MapOptions, stiffness_map};
-use stiffarm::work::mapped::Request;
 use stiffarm_report::{map_figure, map_table, render_svg};
 
 /// Files of the folder.
@@ -37,14 +36,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
     let (cell, _) = with_length(named.cell);
     named.cell = cell;
-    let request = Request {
-        region: args.region.request(),
-        rpy_deg: args.tool.rpy_deg,
-        free_turn: args.tool.free_turn,
-        force_n: args.tool.force_n,
-        moment_nm: args.tool.moment_nm,
-        direction: args.tool.direction,
-    };
+    let request = &args.options;
     let options = request.map_options(&named.cell)?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.

@@ -10,7 +10,6 @@ use crate::progress::{Progress, announce};
 use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::work::map::{MapOptions, place};
-use stiffarm::work::placed::Request;
 use stiffarm_files::source::{NamedPath, read_path};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
@@ -21,13 +20,8 @@ const SEARCHED: usize = 200;
 
 /// Searches the best place.
 pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
-    let request = Request {
-        region: args.region.request(),
-        yaw_deg: args.place.yaw_deg.clone(),
-        refine: args.place.refine,
-        free_turn: args.tool.free_turn,
-    };
-    request.check()?;
+    let request = &args.options;
+    request.check_places()?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     if let Some(folder) = &args.output_dir {
@@ -64,7 +58,7 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
         None => e,
     })?;
     result.findings.extend(findings);
-    let said = request.options(&options);
+    let said = request.of_places(&options);
     let pictures = || {
         [
             render_svg(&placement_figure(&result)),

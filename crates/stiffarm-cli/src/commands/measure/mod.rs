@@ -10,7 +10,7 @@ use crate::session::Session;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
 use stiffarm::work::judged::{Judgement, Options, judge};
-use stiffarm::work::predicted::tasks;
+use stiffarm::work::tasks::tasks;
 use stiffarm::{Code, Control, Error, Result};
 use stiffarm_files::source::{read_growing_measurements, read_postures, read_registration};
 

@@ -11,11 +11,10 @@ use crate::session::Session;
 use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
+use stiffarm::ask::select::{Planned, Stage};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Planned, Stage};
 use stiffarm::plan::select::RoundReport;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::check_name;
@@ -30,7 +29,6 @@ use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 pub(super) struct Job<'a> {
     pub session: &'a Session,
     pub args: &'a SelectArgs,
-    pub index: Index,
     pub named: NamedCell,
     pub outputs: Outputs,
 }
@@ -40,16 +38,10 @@ impl Job<'_> {
         &self.named.cell
     }
 
-    /// Steps that angles are rounded to \[deg\], where they are.
-    pub fn angle_step(&self) -> Option<f64> {
-        let step = self.args.output.angle_step_deg;
-        (step > 0.0).then_some(step)
-    }
-
     /// The result, with its postures as plan, sheet and pictures where these are wanted.
-    pub fn answer<R: Serialize + Telling + 'static, O: Serialize + 'static>(
+    pub fn answer<R: Serialize + Telling + 'static>(
         &self,
-        planned: Planned<R, O>,
+        planned: Planned<R>,
         exit: Exit,
     ) -> Result<Answer> {
         let files = self.outputs.postures(&planned.cell, &planned.postures)?;
@@ -57,9 +49,9 @@ impl Job<'_> {
     }
 
     /// The result alone.
-    pub fn told<R: Serialize + Telling + 'static, O: Serialize + 'static>(
+    pub fn told<R: Serialize + Telling + 'static>(
         &self,
-        planned: Planned<R, O>,
+        planned: Planned<R>,
         exit: Exit,
     ) -> Answer {
         let (options, result) = (planned.options, planned.result);
@@ -79,11 +71,12 @@ impl Job<'_> {
     /// Shows how a search stands after a round.
     fn report(&self, progress: &Progress, round: &RoundReport) {
         let best = round.value.map_or_else(String::new, |value| {
-            let number = Number::computed(value).of(index_quantity(self.index));
+            let index = self.args.options.index();
+            let number = Number::computed(value).of(index_quantity(index));
             let number = number.text().replace('\u{a0}', " ");
-            format!(", best {} {number}", self.index.as_str())
+            format!(", best {} {number}", index.as_str())
         });
-        match self.args.budget.rounds {
+        match self.args.options.rounds {
             Some(of) => progress.report(
                 &format!("selecting{best}"),
                 to_usize(round.rounds),

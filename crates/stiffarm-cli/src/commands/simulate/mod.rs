@@ -12,9 +12,9 @@ use crate::session::Session;
 use crate::target::Target;
 use slowly::{check_slowly, write_slowly};
 use stiffarm::Result;
+use stiffarm::ask::simulate::Options;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::simulate::simulate;
-use stiffarm::estimate::simulated::Options;
 use stiffarm::estimate::validate::{Model, simulate_measurements};
 use stiffarm::measure::experiment::{Experiment, experiment};
 use stiffarm_files::source::read_groups;
@@ -22,7 +22,7 @@ use stiffarm_files::table::{write_simulated, write_simulated_readings};
 
 /// Runs the simulation.
 pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
-    if args.elastic() != ElasticChoice::Axes {
+    if args.options.elastic() != ElasticChoice::Axes {
         return elastic::run(session, args);
     }
     let target_of = |path: &Option<String>| {
@@ -34,7 +34,7 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     let readings = target_of(&args.readings)?;
     check_targets(session, &[displacements.as_ref(), readings.as_ref()])?;
     check_slowly(args.slowly, readings.as_ref())?;
-    let options = args.request().simulation_options()?;
+    let options = args.options.simulation_options()?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
@@ -45,12 +45,12 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
     if let Some(target) = displacements {
         let model = Model::Equilibrium;
-        let measured = simulate_measurements(cell, first, truth, model, args.seed, 0)?;
+        let measured = simulate_measurements(cell, first, truth, model, args.options.seed, 0)?;
         files.push((target, Box::new(write_simulated(measured, cell))));
     }
     if let Some(target) = readings {
         let done = Experiment::as_measured(cell);
-        let table = experiment(cell, first, truth, &done, args.seed, 0)?;
+        let table = experiment(cell, first, truth, &done, args.options.seed, 0)?;
         let text = write_simulated_readings(table, cell);
         let left = match args.slowly {
             Some(pause) => write_slowly(session, target, text, pause),
@@ -62,6 +62,6 @@ pub fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
     }
     let options = Options::from(&options);
     let exit = Exit::so_far(result.interrupted || session.stopped(), &result.findings);
-    let envelope = session.envelope("simulate", Some(args.seed), options, result);
+    let envelope = session.envelope("simulate", Some(args.options.seed), options, result);
     Ok(Answer::told(exit, envelope, named, args.details).with(Files::new(files)))
 }

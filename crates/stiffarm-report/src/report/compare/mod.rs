@@ -11,7 +11,7 @@ use crate::order::in_order;
 use crate::page::{Block, Comparison, DataTable, Outcome, Part, Section, Text};
 use crate::report::Given;
 use made::made_differently;
-use numbers::{Numbers, of_result};
+use numbers::Numbers;
 
 /// Most results whose charts stand side by side.
 const MOST_CHARTS: usize = 4;
@@ -85,7 +85,7 @@ fn results(parts: &[Part]) -> DataTable {
         let mut cells =
             vec![Text::default().strong(format!("{}\u{a0}{}", status.sign, status.words))];
         cells.extend((!alike).then(|| Text::from(part.heading.as_str())));
-        cells.push(of_result(&part.verdict[1], number));
+        cells.push(part.verdict[1].clone());
         let name = Text::default().link(part.name.as_str(), format!("r{number}"));
         table.row(name, cells);
     }

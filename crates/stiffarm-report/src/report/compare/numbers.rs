@@ -23,9 +23,9 @@ impl Numbers {
             .filter_map(|(number, _)| given.get(*number))
             .collect();
         let mut all_changes = changes(&results);
-        let tables: Vec<(usize, &DataTable)> = parts
+        let tables: Vec<&DataTable> = parts
             .iter()
-            .map(|(number, part)| Some((*number, part.key.as_ref()?)))
+            .map(|(_, part)| part.key.as_ref())
             .collect::<Option<_>>()?;
         let names: Vec<&String> = parts.iter().map(|(_, part)| &part.name).collect();
         let differences = names.iter().skip(1).map(|name| match names.len() {
@@ -39,28 +39,26 @@ impl Numbers {
             "The key tables, number by number; what is in percent differs by percentage points",
             headings,
         );
-        let rows = tables.iter().flat_map(|(_, table)| &table.rows);
+        let rows = tables.iter().flat_map(|table| &table.rows);
         let rows = rows.map(|row| row.first().map(Text::plain).unwrap_or_default());
         let rows = in_order(rows);
-        let columns = tables.iter().flat_map(|(_, table)| &table.headings[1..]);
+        let columns = tables.iter().flat_map(|table| &table.headings[1..]);
         let columns = in_order(columns);
         let mut differ = 0;
         let mut stiffness: Option<StiffnessChange> = None;
         // All of one quantity together: what is sought first, then how sure it is.
         for column in &columns {
             for row in &rows {
-                let cells: Vec<Option<(usize, &Text)>> = tables
+                let cells: Vec<Option<&Text>> = tables
                     .iter()
-                    .map(|(number, table)| Some((*number, cell(table, row, column)?)))
+                    .map(|table| cell(table, row, column))
                     .collect();
                 let is_number = |text: &Text| text.0.iter().any(|p| matches!(p, Piece::Number(_)));
-                if !cells.iter().flatten().any(|(_, text)| is_number(text)) {
+                if !cells.iter().flatten().any(|text| is_number(text)) {
                     continue;
                 }
-                let shown = cells.iter().map(|cell| match cell {
-                    Some((number, text)) => of_result(text, *number),
-                    None => Text::from("–"),
-                });
+                let shown = cells.iter();
+                let shown = shown.map(|cell| cell.cloned().unwrap_or_else(|| "–".into()));
                 let shown: Vec<Text> = shown.collect();
                 let others = shown.iter().skip(1);
                 let mut differences: Vec<Text> = others
@@ -153,7 +151,7 @@ fn difference(first: &Text, other: &Text, column: &str) -> Text {
 /// A number with its sign.
 fn signed(value: f64, digits: usize) -> String {
     let sign = if value > 0.0 { "+" } else { "" };
-    let number = Number::new("", Some(value)).significant(digits);
+    let number = Number::computed(value).significant(digits);
     format!("{sign}{}", number.digits())
 }
 
@@ -161,16 +159,4 @@ fn signed(value: f64, digits: usize) -> String {
 fn is_percent(cell: &Text) -> bool {
     let mut numbers = cell.0.iter();
     numbers.any(|piece| matches!(piece, Piece::Number(number) if number.unit == "%"))
-}
-
-/// A text whose numbers say which result they stand in.
-pub(super) fn of_result(text: &Text, result: usize) -> Text {
-    let pieces = text.0.iter().cloned().map(|piece| match piece {
-        Piece::Number(number) => Piece::Number(Number {
-            result: Some(result),
-            ..number
-        }),
-        other => other,
-    });
-    Text(pieces.collect())
 }

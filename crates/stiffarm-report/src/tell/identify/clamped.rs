@@ -37,12 +37,12 @@ impl Telling for ClampedIdentification {
             own.rows,
             left_out(given)
         ));
-        let mdeg = |below: &str| given.number(below).of(Quantity::AXIS);
+        let mdeg = |angle: f64| Number::new(angle).of(Quantity::AXIS);
         let came = known(&joints)
             .words(" The fit leaves ")
-            .number(mdeg("/residual_rms_rad"))
+            .number(mdeg(found.residual_rms_rad))
             .words(" of angles of ")
-            .number(mdeg("/motor_rms_rad"))
+            .number(mdeg(found.motor_rms_rad))
             .then(fit::share(found.residual_rms_rad, found.motor_rms_rad))
             .words(" that the flange holds (RMS).");
         let missing = joints.of(|verdict| !is_within(verdict));
@@ -59,12 +59,7 @@ impl Telling for ClampedIdentification {
         .code("stiffarm validate")
         .words(" with the flange free shows what the fixture and friction have changed."),
     };
-        let weights = fit::weights(
-            given,
-            &found.weights,
-            |w| w.weight,
-            |w| [&w.posture, &w.state, ""],
-        );
+        let weights = fit::weights(&found.weights, |w| w.weight, |w| [&w.posture, &w.state, ""]);
         // What no interval shows stands in the summary.
         let (notes, more): (Vec<_>, Vec<_>) = found
             .findings
@@ -77,9 +72,9 @@ impl Telling for ClampedIdentification {
         let sections = [
             Some(stiffness::section(&joints, &found.prior_stiffness)),
             stiffness::further(&joints),
-            Some(residuals(given, found)),
+            Some(residuals(found)),
             cell_section(given, found)?,
-            friction(given, found),
+            friction(found),
             stiffness::together(&joints),
             weights,
             Some(basis.in_summary()),
@@ -99,25 +94,23 @@ impl Telling for ClampedIdentification {
 }
 
 /// Residual angles, the largest first.
-fn residuals(given: &Given<'_>, found: &ClampedIdentification) -> Section {
+fn residuals(found: &ClampedIdentification) -> Section {
     let (order, table) = fit::largest(
         &found.postures,
         |p| p.residual_rms_rad,
         |p| [&p.posture, &p.state],
     );
-    let number =
-        |row: usize, key: &str| Some(given.number(&format!("/postures/{}/{key}", order[row])));
+    let posture = |row: usize| &found.postures[order[row]];
     let table = table
         .numbers("residual RMS", Quantity::AXIS, |row| {
-            number(row, "residual_rms_rad")
+            Some(Number::new(posture(row).residual_rms_rad))
         })
         .numbers("angle RMS", Quantity::AXIS, |row| {
-            number(row, "motor_rms_rad")
+            Some(Number::new(posture(row).motor_rms_rad))
         })
         .numbers("residual / mean", Quantity::RATIO, |row| {
             let mean = found.residual_rms_rad;
-            let own = found.postures[order[row]].residual_rms_rad;
-            (mean > 0.0).then(|| Number::computed(own / mean))
+            (mean > 0.0).then(|| Number::computed(posture(row).residual_rms_rad / mean))
         });
     let blocks = vec![
         Block::Figure(clamped_residual_figure(found)),
@@ -127,8 +120,8 @@ fn residuals(given: &Given<'_>, found: &ClampedIdentification) -> Section {
 }
 
 /// Friction, where loads went up and down.
-fn friction(given: &Given<'_>, found: &ClampedIdentification) -> Option<Section> {
-    let number = |j: usize, key: &str| Some(given.number(&format!("/friction/{j}/{key}")));
+fn friction(found: &ClampedIdentification) -> Option<Section> {
+    let joint = |j: usize| &found.friction[j];
     let table = DataTable::of(
         "Half of the loop of each joint, and the torque that would hold it",
         "joint",
@@ -137,10 +130,16 @@ fn friction(given: &Given<'_>, found: &ClampedIdentification) -> Option<Section>
             .iter()
             .map(|joint| visible(&joint.joint).into_owned()),
     )
-    .numbers("half loop", Quantity::AXIS, |j| number(j, "half_loop_rad"))
-    .numbers("friction", Quantity::TORQUE, |j| number(j, "torque_nm"))
-    .numbers("torque RMS", Quantity::TORQUE, |j| number(j, "load_rms_nm"))
-    .words("pairs", |j| found.friction[j].pairs.to_string().into());
+    .numbers("half loop", Quantity::AXIS, |j| {
+        Some(Number::new(joint(j).half_loop_rad))
+    })
+    .numbers("friction", Quantity::TORQUE, |j| {
+        Some(Number::new(joint(j).torque_nm))
+    })
+    .numbers("torque RMS", Quantity::TORQUE, |j| {
+        Some(Number::new(joint(j).load_rms_nm))
+    })
+    .words("pairs", |j| joint(j).pairs.to_string().into());
     let section = Section::new(
         "friction",
         "Loads going up and down",

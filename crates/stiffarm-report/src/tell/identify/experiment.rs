@@ -4,8 +4,9 @@ use super::joints::Joints;
 use super::story::angles;
 use super::{counted, shown};
 use crate::identified::{influence_figure, load_states_figure};
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
-use stiffarm::estimate::identified::Identified;
+use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
+use stiffarm::ask::identify::Identified;
+use stiffarm::estimate::diagnose::PooledStates;
 use stiffarm::estimate::next_posture::NextPosture;
 use stiffarm::findings::{list, visible};
 
@@ -13,7 +14,7 @@ use stiffarm::findings::{list, visible};
 const SHOWN_TERMS: usize = 5;
 
 /// Linearity and hysteresis.
-pub(super) fn states(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn states(found: &Identified) -> Option<Section> {
     let states = found.diagnosis.as_ref()?.load_states.as_ref()?;
     let mut table = DataTable::new(
         "Load states of all postures together",
@@ -24,11 +25,8 @@ pub(super) fn states(given: &Given<'_>, found: &Identified) -> Option<Section> {
             "probability by chance [%]",
         ],
     );
-    let mut row = |name: &str, key: &str, is_length: bool, known: bool| {
-        if !known {
-            return;
-        }
-        let at = |own: &str| given.number(&format!("/diagnosis/load_states/{key}/{own}"));
+    let mut row = |name: &str, found: Option<&PooledStates>, is_length: bool| {
+        let Some(found) = found else { return };
         let shown = |number: Number| {
             if is_length {
                 Text::from(number.mm().decimals(4))
@@ -36,33 +34,31 @@ pub(super) fn states(given: &Given<'_>, found: &Identified) -> Option<Section> {
                 Text::from(number.percent().significant(2))
             }
         };
-        let chance = at("p_value").percent().bare().significant(2);
+        let chance = Number::new(found.p_value);
+        let chance = chance.percent().bare().significant(2);
         table.row(
             name,
             [
-                shown(at("value")),
-                shown(at("standard_error")),
+                shown(Number::new(found.value)),
+                shown(Number::new(found.standard_error)),
                 chance.into(),
             ],
         );
     };
     row(
         "offset at zero load (lost motion)",
-        "offset",
+        states.offset.as_ref(),
         true,
-        states.offset.is_some(),
     );
     row(
         "curvature (softens where positive)",
-        "curvature",
+        states.curvature.as_ref(),
         false,
-        states.curvature.is_some(),
     );
     row(
         "loop, down minus up (hysteresis)",
-        "hysteresis",
+        states.hysteresis.as_ref(),
         true,
-        states.hysteresis.is_some(),
     );
     let blocks = vec![
         Block::Figure(load_states_figure(states)),
@@ -76,9 +72,8 @@ pub(super) fn states(given: &Given<'_>, found: &Identified) -> Option<Section> {
 }
 
 /// Torque and displacement of each joint.
-pub(super) fn signals(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn signals(found: &Identified) -> Option<Section> {
     let signals = &found.diagnosis.as_ref()?.signals;
-    let number = |j: usize, key: &str| Some(given.number(&format!("/diagnosis/signals/{j}/{key}")));
     let names = signals.iter().map(|s| visible(&s.name).into_owned());
     let table = DataTable::of(
         "Torque on each joint, and what its compliance moves",
@@ -86,13 +81,13 @@ pub(super) fn signals(given: &Given<'_>, found: &Identified) -> Option<Section> 
         names,
     )
     .numbers("torque RMS", Quantity::TORQUE, |j| {
-        number(j, "torque_rms_nm")
+        Some(Number::new(signals[j].torque_rms_nm))
     })
     .numbers("displacement RMS", Quantity::LENGTH, |j| {
-        number(j, "displacement_rms_m")
+        Some(Number::new(signals[j].displacement_rms_m))
     })
     .numbers("displacement / residual", Quantity::RATIO, |j| {
-        number(j, "to_residual")
+        Some(Number::new(signals[j].to_residual))
     });
     let title = "What each joint carries";
     Some(Section::new("signals", title, vec![Block::Table(table)]))
@@ -124,7 +119,7 @@ pub(super) fn influence(found: &Identified) -> Option<Section> {
 }
 
 /// Extra terms by how well the postures predict each other with them.
-pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn terms(found: &Identified) -> Option<Section> {
     let trials = found.diagnosis.as_ref()?.terms.as_ref()?;
     // The first row is the model without any of them.
     let names = trials.trials.iter().take(SHOWN_TERMS);
@@ -137,11 +132,10 @@ pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
         names,
     )
     .numbers("leave-one-out RMS", Quantity::LENGTH, |row| {
-        let below = match row.checked_sub(1) {
-            Some(i) => format!("/diagnosis/terms/trials/{i}/rms_m"),
-            None => "/diagnosis/terms/rms_m".to_string(),
-        };
-        Some(given.number(&below))
+        Some(Number::new(match trial(row) {
+            Some(trial) => trial.rms_m,
+            None => trials.rms_m,
+        }))
     })
     .numbers("change", Quantity::PERCENT, |row| {
         Some(Number::computed(trial(row)?.ratio? - 1.0))
@@ -178,40 +172,40 @@ pub(super) fn terms(given: &Given<'_>, found: &Identified) -> Option<Section> {
 
 /// The next posture, and what it would give.
 pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Option<Section> {
-    let given = joints.given;
     let title = "The next posture";
     let Some(advice) = &found.next_posture else {
         let reason = found.next_posture_missing.as_ref()?;
         let text = Text::new(format!("None can be given: {}", visible(reason)));
         return Some(Section::new("next", title, vec![Block::Text(text)]));
     };
-    let text = angles(Text::new("q = "), given, advice.angles.len()).words(format!(
+    let text = angles(Text::new("q = "), &advice.angles).words(format!(
         ", measured as posture {} was, {} at the same points and in the same load states; noise as in this fit.",
         visible(&advice.measured_as),
         counted(advice.displacements, "displacement")
     ));
     let mut blocks = vec![Block::Text(text)];
-    blocks.extend(assumed_load(given, advice).map(Block::Text));
-    let error = |j: usize, key: &str| Some(given.number(&format!("/next_posture/{key}/{j}")));
+    blocks.extend(assumed_load(advice).map(Block::Text));
+    let error = |all: &[Option<f64>], j: usize| all.get(j).map(|error| Number::new(*error));
     blocks.push(Block::Table(
         DataTable::of(
             "Relative standard error of each joint's stiffness by the scatter of the readings",
             "joint",
             joints.row_names(),
         )
-        .numbers("now", Quantity::PERCENT.digits(3), |j| error(j, "before"))
+        .numbers("now", Quantity::PERCENT.digits(3), |j| {
+            error(&advice.before, j)
+        })
         .numbers("with it", Quantity::PERCENT.digits(3), |j| {
-            error(j, "after")
+            error(&advice.after, j)
         }),
     ));
     Some(Section::new("next", title, blocks))
 }
 
 /// The load that the next posture is assumed to be measured with.
-fn assumed_load(given: &Given<'_>, advice: &NextPosture) -> Option<Text> {
+fn assumed_load(advice: &NextPosture) -> Option<Text> {
     let load = advice.assumed_load.as_ref()?;
-    let force = given.number("/next_posture/assumed_load/magnitude_n");
-    let force = force.significant(3).unit("N");
+    let force = Number::new(load.magnitude_n).significant(3).unit("N");
     let vector = |v: [f64; 3], unit: f64, digits: usize| {
         v.map(|c| format!("{:.*}", digits, c * unit + 0.0))
             .join(", ")

@@ -2,7 +2,7 @@
 
 use super::{counted, shown};
 use crate::tell::{Block, Given, Section, Text};
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::identify::Estimates;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::is_of_table;

@@ -4,8 +4,8 @@ use super::basis::size;
 use super::counted;
 use crate::identified::{errors_figure, residual_figure};
 use crate::level::level;
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
-use stiffarm::estimate::identified::Identified;
+use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
+use stiffarm::ask::identify::Identified;
 use stiffarm::findings::visible;
 use stiffarm::model::elastic::ElasticClass;
 
@@ -15,7 +15,7 @@ const SHOWN_RESIDUALS: usize = 5;
 const SHOWN_WEIGHTS: usize = 10;
 
 /// What gives way beyond the joint axes, where that was asked.
-pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn elastic(found: &Identified) -> Option<Section> {
     let elastic = found.elastic.as_ref()?;
     let reasons = elastic.reasons.iter().map(|r| Text::from(r.as_str()));
     let mut blocks = vec![Block::List(reasons.collect())];
@@ -25,13 +25,13 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
             level(found.identification.estimates.confidence),
             Quantity::STIFFNESS.unit
         );
-        let number = |j: usize, key: &str| Some(given.number(&format!("/elastic/axes/{j}/{key}")));
+        let axis = |j: usize| &elastic.axes[j];
         let bare = Quantity::STIFFNESS.bare();
         let names = elastic.axes.iter().map(|j| visible(&j.name).into_owned());
         let table = DataTable::of(caption, "joint", names)
-            .numbers("k", bare, |j| number(j, "stiffness"))
-            .numbers("from", bare, |j| number(j, "interval/0"))
-            .numbers("to", bare, |j| number(j, "interval/1"));
+            .numbers("k", bare, |j| Some(Number::new(axis(j).stiffness)))
+            .numbers("from", bare, |j| Some(Number::new(axis(j).interval[0])))
+            .numbers("to", bare, |j| Some(Number::new(axis(j).interval[1])));
         let sizes = mixed.sizes.iter().map(|size| {
             let what = match size.class {
                 ElasticClass::Shift => "shifts by forces",
@@ -67,16 +67,16 @@ pub(super) fn elastic(given: &Given<'_>, found: &Identified) -> Option<Section> 
 }
 
 /// Residuals against noise.
-pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
+pub(super) fn residuals(found: &Identified) -> Section {
     let own = &found.identification;
-    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
     let mut words = Text::new(match found.mixed() {
         Some(_) => "Of the joint axes alone: residual RMS ",
         None => "Residual RMS ",
     })
-    .number(mm("/residual_rms_m"))
+    .number(mm(own.residual_rms_m))
     .words(", beside a displacement RMS of ")
-    .number(mm("/displacement_rms_m"))
+    .number(mm(own.displacement_rms_m))
     .then(share(own.residual_rms_m, own.displacement_rms_m))
     .words(".");
     if own.total_std_m.is_some() && own.expected_std_m > 0.0 && found.mixed().is_none() {
@@ -86,13 +86,13 @@ pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
         );
     }
     let mut blocks = vec![Block::Text(words)];
-    if let (Some(_), Some(common)) = (own.residual_std_m, own.posture_common_std_m) {
-        let sigma = mm("/residual_std_m");
+    if let (Some(sigma), Some(common)) = (own.residual_std_m, own.posture_common_std_m) {
+        let sigma = mm(sigma);
         let text = if common > 0.0 {
             Text::new("Within a posture the displacements scatter by ")
                 .number(sigma)
                 .words("; what its points share (load, rope, drift, what the model misses) by ")
-                .number(mm("/posture_common_std_m"))
+                .number(mm(common))
                 .words(".")
         } else {
             Text::new("The displacements scatter by ")
@@ -108,15 +108,13 @@ pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
         |p| [&p.posture, &p.state],
     );
     let posture = |row: usize| &own.postures[order[row]];
-    let number =
-        |row: usize, key: &str| Some(given.number(&format!("/postures/{}/{key}", order[row])));
     let influence = found.diagnosis.as_ref().and_then(|d| d.influence.as_ref());
     let table = table
         .numbers("residual RMS", Quantity::LENGTH, |row| {
-            number(row, "residual_rms_m")
+            Some(Number::new(posture(row).residual_rms_m))
         })
         .numbers("displacement RMS", Quantity::LENGTH, |row| {
-            number(row, "displacement_rms_m")
+            Some(Number::new(posture(row).displacement_rms_m))
         })
         .numbers("residual / displacement", Quantity::PERCENT, |row| {
             let own = posture(row);
@@ -129,11 +127,8 @@ pub(super) fn residuals(given: &Given<'_>, found: &Identified) -> Section {
         })
         .numbers("missed by the others", Quantity::LENGTH, |row| {
             let all = &influence?.postures;
-            let i = all.iter().position(|p| p.posture == posture(row).posture)?;
-            all[i].prediction_rms_m?;
-            Some(given.number(&format!(
-                "/diagnosis/influence/postures/{i}/prediction_rms_m"
-            )))
+            let own = all.iter().find(|p| p.posture == posture(row).posture)?;
+            own.prediction_rms_m.map(Number::new)
         });
     blocks.push(Block::Table(table));
     Section::new("residuals", "Residuals against noise", blocks)
@@ -171,7 +166,7 @@ pub(super) fn largest<P>(
 }
 
 /// Systematic errors by source: size, what the readings leave of it, and what it does to each joint.
-pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn errors(found: &Identified) -> Option<Section> {
     let systematic = found.systematic_errors.as_ref()?;
     let sources = &systematic.sources;
     // The last row holds all of them together.
@@ -193,16 +188,12 @@ pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
         None => Text::default(),
     })
     .numbers("left", Quantity::PERCENT.digits(3), |row| {
-        source(row)?;
-        Some(given.number(&format!("/systematic_errors/sources/{row}/remaining")))
+        Some(Number::new(source(row)?.remaining))
     });
     for (j, joint) in systematic.joints.iter().enumerate() {
         table = table.numbers(&visible(joint), Quantity::PERCENT, |row| {
-            let below = match source(row) {
-                Some(_) => format!("/systematic_errors/sources/{row}/change/{j}"),
-                None => format!("/systematic_errors/combined/{j}"),
-            };
-            Some(given.number(&below))
+            let change = source(row).map_or(&systematic.combined, |own| &own.change);
+            change.get(j).map(|change| Number::new(*change))
         });
     }
     let blocks = vec![
@@ -215,7 +206,6 @@ pub(super) fn errors(given: &Given<'_>, found: &Identified) -> Option<Section> {
 
 /// Huber's smallest weights; `name` gives posture, load state and point.
 pub(super) fn weights<W>(
-    given: &Given<'_>,
     all: &[W],
     weight: impl Fn(&W) -> f64,
     name: impl Fn(&W) -> [&str; 3],
@@ -235,7 +225,7 @@ pub(super) fn weights<W>(
     .words("state", |row| part(row, 1).into())
     .words("point", |row| part(row, 2).into())
     .numbers("weight", Quantity::RATIO.digits(2), |row| {
-        Some(given.number(&format!("/weights/{row}/weight")))
+        Some(Number::new(weight(&all[row])))
     });
     let text = Text::new(format!(
         "{low} of {} count less than the others.",

@@ -45,10 +45,6 @@ impl<'a> Joints<'a> {
     }
 
     /// A number of a joint by its key.
-    pub fn number(&self, j: usize, key: &str) -> Number {
-        self.given.number(&format!("/joints/{j}/{key}"))
-    }
-
     /// With all errors, where they are in the result.
     fn errors(&self, j: usize) -> Option<&'a JointUncertainty> {
         self.systematic_errors?.uncertainty.get(j)
@@ -57,18 +53,13 @@ impl<'a> Joints<'a> {
     /// The half width as a number in percent.
     pub fn total(&self, j: usize) -> Number {
         let number = match self.errors(j) {
-            Some(_) => self.error(j, "total"),
-            None => Number::new("", self.all()[j].half_width),
+            Some(own) => Number::new(own.total),
+            None => Number::computed(self.all()[j].half_width),
         };
         number.of(Quantity::PERCENT)
     }
 
     /// One number of the errors of a joint.
-    fn error(&self, j: usize, key: &str) -> Number {
-        self.given
-            .number(&format!("/systematic_errors/uncertainty/{j}/{key}"))
-    }
-
     /// The interval that the table and the figure show \[N·m/rad\].
     fn interval(&self, j: usize) -> [Option<f64>; 2] {
         match self.errors(j) {
@@ -79,11 +70,7 @@ impl<'a> Joints<'a> {
 
     /// An end of the interval.
     pub fn end(&self, j: usize, i: usize) -> Number {
-        let below = match self.errors(j) {
-            Some(_) => format!("/systematic_errors/uncertainty/{j}/interval_nm_per_rad/{i}"),
-            None => format!("/joints/{j}/interval/{i}"),
-        };
-        self.given.number(&below).of(Quantity::STIFFNESS.digits(3))
+        Number::new(self.interval(j)[i]).of(Quantity::STIFFNESS.digits(3))
     }
 
     /// The outcome with what the joints say: findings do not name every joint without a ±.
@@ -125,25 +112,25 @@ impl<'a> Joints<'a> {
             let verdict = self.all()[j].verdict;
             !matches!(verdict, Verdict::Undetermined | Verdict::SignOrModelFault)
         };
-        let part = |j: usize, key: &str, of: &dyn Fn(&JointUncertainty) -> Option<f64>| {
+        let part = |j: usize, of: fn(&JointUncertainty) -> Option<f64>| {
             let own = self.errors(j).filter(|_| usable(j));
             let part = own.and_then(of).filter(|part| *part < NOTHING);
-            part.map(|_| self.error(j, key))
+            part.map(Number::new)
         };
         let total = if with { "± total" } else { "± readings" };
         DataTable::of(caption, "joint", self.row_names())
             .numbers("k", Quantity::STIFFNESS, |j| {
-                Some(self.number(j, "stiffness"))
+                Some(Number::new(self.all()[j].stiffness))
             })
             .numbers(total, Quantity::PERCENT, |j| {
                 let half = self.all()[j].half_width.filter(|half| *half < NO_LONGER);
                 half.filter(|_| usable(j)).map(|_| self.total(j))
             })
             .numbers("± readings", Quantity::PERCENT, |j| {
-                part(j, "statistical", &|own| own.statistical)
+                part(j, |own| own.statistical)
             })
             .numbers("± systematic", Quantity::PERCENT, |j| {
-                part(j, "systematic", &|own| own.systematic)
+                part(j, |own| own.systematic)
             })
             .words("largest source", |j| {
                 let own = self.errors(j).filter(|_| usable(j));

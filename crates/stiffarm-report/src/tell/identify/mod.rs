@@ -15,8 +15,8 @@ pub(super) use story::MORE_THAN_NOISE;
 use super::{Given, Outcome, Telling, Told, arrows, counted, of_saved, shown};
 use joints::Joints;
 use stiffarm::Result;
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::estimate::identified::Identified;
 use stiffarm::findings::{Severity, codes};
 use stiffarm_files::result::SavedResult;
 
@@ -50,7 +50,7 @@ impl Telling for Identified {
             [first, rest @ ..] => story::unusable(first, rest.len()),
         };
         let verdict = [story::done(given, found), came, story::next(&joints, found)];
-        let readings = readings::section(given, found.screening(), found.readings.as_ref());
+        let readings = readings::section(found.screening(), found.readings.as_ref());
         // What is wrong with the readings comes first where something is.
         let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());
         let (first, later) = if suspicious {
@@ -65,19 +65,18 @@ impl Telling for Identified {
                 &found.identification.prior_stiffness,
             )),
             stiffness::further(&joints),
-            fit::elastic(given, found),
-            Some(fit::residuals(given, found)),
+            fit::elastic(found),
+            Some(fit::residuals(found)),
             arrows::cell_section(given, found)?,
             later,
-            fit::errors(given, found),
+            fit::errors(found),
             stiffness::together(&joints),
-            stiffness::resampled(given, found),
-            experiment::states(given, found),
-            experiment::signals(given, found),
+            stiffness::resampled(found),
+            experiment::states(found),
+            experiment::signals(found),
             experiment::influence(found),
-            experiment::terms(given, found),
+            experiment::terms(found),
             fit::weights(
-                given,
                 &found.identification.weights,
                 |w| w.weight,
                 |w| [&w.posture, &w.state, &w.point],

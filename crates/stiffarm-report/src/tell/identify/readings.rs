@@ -2,29 +2,24 @@
 
 use super::shown;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text};
+use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
 use serde_json::Value;
-use stiffarm::estimate::identified::Reduced;
+use stiffarm::ask::identify::Reduced;
 use stiffarm::findings::{Severity, list, visible};
 use stiffarm::measure::reduction::UnloadedRegistration;
 use stiffarm::measure::screening::{Screening, Suspicion};
 
 /// What was found about the readings; `None` where nothing is worth a word.
 pub(in crate::tell) fn section(
-    given: &Given<'_>,
     screening: Option<&Screening>,
     readings: Option<&Reduced>,
 ) -> Option<Section> {
     let mut blocks = Vec::new();
     if let Some(screening) = screening.filter(|s| !s.suspicions.is_empty()) {
-        let below = match readings {
-            Some(_) => "/readings/screening",
-            None => "/screening",
-        };
-        blocks.push(Block::Table(suspicions(given, screening, below)));
+        blocks.push(Block::Table(suspicions(screening)));
     }
     if let Some(readings) = readings {
-        blocks.push(Block::Table(checks(given, readings)));
+        blocks.push(Block::Table(checks(readings)));
         let registration = readings.reduction.registration.as_ref();
         blocks.extend(
             registration
@@ -37,15 +32,11 @@ pub(in crate::tell) fn section(
 }
 
 /// What is likely wrong, one row each, the first to be corrected first.
-fn suspicions(given: &Given<'_>, screening: &Screening, below: &str) -> DataTable {
+fn suspicions(screening: &Screening) -> DataTable {
     let all = &screening.suspicions;
     let weight = |i: &usize| screening.findings.get(*i).map(|f| f.severity);
     let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by_key(|i| std::cmp::Reverse(weight(i)));
-    let misfit = |row: usize, key: &str| {
-        let number = given.number(&format!("{below}/suspicions/{}/{key}", order[row]));
-        number.value.map(|_| number)
-    };
     DataTable::of(
         "What is likely wrong with the table, in the order to correct it",
         "likely cause",
@@ -62,10 +53,10 @@ fn suspicions(given: &Given<'_>, screening: &Screening, below: &str) -> DataTabl
         shortened(&lines).into()
     })
     .numbers("misfit as read", Quantity::LENGTH, |row| {
-        misfit(row, "before_m")
+        all[order[row]].before_m.map(Number::new)
     })
     .numbers("misfit corrected", Quantity::LENGTH, |row| {
-        misfit(row, "after_m")
+        all[order[row]].after_m.map(Number::new)
     })
 }
 
@@ -115,7 +106,7 @@ pub(super) fn shortened(names: &[String]) -> String {
 }
 
 /// What else the readings say of the day: one row per check.
-fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
+fn checks(readings: &Reduced) -> DataTable {
     let mut table = DataTable::new(
         "What the readings say of the measurement itself",
         [
@@ -125,10 +116,7 @@ fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
             "what it means",
         ],
     );
-    let number = |below: &str| {
-        let number = given.number(&format!("/readings/reduction/{below}"));
-        Text::from(number.mm().bare().decimals(4))
-    };
+    let mm = |length: f64| Text::from(Number::new(length).mm().bare().decimals(4));
     let reduction = &readings.reduction;
     if let Some(registration) = &reduction.registration {
         let left: Vec<String> = registration
@@ -159,7 +147,7 @@ fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
             }
             None => how,
         };
-        let cells = [number("registration/rms_m"), "–".into(), how.into()];
+        let cells = [mm(registration.rms_m), "–".into(), how.into()];
         table.row("registration, RMS from the kinematic model", cells);
     }
     if let Some(repeats) = &reduction.repeatability {
@@ -173,7 +161,7 @@ fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
                 repeats.identical_readings
             );
         }
-        let cells = [number("repeatability/std_m"), "–".into(), how.into()];
+        let cells = [mm(repeats.std_m), "–".into(), how.into()];
         table.row("repeatability", cells);
     }
     if let Some(drift) = &reduction.drift {
@@ -183,27 +171,19 @@ fn checks(given: &Given<'_>, readings: &Reduced) -> DataTable {
             }
             _ => "no more than noise; a straight line in time is taken off",
         };
-        let cells = [
-            number("drift/rms_m"),
-            number("drift/expected_rms_m"),
-            how.into(),
-        ];
+        let cells = [mm(drift.rms_m), mm(drift.expected_rms_m), how.into()];
         table.row("drift within a posture, RMS along an axis", cells);
     }
-    let motion = reduction.base_motion.iter().enumerate();
-    let largest = motion.max_by(|a, b| {
-        let of = |m: &stiffarm::measure::reduction::BaseMotion| m.largest_correction_m;
-        of(a.1).total_cmp(&of(b.1))
-    });
-    if let Some((i, own)) = largest {
+    let motion = reduction.base_motion.iter();
+    let largest = motion.max_by(|a, b| a.largest_correction_m.total_cmp(&b.largest_correction_m));
+    if let Some(own) = largest {
         let how = format!(
             "largest correction, at posture {}, {:.1} times what noise gives; it is taken off the displacements",
             visible(&own.posture),
             own.times_noise
         );
-        let found = number(&format!("base_motion/{i}/largest_correction_m"));
-        let noise = number(&format!("base_motion/{i}/noise_m"));
-        table.row("motion of the base", [found, noise, how.into()]);
+        let cells = [mm(own.largest_correction_m), mm(own.noise_m), how.into()];
+        table.row("motion of the base", cells);
     }
     table
 }

@@ -5,8 +5,8 @@ use crate::identified::{correlation_figure, stiffness_figure};
 use crate::level::level;
 use crate::study::published_for;
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text};
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::coverage::{Intervals, MeasuredCoverage, measured};
-use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::JointEstimate;
 use stiffarm::findings::visible;
 use stiffarm::model::robot::catalogue;
@@ -16,9 +16,8 @@ const MOST_UNKNOWNS: usize = 14;
 
 /// Stiffness with its parts and intervals beside prior and published values \[N·m/rad\].
 pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
-    let given = joints.given;
     let count = joints.all().len();
-    let published = published(given, count);
+    let published = published(joints.given, count);
     let series: Vec<(String, Vec<f64>)> = published
         .iter()
         .map(|(label, _, values)| (label.clone(), values.clone()))
@@ -27,17 +26,11 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     let mut blocks = vec![
         Block::Figure(figure),
         Block::Table(
-            intervals(
-                given,
-                "/joints",
-                joints.all(),
-                joints.estimates.confidence,
-                "joint",
-            )
-            .numbers("systematic errors", Quantity::PERCENT, |j| {
-                joints.systematic_errors?;
-                Some(given.number(&format!("/systematic_errors/combined/{j}")))
-            }),
+            intervals(joints.all(), joints.estimates.confidence, "joint").numbers(
+                "systematic errors",
+                Quantity::PERCENT,
+                |j| Some(Number::new(*joints.systematic_errors?.combined.get(j)?)),
+            ),
         ),
     ];
     let has_prior = prior.len() == count;
@@ -50,20 +43,14 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
         joints.row_names(),
     )
     .words("identified", |j| {
-        joints
-            .number(j, "stiffness")
-            .of(Quantity::STIFFNESS)
-            .bare()
-            .into()
+        let own = Number::new(joints.all()[j].stiffness);
+        own.of(Quantity::STIFFNESS.bare()).into()
     })
     .words("prior", |j| {
-        let own = given.number(&format!("/prior_stiffness/{j}"));
-        let own = own.of(Quantity::STIFFNESS).bare();
-        if has_prior {
-            own.into()
-        } else {
-            Text::default()
-        }
+        let own = prior.get(j).filter(|_| has_prior);
+        own.map_or_else(Text::default, |own| {
+            Number::new(*own).of(Quantity::STIFFNESS.bare()).into()
+        })
     })
     .numbers("identified / prior", Quantity::RATIO, |j| {
         let k = prior.get(j).filter(|_| has_prior)?;
@@ -88,15 +75,8 @@ pub(super) fn section(joints: &Joints<'_>, prior: &[f64]) -> Section {
     Section::new("stiffness", "Stiffness, joint by joint", blocks)
 }
 
-/// Springs with their intervals by the scatter of the readings; `at` is their place below `/result`.
-fn intervals(
-    given: &Given<'_>,
-    at: &str,
-    springs: &[JointEstimate],
-    confidence: f64,
-    heading: &str,
-) -> DataTable {
-    let number = |j: usize, key: &str| Some(given.number(&format!("{at}/{j}/{key}")));
+/// Springs with their intervals by the scatter of the readings.
+fn intervals(springs: &[JointEstimate], confidence: f64, heading: &str) -> DataTable {
     let caption = format!(
         "Standard errors and {} % intervals by the scatter of the readings [{}]",
         level(confidence),
@@ -108,12 +88,16 @@ fn intervals(
         heading,
         springs.iter().map(|s| visible(&s.name).into_owned()),
     )
-    .numbers("k", bare, |j| number(j, "stiffness"))
+    .numbers("k", bare, |j| Some(Number::new(springs[j].stiffness)))
     .numbers("standard error", bare, |j| {
-        number(j, "readings_standard_error")
+        Some(Number::new(springs[j].readings_standard_error))
     })
-    .numbers("from", bare, |j| number(j, "readings_interval/0"))
-    .numbers("to", bare, |j| number(j, "readings_interval/1"))
+    .numbers("from", bare, |j| {
+        Some(Number::new(springs[j].readings_interval[0]))
+    })
+    .numbers("to", bare, |j| {
+        Some(Number::new(springs[j].readings_interval[1]))
+    })
     .numbers("relative error", Quantity::PERCENT, |j| {
         let (error, k) = (springs[j].readings_standard_error?, springs[j].stiffness?);
         Some(Number::computed(error / k.abs()))
@@ -122,20 +106,14 @@ fn intervals(
 
 /// Extra springs, lost motion, and combinations that are determined; `None` where there are none.
 pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
-    let (given, own) = (joints.given, joints.estimates);
+    let own = joints.estimates;
     let mut blocks = Vec::new();
     if !own.extra_springs.is_empty() {
-        let table = intervals(
-            given,
-            "/extra_springs",
-            &own.extra_springs,
-            own.confidence,
-            "extra spring",
-        );
+        let table = intervals(&own.extra_springs, own.confidence, "extra spring");
         blocks.push(Block::Table(table));
     }
     if !own.lost_motion.is_empty() {
-        let gap = |j: usize, key: &str| Some(given.number(&format!("/lost_motion/{j}/{key}")));
+        let gap = |j: usize| &own.lost_motion[j];
         let names = own
             .lost_motion
             .iter()
@@ -144,9 +122,9 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
         let quantity = Quantity::GAP.digits(3);
         blocks.push(Block::Table(
             DataTable::of(caption, "lost motion", names)
-                .numbers("half gap", quantity, |j| gap(j, "angle"))
-                .numbers("from", quantity, |j| gap(j, "interval/0"))
-                .numbers("to", quantity, |j| gap(j, "interval/1")),
+                .numbers("half gap", quantity, |j| Some(Number::new(gap(j).angle)))
+                .numbers("from", quantity, |j| Some(Number::new(gap(j).interval[0])))
+                .numbers("to", quantity, |j| Some(Number::new(gap(j).interval[1]))),
         ));
     }
     if !own.combinations.is_empty() {
@@ -155,7 +133,7 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
             let terms = terms.map(|(i, (name, c))| term(i, name, *c));
             visible(&terms.collect::<String>()).into_owned()
         });
-        let number = |j: usize, key: &str| Some(given.number(&format!("/combinations/{j}/{key}")));
+        let sum = |j: usize| &own.combinations[j];
         let compliance = Quantity::new("rad/(N·m)", 1.0, Form::Significant(4));
         blocks.push(Block::Table(
             DataTable::of(
@@ -163,9 +141,11 @@ pub(super) fn further(joints: &Joints<'_>) -> Option<Section> {
                 "determined together",
                 names,
             )
-            .numbers("compliance", compliance, |j| number(j, "compliance"))
+            .numbers("compliance", compliance, |j| {
+                Some(Number::new(sum(j).compliance))
+            })
             .numbers("standard error", compliance.digits(2), |j| {
-                number(j, "standard_error")
+                Some(Number::new(sum(j).standard_error))
             }),
         ));
     }
@@ -190,7 +170,7 @@ fn term(position: usize, name: &str, coefficient: f64) -> String {
 
 /// Intervals from resampled postures, where they were asked for, and how often intervals that are not exact hold the
 /// truth.
-pub(super) fn resampled(given: &Given<'_>, found: &Identified) -> Option<Section> {
+pub(super) fn resampled(found: &Identified) -> Option<Section> {
     let mut blocks = Vec::new();
     let own = &found.identification.estimates;
     if let Some(bootstrap) = &found.bootstrap {
@@ -198,8 +178,7 @@ pub(super) fn resampled(given: &Given<'_>, found: &Identified) -> Option<Section
             .joints
             .iter()
             .map(|j| visible(&j.name).into_owned());
-        let end =
-            |j: usize, i: usize| Some(given.number(&format!("/bootstrap/joints/{j}/interval/{i}")));
+        let end = |j: usize, i: usize| Some(Number::new(bootstrap.joints[j].interval[i]));
         let caption = format!("Bootstrap: {} % intervals", level(bootstrap.confidence));
         blocks.push(Block::Table(
             DataTable::of(caption, "joint", names)
@@ -264,7 +243,7 @@ pub(super) fn together(joints: &Joints<'_>) -> Option<Section> {
     if own.unknowns.len() < 2 || own.unknowns.len() > MOST_UNKNOWNS {
         return None;
     }
-    let condition = joints.given.number("/scaled_condition").significant(3);
+    let condition = Number::new(own.scaled_condition).significant(3);
     let text = Text::new("Condition number of the observation matrix with columns of one length: ")
         .number(condition)
         .words(". 1 is best: every joint shows by itself.");

@@ -8,9 +8,8 @@ use super::readings::shortened;
 use crate::level::level;
 use crate::order::in_order;
 use crate::tell::{Given, Number, Quantity, Text};
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
-use stiffarm::estimate::elastic::Elastic;
-use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
 use stiffarm::findings::{Finding, Severity, list, visible};
 
@@ -74,15 +73,15 @@ pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
         freed => format!(" With it these readings gave {}.", visible(&list(freed))),
     };
     let text = residual(known.words(freed), given, found);
-    let mm = |key: &str| given.number(&format!("/elastic/{key}")).mm().decimals(3);
-    if found.elastic.as_ref().is_some_and(Elastic::is_better) {
-        text.words(" A posture that took no part is missed by ")
-            .number(mm("mixed_rms_m"))
+    let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
+    match found.elastic.as_ref().filter(|own| own.is_better()) {
+        Some(elastic) => text
+            .words(" A posture that took no part is missed by ")
+            .number(mm(elastic.mixed_rms_m))
             .words("; by ")
-            .number(mm("axes_rms_m"))
-            .words(" if the joint axes alone gave way.")
-    } else {
-        text
+            .number(mm(elastic.axes_rms_m))
+            .words(" if the joint axes alone gave way."),
+        None => text,
     }
 }
 
@@ -160,19 +159,15 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
     // The test is of what the axes alone leave.
     let test = found.diagnosis.as_ref().and_then(|d| d.noise.as_ref());
     let test = test.filter(|_| mixed.is_none());
-    let (std, expected) = match (test, mixed) {
-        (Some(_), _) => (
-            "/diagnosis/noise/residual_std_m",
-            "/diagnosis/noise/expected_std_m",
-        ),
-        (None, Some(_)) => ("/elastic/mixed/total_std_m", "/expected_std_m"),
-        (None, None) => ("/total_std_m", "/expected_std_m"),
-    };
     let total_std_m = match mixed {
         Some(mixed) => Some(mixed.total_std_m),
         None => own.total_std_m,
     };
-    let mm = |below: &str| given.number(below).of(Quantity::LENGTH);
+    let (std, expected) = match test {
+        Some(test) => (Some(test.residual_std_m), test.expected_std_m),
+        None => (total_std_m, own.expected_std_m),
+    };
+    let mm = |length: Option<f64>| Number::new(length).of(Quantity::LENGTH);
     if own.estimates.degrees_of_freedom == 0 {
         return text.words(
             " No degree of freedom is left: nothing checks the model, and there are no intervals.",
@@ -185,8 +180,8 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
             .words("; the cell states no noise to compare it with.");
     }
     let ratio = match test {
-        Some(_) => given.number("/diagnosis/noise/ratio"),
-        None => Number::new("", total_std_m.map(|s| s / own.expected_std_m)),
+        Some(test) => Number::new(test.ratio),
+        None => Number::computed(total_std_m.map(|s| s / own.expected_std_m)),
     };
     if given.saved.json["options"]["weights"] == "tracker" {
         // Sizes are in units of what the tracker states, which differ from reading to reading.
@@ -204,7 +199,7 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
         text.words("a standard deviation of ")
             .number(mm(std))
             .words(" against ")
-            .number(mm(expected))
+            .number(mm(Some(expected)))
             .words(" expected")
     };
     match agreement {
@@ -322,8 +317,8 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
     }
     let weak = joints.of(|verdict| verdict == Verdict::Weak);
     // Of those that another posture helps; what the load never turns stays open.
+    let error = |all: &[Option<f64>], j: usize| all.get(j).copied().flatten();
     let helped = found.next_posture.as_ref().and_then(|advice| {
-        let error = |all: &[Option<f64>], j: usize| all.get(j).copied().flatten();
         let fallen = |j: &usize| {
             let before = error(&advice.before, *j);
             Some((
@@ -337,20 +332,18 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
     });
     if let Some((advice, j)) = helped {
         let text = Text::new("Measure one more posture: q = ");
-        let text = angles(text, joints.given, advice.angles.len());
-        let at = |key: &str| {
-            let number = joints.given.number(&format!("/next_posture/{key}/{j}"));
-            number.of(Quantity::PERCENT)
-        };
+        let text = angles(text, &advice.angles);
+        let at = |all: &[Option<f64>]| Number::new(error(all, j)).of(Quantity::PERCENT);
+        let before = at(&advice.before);
         let text = text.words(format!(
             "; it takes the standard error of {}",
             joints.name(j)
         ));
-        let text = match at("before").value {
-            Some(_) => text.words(" by the readings from ").number(at("before")),
+        let text = match before.value {
+            Some(_) => text.words(" by the readings from ").number(before),
             None => text.words(" by the readings from unknown"),
         };
-        return text.words(" to ").number(at("after")).words(".");
+        return text.words(" to ").number(at(&advice.after)).words(".");
     }
     if !missing.is_empty() && missing.iter().all(|j| never(*j)) {
         return Text::new("No posture under this load tells ")
@@ -372,8 +365,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
 }
 
 /// The angles of the next posture.
-pub(super) fn angles(text: Text, given: &Given<'_>, count: usize) -> Text {
-    let angle = |j: usize| given.number(&format!("/next_posture/posture_deg/{j}"));
-    let angles = (0..count).map(|j| angle(j).decimals(2));
+pub(super) fn angles(text: Text, angles: &[f64]) -> Text {
+    let angles = angles.iter().map(|q| Number::degrees(*q).decimals(2));
     text.words("(").numbers(angles).words(")°")
 }

@@ -2,11 +2,11 @@
 
 use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
-use crate::tell::{Block, DataTable, Given, Section, Telling, Text, Told, counted};
+use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted};
 use stiffarm::Result;
+use stiffarm::ask::select::Chosen;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::Chosen;
 
 impl Telling for Chosen {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
@@ -25,7 +25,7 @@ impl Telling for Chosen {
             counted(chosen.candidate_names.len(), "candidate")
         ));
         let mut came = Text::new(index.says())
-            .number(index_number(context, index, "/value"))
+            .number(index_number(index, found.value))
             .words(".");
         if found.exact {
             came = came.words(" No other choice of as many candidates is better.");
@@ -37,9 +37,9 @@ impl Telling for Chosen {
             };
             came = came
                 .words(format!(" No choice of as many candidates can be {side} "))
-                .number(index_number(context, index, "/bound"))
+                .number(index_number(index, found.bound))
                 .words(": this one reaches ")
-                .number(context.number("/efficiency").percent().decimals(1))
+                .number(Number::new(found.efficiency).percent().decimals(1))
                 .words(" of what is possible.");
         }
         if !found.forbidden.is_empty() {
@@ -60,10 +60,9 @@ impl Telling for Chosen {
                 .words(" without a list finds postures of its own to compare with.")
         };
         let key = posture_table(
-            context,
             "The chosen postures, controller angles",
             &chosen.posture_names,
-            ("/postures_deg", &chosen.postures),
+            &chosen.postures,
             &[],
         );
         let angles = chosen.postures.iter().cloned();
@@ -73,7 +72,6 @@ impl Telling for Chosen {
             "Step through the chosen postures in the order of the list.",
         )?];
         let worth = Worth {
-            at: "/evaluation".to_string(),
             evaluation: &found.evaluation,
             posture_names: &chosen.posture_names,
         };

@@ -2,11 +2,13 @@
 
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
-use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, counted};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
+};
 use stiffarm::Result;
+use stiffarm::ask::select::{Curve, CurveSize};
 use stiffarm::findings::visible;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Curve, CurveSize};
 
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;
@@ -19,7 +21,7 @@ impl Telling for Curve {
         let done = Text::new(format!(
             "The best plan was searched for every number of postures from 1 to {largest}."
         ));
-        let value = |s: usize| index_number(context, index, &format!("/sizes/{s}/value"));
+        let value = |s: usize| index_number(index, sizes[s].point.value);
         let ends = sizes.iter().position(|size| size.point.value.is_some());
         let came = match ends {
             None => Text::new("So few postures cannot determine every joint."),
@@ -61,7 +63,6 @@ impl Telling for Curve {
             }
         };
         let rows = sizes.iter().map(|size| size.point.postures.to_string());
-        let number = |s: usize, key: &str| Some(context.number(&format!("/sizes/{s}/{key}")));
         let share = Quantity::new("%", 100.0, Form::Decimals(1));
         let mut key = DataTable::of(
             "Best plan found for each number of postures",
@@ -69,18 +70,24 @@ impl Telling for Curve {
             rows,
         )
         .numbers(&index.in_words(), index_quantity(index), |s| {
-            number(s, "value")
+            Some(Number::new(sizes[s].point.value))
         });
         if index != Index::ExpectedError {
             let errors = Quantity::PERCENT.digits(4);
-            key = key.numbers("expected error", errors, |s| number(s, "expected_error"));
+            key = key.numbers("expected error", errors, |s| {
+                Some(Number::new(sizes[s].point.expected_error))
+            });
         }
         let key = key
-            .numbers("one more gains", share, |s| number(s, "gain"))
-            .numbers("no plan below", index_quantity(index), |s| {
-                number(s, "bound")
+            .numbers("one more gains", share, |s| {
+                Some(Number::new(sizes[s].gain))
             })
-            .numbers("of what is possible", share, |s| number(s, "efficiency"));
+            .numbers("no plan below", index_quantity(index), |s| {
+                Some(Number::new(sizes[s].bound))
+            })
+            .numbers("of what is possible", share, |s| {
+                Some(Number::new(sizes[s].efficiency))
+            });
         let points = sizes.iter().map(|size| CountPoint {
             postures: size.point.postures,
             value: size.point.value,

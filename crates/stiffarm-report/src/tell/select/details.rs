@@ -5,9 +5,9 @@ use super::super::worth::index_quantity;
 use crate::selection::sensitivity_figure;
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
+use stiffarm::ask::select::Plan;
 use stiffarm::findings::{list, visible};
-use stiffarm::plan::planned::Plan;
-use stiffarm::plan::select::{LimitPrice, Sensitivity, WORTH_CHANGING};
+use stiffarm::plan::select::{LimitPrice, Sensitivity, Spread, WORTH_CHANGING};
 
 /// What the bound rests on; `None` where there is none.
 pub(super) fn certificate(plan: &Plan) -> Option<Text> {
@@ -57,20 +57,19 @@ pub(super) fn repeats(plan: &Plan) -> Vec<Block> {
 }
 
 /// What each kind of limit costs.
-pub(super) fn price_table(given: &Given<'_>, plan: &Plan, prices: &[LimitPrice]) -> DataTable {
+pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
     let index = plan.selection.index;
     let kinds = prices.iter().map(|price| price.kind.describe());
     let rows = std::iter::once("nothing: all limits").chain(kinds);
     DataTable::of("The best plan found without each limit", "without", rows)
         .numbers(&index.in_words(), index_quantity(index), |row| {
-            Some(match row.checked_sub(1) {
-                Some(p) => given.number(&format!("/prices/{p}/value")),
-                None => given.number("/value"),
-            })
+            Some(Number::new(match row.checked_sub(1) {
+                Some(p) => prices[p].value,
+                None => plan.selection.value,
+            }))
         })
         .numbers("cost", Quantity::PERCENT, |row| {
-            let p = row.checked_sub(1)?;
-            Some(given.number(&format!("/prices/{p}/price")))
+            Some(Number::new(prices[row.checked_sub(1)?].price))
         })
 }
 
@@ -78,7 +77,7 @@ pub(super) fn price_table(given: &Given<'_>, plan: &Plan, prices: &[LimitPrice])
 pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
     let asked = |key: &str| {
-        let option = given.saved.json.pointer(&format!("/options/load/{key}"));
+        let option = given.saved.json.pointer(&format!("/options/{key}"));
         option.is_none_or(|option| !option.is_null())
     };
     // A tenth of a millimetre is finer than anybody rigs a rope.
@@ -87,7 +86,7 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
         digits.join(", ").replace('−', "-")
     };
     let mut lines = Vec::new();
-    if asked("loading_point_box_m") {
+    if asked("loading_point_box_mm") {
         lines.push("[tool]".to_string());
         lines.push(format!(
             "loading_point_mm = [{}]",
@@ -95,7 +94,7 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
         ));
     }
     let newtons = load.magnitude_n.filter(|_| asked("largest_load_n"));
-    let anchor = load.anchor_m.filter(|_| asked("anchor_box_m"));
+    let anchor = load.anchor_m.filter(|_| asked("anchor_box_mm"));
     if newtons.is_some() || anchor.is_some() {
         lines.push("[load]".to_string());
     }
@@ -111,44 +110,35 @@ pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
 }
 
 /// Whether wrong assumptions would change the plan.
-pub(super) fn sensitivity_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
+pub(super) fn sensitivity_section(plan: &Plan) -> Option<Section> {
     let found = plan.sensitivity.as_ref()?;
     let mut blocks = vec![Block::Text(stands(found))];
     blocks.extend(sensitivity_figure(found).map(Block::Figure));
     if !found.priors.is_empty() {
-        blocks.push(Block::Table(prior_table(given, found)));
+        blocks.push(Block::Table(prior_table(found)));
     }
     let options = &found.options;
     let angle = options.joint_angle_std.to_degrees();
     let point = 1e3 * options.tool_point_std;
     let spreads = [
-        (
-            format!("joint angles by {angle:.3}° (1σ)"),
-            "postures",
-            found.postures.is_some(),
-        ),
+        (format!("joint angles by {angle:.3}° (1σ)"), found.postures),
         (
             format!("loading and measuring points by {point:.2} mm (1σ)"),
-            "tool_points",
-            found.tool_points.is_some(),
+            found.tool_points,
         ),
     ];
     let caption = format!(
         "How much worse the index is under random errors ({} draws); – where it does not exist in some of them",
         options.samples
     );
-    let worse = |key: &'static str| {
+    let worse = |of: fn(Spread) -> f64| {
         let spreads = &spreads;
-        move |row: usize| {
-            let (_, what, is_known) = spreads[row];
-            let ratio = given.number(&format!("/sensitivity/{what}/{key}")).value?;
-            is_known.then(|| Number::computed(ratio - 1.0))
-        }
+        move |row: usize| Some(Number::computed(of(spreads[row].1?) - 1.0))
     };
     let names = spreads.iter().map(|(name, ..)| name.clone());
     let table = DataTable::of(caption, "what is off", names)
-        .numbers("on average", Quantity::PERCENT, worse("mean"))
-        .numbers("at worst", Quantity::PERCENT, worse("worst"));
+        .numbers("on average", Quantity::PERCENT, worse(|spread| spread.mean))
+        .numbers("at worst", Quantity::PERCENT, worse(|spread| spread.worst));
     blocks.push(Block::Table(table));
     let section = Section::new("sensitivity", "If assumptions are wrong", blocks);
     Some(section.in_summary())
@@ -183,17 +173,22 @@ fn stands(found: &Sensitivity) -> Text {
 }
 
 /// The plan and the best one found with other prior stiffness, joint by joint.
-fn prior_table(given: &Given<'_>, found: &Sensitivity) -> DataTable {
-    let number =
-        |row: usize, key: &str| Some(given.number(&format!("/sensitivity/priors/{row}/{key}")));
+fn prior_table(found: &Sensitivity) -> DataTable {
+    let case = |row: usize| &found.priors[row];
     let quantity = index_quantity(found.index);
     let names = found.priors.iter();
     let names = names.map(|case| visible(&case.joint).into_owned());
     DataTable::of("The plan with other prior stiffness", "joint", names)
         .words("its prior k", |row| {
-            format!("× {}", found.priors[row].factor).into()
+            format!("× {}", case(row).factor).into()
         })
-        .numbers("this plan", quantity, |row| number(row, "value"))
-        .numbers("best found", quantity, |row| number(row, "best"))
-        .numbers("loss", Quantity::PERCENT, |row| number(row, "loss"))
+        .numbers("this plan", quantity, |row| {
+            Some(Number::new(case(row).value))
+        })
+        .numbers("best found", quantity, |row| {
+            Some(Number::new(case(row).best))
+        })
+        .numbers("loss", Quantity::PERCENT, |row| {
+            Some(Number::new(case(row).loss))
+        })
 }

@@ -3,11 +3,13 @@
 use super::super::postures::name_of;
 use super::super::worth::{index_number, index_quantity};
 use crate::selection::worth_figure;
-use crate::tell::{Block, DataTable, Form, Given, Quantity, Section, Telling, Text, Told, shown};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, shown,
+};
 use stiffarm::Result;
+use stiffarm::ask::select::DropResult;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::DropResult;
 
 impl Telling for DropResult {
     fn told(&self, context: &Given<'_>) -> Result<Told> {
@@ -31,12 +33,12 @@ impl Telling for DropResult {
             ))
         };
         let came = Text::new(index.says())
-            .number(index_number(context, index, "/value"))
+            .number(index_number(index, dropped.value))
             .words(format!(
                 " without {}, against ",
                 list(&names(&dropped.dropped))
             ))
-            .number(index_number(context, index, "/before"))
+            .number(index_number(index, dropped.before))
             .words(format!(" with all {all}."));
         let next = Text::new(format!(
             "Measure the other {}, where that loss is worth the time saved; else keep them all.",
@@ -45,7 +47,6 @@ impl Telling for DropResult {
         let worth = &dropped.values;
         let rows = worth.iter();
         let rows = rows.map(|value| name_of(&result.posture_names, value.posture));
-        let number = |v: usize, key: &str| Some(context.number(&format!("/worth/{v}/{key}")));
         let without = format!("{} without it", index.in_words());
         let loss = Quantity::new("%", 100.0, Form::Decimals(2));
         let key = DataTable::of(
@@ -53,8 +54,10 @@ impl Telling for DropResult {
             "posture",
             rows,
         )
-        .numbers(&without, index_quantity(index), |v| number(v, "value"))
-        .numbers("loss", loss, |v| number(v, "loss"))
+        .numbers(&without, index_quantity(index), |v| {
+            Some(Number::new(worth[v].value))
+        })
+        .numbers("loss", loss, |v| Some(Number::new(worth[v].loss)))
         .words("verdict", |v| match worth[v].loss {
             _ if dropped.dropped.contains(&worth[v].posture) => Text::default().strong("leave out"),
             None => "needed: a joint is undetermined without it".into(),

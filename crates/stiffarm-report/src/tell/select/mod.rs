@@ -9,7 +9,7 @@ mod space_filling;
 mod story;
 
 use crate::tell::{Given, Told, of_saved};
-use stiffarm::plan::planned::{Chosen, Curve, DropResult, Plan, SpaceFillingPlan};
+use stiffarm::ask::select::{Chosen, Curve, DropResult, Plan, SpaceFillingPlan};
 use stiffarm::{Code, Error, Result};
 
 /// What a result says of `select`.

@@ -7,11 +7,11 @@ use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, wor
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Telling, Told};
+use stiffarm::ask::select::Plan;
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::Plan;
 use stiffarm::{Result, Termination};
 
 impl Telling for Plan {
@@ -31,10 +31,9 @@ impl Telling for Plan {
         };
         let count = plan.selection.group.len();
         let postures = posture_table(
-            context,
             "The postures in measuring order, controller angles, and the least room beyond what the cell asks for (0: on the limit)",
             &plan.posture_names,
-            ("/postures_deg", &plan.selection.group),
+            &plan.selection.group,
             &plan.selection.limits,
         );
         let names: Vec<String> = plan
@@ -47,7 +46,7 @@ impl Telling for Plan {
         let bounds = plan.joint_efficiencies.as_deref().unwrap_or_default();
         let mut shown = worth_sections(context, &plan.joints, &groups, bounds);
         let mut sections = vec![cell_section(context, &plan)?];
-        let key = match joint_table(context, &plan.joints, &groups, bounds) {
+        let key = match joint_table(&plan.joints, &groups, bounds) {
             // Of a long plan the joints are read first.
             Some(joints) if count > FEW => {
                 let postures = vec![Block::Table(postures)];
@@ -60,7 +59,7 @@ impl Telling for Plan {
         };
         let rest = shown.split_off(usize::from(shown[0].id == "expected"));
         sections.extend(shown);
-        let way = route_section(context, &plan.posture_names, &plan.route, "/route");
+        let way = route_section(context, &plan.posture_names, &plan.route);
         sections.extend(way.map(|mut section| {
             let near = near_singular(&plan.posture_names, &plan.evaluation);
             section.blocks.extend(near.map(Block::Text));
@@ -70,7 +69,7 @@ impl Telling for Plan {
         sections.extend(details::load_section(context, &plan));
         sections.extend(search_section(&plan));
         sections.extend(limit_section(context, &plan));
-        sections.extend(details::sensitivity_section(context, &plan));
+        sections.extend(details::sensitivity_section(&plan));
         sections.extend(rest);
         let heading = match (plan.given_names.is_empty(), count) {
             (false, _) => "Further postures to measure".to_string(),
@@ -103,12 +102,10 @@ impl Telling for Plan {
 /// What was there before and what there is with the plan.
 fn worth<'a>(plan: &'a Plan, names: &'a [String]) -> Vec<Worth<'a>> {
     let before = plan.before.as_ref().map(|before| Worth {
-        at: "/before".to_string(),
         evaluation: &before.evaluation,
         posture_names: &before.posture_names,
     });
     let after = Worth {
-        at: "/evaluation".to_string(),
         evaluation: &plan.evaluation,
         posture_names: names,
     };
@@ -165,7 +162,7 @@ fn limit_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let priced = plan.prices.as_ref().filter(|prices| !prices.is_empty());
     if let Some(prices) = priced {
         blocks.push(Block::Figure(price_figure(prices)));
-        blocks.push(Block::Table(details::price_table(context, plan, prices)));
+        blocks.push(Block::Table(details::price_table(plan, prices)));
         blocks.push(Block::Text(
             "Each row is a search of its own; a difference of a few tenths of a per cent may be its luck.".into(),
         ));

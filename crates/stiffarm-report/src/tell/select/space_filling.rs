@@ -2,10 +2,10 @@
 
 use super::super::postures::{near_singular, posture_table, room, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{Block, Given, Telling, Text, Told, counted, shown};
+use crate::tell::{Block, Given, Number, Telling, Text, Told, counted, shown};
+use stiffarm::ask::select::SpaceFillingPlan;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::SpaceFillingPlan;
 use stiffarm::{Result, Termination};
 
 impl Telling for SpaceFillingPlan {
@@ -16,15 +16,15 @@ impl Telling for SpaceFillingPlan {
             "{} spread evenly over the joint space, without any index",
             counted(result.posture_names.len(), "posture")
         ));
-        if result.smallest_distance.is_some() {
+        if let Some(distance) = result.smallest_distance {
             done = done
                 .words("; the nearest two are ")
-                .number(context.number("/smallest_distance").significant(3))
+                .number(Number::new(distance).significant(3))
                 .words(" of the joints' ranges apart (root of the sum of squares)");
         }
         done = done.words(".");
-        if result.smallest_margin_m.is_some() {
-            let margin = room(context.number("/smallest_margin_m"));
+        if let Some(margin) = result.smallest_margin_m {
+            let margin = room(Number::new(margin));
             done = done
                 .words(" The smallest margin to the cell's limits is ")
                 .number(margin)
@@ -38,33 +38,25 @@ impl Telling for SpaceFillingPlan {
             Text::new("They cannot determine ")
                 .strong(list(&shown(undetermined)))
                 .words(".")
-        } else if evaluation.indices.expected_error.is_some() {
-            let error = context.number("/evaluation/indices/expected_error");
-            let mut text = Text::new(
+        } else if let Some(error) = evaluation.indices.expected_error {
+            let text = Text::new(
             "The joint stiffness can be expected with a relative standard error (RMS over the joints) of ",
         )
-        .number(error.percent().significant(3))
+        .number(Number::new(error).percent().significant(3))
         .words(".");
-            text = text.then(least_sure(
-                context,
-                "/evaluation",
-                evaluation,
-                &result.joints,
-            ));
-            text
+            text.then(least_sure(evaluation, &result.joints))
         } else {
             Text::new("The condition number of the observation matrix is ")
-                .number(context.number("/evaluation/indices/condition"))
+                .number(Number::new(evaluation.indices.condition))
                 .words(".")
         };
         let next = Text::new("This is a baseline: ")
             .code("stiffarm select")
             .words(" with an index finds postures that tell more in as much time.");
         let key = posture_table(
-            context,
             "The postures in measuring order, controller angles",
             &result.posture_names,
-            ("/postures_deg", &result.postures),
+            &result.postures,
             &[],
         );
         let angles = result.postures.iter().cloned();
@@ -74,12 +66,11 @@ impl Telling for SpaceFillingPlan {
         "Step through the postures in measuring order; each shows its room and the two bodies that come nearest to each other.",
     )?];
         let worth = Worth {
-            at: "/evaluation".to_string(),
             evaluation,
             posture_names: &result.posture_names,
         };
         sections.extend(worth_sections(context, &result.joints, &[worth], &[]));
-        let way = route_section(context, &result.posture_names, &result.route, "/route");
+        let way = route_section(context, &result.posture_names, &result.route);
         sections.extend(way.map(|mut section| {
             let near = near_singular(&result.posture_names, evaluation);
             section.blocks.extend(near.map(Block::Text));

@@ -1,13 +1,12 @@
 //! The story of a plan in three sentences.
 
 use super::super::worth::{index_number, is_beyond_first_order, least_sure};
-use crate::tell::Given;
-use crate::tell::Text;
+use crate::tell::{Given, Number, Text};
 use stiffarm::Termination;
+use stiffarm::ask::select::{InTime, Plan};
 use stiffarm::findings::{Severity, codes, minutes, visible};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{InTime, Plan};
 use stiffarm::plan::select::different;
 
 /// Below this share of what is possible a longer search is worth its time.
@@ -140,17 +139,14 @@ fn under(loads: &[String]) -> String {
 
 fn came(context: &Given<'_>, plan: &Plan) -> Text {
     let index = plan.selection.index;
-    let mut text = Text::new(index.says()).number(index_number(context, index, "/value"));
-    if index == Index::Prediction && plan.evaluation.indices.prediction_range.is_some() {
-        let end = |side: usize| {
-            let below = format!("/evaluation/indices/prediction_range/{side}");
-            index_number(context, index, &below)
-        };
+    let mut text = Text::new(index.says()).number(index_number(index, plan.selection.value));
+    let range = plan.evaluation.indices.prediction_range;
+    if let (Index::Prediction, Some([low, high])) = (index, range) {
         text = text
             .words(" (")
-            .number(end(0))
+            .number(index_number(index, low))
             .words(" to ")
-            .number(end(1))
+            .number(index_number(index, high))
             .words(" where what gives way beyond the axes is a third or three times as large as expected)");
     }
     let known = plan.before.as_ref();
@@ -161,18 +157,16 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
             "the given postures alone"
         };
         text = match before.evaluation.indices.get(index) {
-            Some(_) => {
-                let below = format!("/before/indices/{}", index.as_str());
-                text.words(", against ")
-                    .number(index_number(context, index, &below))
-                    .words(format!(" with {name}"))
-            }
+            Some(value) => text
+                .words(", against ")
+                .number(index_number(index, value))
+                .words(format!(" with {name}")),
             None => text.words(format!("; {name} cannot determine every joint")),
         };
     }
     text = text.words(".");
     if let Some(found) = &plan.certificate
-        && found.efficiency.is_some()
+        && let Some(efficiency) = found.efficiency
     {
         let further = if found.measured_count > 0 {
             " further"
@@ -183,14 +177,13 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
             .words(format!(
                 " No plan of as many{further} postures can be below "
             ))
-            .number(index_number(context, index, "/certificate/bound"));
+            .number(index_number(index, found.bound));
         // That bound is of plans that may measure fractions of a posture, which few postures are far from.
         text = if index == Index::Prediction {
             text.words(".")
         } else {
-            let share = context.number("/certificate/efficiency");
             text.words(": this one reaches ")
-                .number(share.percent().decimals(1))
+                .number(Number::new(efficiency).percent().decimals(1))
                 .words(" of what is possible.")
         };
     }
@@ -200,22 +193,22 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
             visible(why)
         ));
     }
-    let least = least_sure(context, "/evaluation", &plan.evaluation, &plan.joints);
+    let least = least_sure(&plan.evaluation, &plan.joints);
     text.then(least)
         .words(takes(context, plan))
-        .then(in_time(context, plan))
-        .then(further_load(context, plan))
+        .then(in_time(plan))
+        .then(further_load(plan))
         .words(on_limits(context))
 }
 
 /// What the other ways to load the arm would bring in the same time.
-fn in_time(context: &Given<'_>, plan: &Plan) -> Text {
+fn in_time(plan: &Plan) -> Text {
     let mut text = Text::default();
     let Some((chosen, _)) = chosen_in_time(plan) else {
         return text;
     };
     let others = plan.in_time.iter().enumerate();
-    for (i, way) in others.filter(|(i, _)| *i != chosen) {
+    for (_, way) in others.filter(|(i, _)| *i != chosen) {
         let is_first = text == Text::default();
         text = text.words(match (is_first, way.postures) {
             (true, 1) => " In the same time one posture".to_string(),
@@ -232,8 +225,7 @@ fn in_time(context: &Given<'_>, plan: &Plan) -> Text {
                 .words("), would give "),
             None => text.words(format!("{} would give ", under(&way.loads))),
         };
-        let below = format!("/in_time/{i}/prediction");
-        text = text.number(index_number(context, Index::Prediction, &below));
+        text = text.number(index_number(Index::Prediction, way.prediction));
     }
     if text == Text::default() {
         text
@@ -243,13 +235,13 @@ fn in_time(context: &Given<'_>, plan: &Plan) -> Text {
 }
 
 /// What a second load would bring.
-fn further_load(context: &Given<'_>, plan: &Plan) -> Text {
+fn further_load(plan: &Plan) -> Text {
     // For a given time that is said already, with fewer postures.
     let said = plan.in_time.iter().any(|way| way.further_mass_kg.is_some());
     let Some(found) = plan.further_load.as_ref().filter(|_| !said) else {
         return Text::default();
     };
-    let of = |key: &str| index_number(context, Index::Prediction, &format!("/further_load/{key}"));
+    let of = |error: f64| index_number(Index::Prediction, error);
     Text::new(format!(
         " A weight of {:.0} kg hung in the same postures as well (a second ",
         found.mass_kg
@@ -259,9 +251,9 @@ fn further_load(context: &Given<'_>, plan: &Plan) -> Text {
         ", {} more) would bring the error of the deflection at work from ",
         minutes(found.time_s)
     ))
-    .number(of("without"))
+    .number(of(found.without))
     .words(" to ")
-    .number(of("with"))
+    .number(of(found.with))
     .words(".")
 }
 

@@ -28,9 +28,9 @@ impl Telling for ElasticSimulation {
             let model = level.mixed.as_ref().unwrap_or(&level.axes);
             model.prediction_rms_m
         };
-        let first = result.groups.iter().enumerate();
-        let first = first.filter_map(|(g, group)| Some((g, group, group.levels.first()?)));
-        let best = first.min_by(|a, b| error(a.2).total_cmp(&error(b.2)));
+        let first = result.groups.iter();
+        let first = first.filter_map(|group| Some((group, group.levels.first()?)));
+        let best = first.min_by(|a, b| error(a.1).total_cmp(&error(b.1)));
         let place = if result.predicted_tasks {
             "at the cell's tasks".to_string()
         } else {
@@ -52,7 +52,7 @@ impl Telling for ElasticSimulation {
             result.sizes_from.in_words(),
             sizes.join(", ")
         ));
-        let verdict = [done, came(context, &result, best), next(best.map(|b| b.2))];
+        let verdict = [done, came(&result, best), next(best.map(|b| b.1))];
         let groups = result.groups.iter().map(|group| {
             let angles = group.postures.iter().cloned();
             PostureGroup::named(&group.name, &group.posture_names, angles)
@@ -61,19 +61,19 @@ impl Telling for ElasticSimulation {
         sections.extend(cell_section(context, groups.collect())?);
         let blocks = vec![
             Block::Figure(prediction_figure(&result)),
-            Block::Table(shares(context, &result)),
+            Block::Table(shares(&result)),
         ];
         let title = "How well deflections are predicted";
         sections.push(Section::new("prediction", title, blocks).in_summary());
         let mut blocks = vec![Block::Figure(joint_figure(&result))];
-        let tables = rows(&result).map(|(at, name, level)| {
-            let table = Block::Table(joints(context, &result.joints, &at, level));
+        let tables = rows(&result).map(|(name, level)| {
+            let table = Block::Table(joints(&result.joints, level));
             Block::Details(format!("Each joint: {name}"), vec![table])
         });
         blocks.extend(tables);
         let title = "How well each joint is identified";
         sections.push(Section::new("joints", title, blocks));
-        let key = errors(context, &result);
+        let key = errors(&result);
         Ok(context.told(
             "Simulated identifications of an elastic arm",
             verdict,
@@ -83,18 +83,11 @@ impl Telling for ElasticSimulation {
     }
 }
 
-fn came(
-    context: &Given<'_>,
-    result: &ElasticSimulation,
-    best: Option<(usize, &ElasticGroup, &ElasticLevel)>,
-) -> Text {
-    let Some((g, group, level)) = best else {
+fn came(result: &ElasticSimulation, best: Option<(&ElasticGroup, &ElasticLevel)>) -> Text {
+    let Some((group, level)) = best else {
         return Text::new("There are no runs.");
     };
-    let mm = |key: &str| {
-        let below = format!("/groups/{g}/levels/0/{key}");
-        context.number(&below).mm().significant(3)
-    };
+    let mm = |length: f64| Number::new(length).mm().significant(3);
     let from = match result.groups.len() {
         1 => "From ",
         _ => "From the best group, ",
@@ -102,21 +95,21 @@ fn came(
     let text = Text::new(from)
         .strong(group.name.clone())
         .words(", deflections of ")
-        .number(mm("deflection_rms_m"))
+        .number(mm(level.deflection_rms_m))
         .words(" (RMS) are predicted to ");
-    let text = match level.mixed {
-        Some(_) => text
-            .number(mm("mixed/prediction_rms_m"))
+    let text = match &level.mixed {
+        Some(mixed) => text
+            .number(mm(mixed.prediction_rms_m))
             .words(" ")
             .number(
-                mm("mixed/prediction_standard_error_m")
+                mm(mixed.prediction_standard_error_m)
                     .significant(2)
                     .plus_minus(),
             )
             .words(" with the mixed model, and to "),
         None => text,
     };
-    text.number(mm("axes/prediction_rms_m"))
+    text.number(mm(level.axes.prediction_rms_m))
         .words(" with the joint axes alone.")
         .then(held(level))
 }
@@ -163,31 +156,25 @@ fn next(level: Option<&ElasticLevel>) -> Text {
     }
 }
 
-/// Every level of every group with its place below `/result`.
-fn rows(result: &ElasticSimulation) -> impl Iterator<Item = (String, String, &ElasticLevel)> {
-    let groups = result.groups.iter().enumerate();
-    groups.flat_map(|(g, group)| {
-        let levels = group.levels.iter().enumerate();
-        levels.map(move |(l, level)| {
+/// Every level of every group with its name.
+fn rows(result: &ElasticSimulation) -> impl Iterator<Item = (String, &ElasticLevel)> {
+    result.groups.iter().flat_map(|group| {
+        group.levels.iter().map(move |level| {
             let name = match group.levels.len() {
                 1 => group.name.clone(),
                 _ => format!("{}, variance × {}", group.name, level.variance_factor),
             };
-            (format!("/groups/{g}/levels/{l}"), name, level)
+            (name, level)
         })
     })
 }
 
-fn errors(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
-    let rows: Vec<(String, String, &ElasticLevel)> = rows(result).collect();
-    let number = |row: usize, key: &str| context.number(&format!("{}/{key}", rows[row].0));
-    let mm = |row: usize, key: &str| {
-        let quantity = Quantity::LENGTH.digits(3);
-        number(row, key).of(quantity.bare())
-    };
-    let both = |row: usize, model: &str| {
-        let error = mm(row, &format!("{model}/prediction_standard_error_m"));
-        Text::from(mm(row, &format!("{model}/prediction_rms_m")))
+fn errors(result: &ElasticSimulation) -> DataTable {
+    let rows: Vec<(String, &ElasticLevel)> = rows(result).collect();
+    let mm = |length: f64| Number::new(length).of(Quantity::LENGTH.digits(3).bare());
+    let both = |model: &ElasticModelOutcome| {
+        let error = mm(model.prediction_standard_error_m);
+        Text::from(mm(model.prediction_rms_m))
             .words(" ")
             .number(error.significant(2).plus_minus())
     };
@@ -195,23 +182,22 @@ fn errors(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
         "RMS error of a predicted deflection, ± its Monte Carlo standard error; expected: the index prediction, the \
          error of the mixed model if its sizes and those of the noise were known",
         "group",
-        rows.iter().map(|row| row.1.clone()),
+        rows.iter().map(|row| row.0.clone()),
     )
-    .words("joint axes alone [mm]", |row| both(row, "axes"))
-    .words("mixed model [mm]", |row| match rows[row].2.mixed {
-        Some(_) => both(row, "mixed"),
-        None => Text::default(),
+    .words("joint axes alone [mm]", |row| both(&rows[row].1.axes))
+    .words("mixed model [mm]", |row| {
+        let mixed = rows[row].1.mixed.as_ref();
+        mixed.map_or_else(Text::default, both)
     })
-    .words("expected [mm]", |row| match rows[row].2.expected_prediction_m {
-        Some(_) => mm(row, "expected_prediction_m").into(),
-        None => Text::default(),
+    .words("expected [mm]", |row| {
+        let expected = rows[row].1.expected_prediction_m;
+        expected.map_or_else(Text::default, |error| mm(error).into())
     })
 }
 
 /// How often bands and intervals hold the truth, a row for each level.
-fn shares(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
-    let rows: Vec<(String, String, &ElasticLevel)> = rows(result).collect();
-    let number = |row: usize, key: &str| context.number(&format!("{}/{key}", rows[row].0));
+fn shares(result: &ElasticSimulation) -> DataTable {
+    let rows: Vec<(String, &ElasticLevel)> = rows(result).collect();
     type Model = for<'l> fn(&'l ElasticLevel) -> Option<&'l ElasticModelOutcome>;
     let models: [(&str, Model); 2] = [
         ("axes", |level| Some(&level.axes)),
@@ -220,44 +206,41 @@ fn shares(context: &Given<'_>, result: &ElasticSimulation) -> DataTable {
     let mut table = DataTable::of(
         "Share that holds the truth: bands of predicted deflections, intervals of k",
         "group",
-        rows.iter().map(|row| row.1.clone()),
+        rows.iter().map(|row| row.0.clone()),
     );
     for (name, of) in models {
         table = table.numbers(&format!("bands: {name}"), SHARE, |row| {
-            of(rows[row].2)?.band_share?;
-            Some(number(row, &format!("{name}/band_share")))
+            of(rows[row].1)?.band_share.map(Number::new)
         });
     }
     for (name, of) in models {
         table = table.numbers(&format!("k: {name}"), SHARE, |row| {
-            of(rows[row].2)?.mean_interval_share().map(Number::computed)
+            of(rows[row].1)?.mean_interval_share().map(Number::computed)
         });
     }
     table.numbers("runs without mixed model", COUNT, |row| {
-        let is_any = rows[row].2.without_mixed > 0;
-        is_any.then(|| number(row, "without_mixed"))
+        let without = rows[row].1.without_mixed;
+        (without > 0).then(|| Number::count(without))
     })
 }
 
 /// Deviation of each joint's stiffness at a level, and how often its interval holds.
-fn joints(context: &Given<'_>, names: &[String], at: &str, level: &ElasticLevel) -> DataTable {
+fn joints(names: &[String], level: &ElasticLevel) -> DataTable {
     let names = names.iter().map(|name| visible(name).into_owned());
     let caption = "Deviation |k̂ − k|/k of each joint, and share of the intervals of k that hold";
     let mut table = DataTable::of(caption, "joint", names);
     let models = [("axes", Some(&level.axes)), ("mixed", level.mixed.as_ref())];
     for (model, found) in models {
         let Some(found) = found else { continue };
-        let number = |key: &str, j: usize| context.number(&format!("{at}/{model}/{key}/{j}"));
         table = table
             .numbers(&format!("{model}: median"), DEVIATION, |j| {
-                Some(number("median_deviation", j))
+                Some(Number::new(found.median_deviation[j]))
             })
             .numbers(&format!("{model}: mean"), DEVIATION, |j| {
-                Some(number("mean_deviation", j))
+                Some(Number::new(found.mean_deviation[j]))
             })
             .numbers(&format!("{model}: k holds"), SHARE, |j| {
-                found.interval_share[j]?;
-                Some(number("interval_share", j))
+                found.interval_share[j].map(Number::new)
             });
     }
     table
@@ -265,16 +248,16 @@ fn joints(context: &Given<'_>, names: &[String], at: &str, level: &ElasticLevel)
 
 /// RMS error of predicted deflections, by group and model.
 fn prediction_figure(result: &ElasticSimulation) -> Figure {
-    let all: Vec<(String, String, &ElasticLevel)> = rows(result).collect();
+    let all: Vec<(String, &ElasticLevel)> = rows(result).collect();
     let bars = |label: &str, of: &dyn Fn(&ElasticLevel) -> Option<f64>| {
         let y = all
             .iter()
-            .map(|row| of(row.2).map_or(f64::NAN, |m| 1e3 * m));
+            .map(|row| of(row.1).map_or(f64::NAN, |m| 1e3 * m));
         let x = places(all.len());
         Series::new(label, Style::Bars, x, y.collect())
     };
     let mut series = vec![bars("joint axes alone", &|l| Some(l.axes.prediction_rms_m))];
-    if all.iter().any(|row| row.2.mixed.is_some()) {
+    if all.iter().any(|row| row.1.mixed.is_some()) {
         let mixed = |l: &ElasticLevel| l.mixed.as_ref().map(|m| m.prediction_rms_m);
         series.push(bars("mixed model", &mixed));
         series.push(bars("expected of the mixed model", &|l| {
@@ -288,7 +271,7 @@ fn prediction_figure(result: &ElasticSimulation) -> Figure {
          reach if the sizes of all springs and of the noise were known.",
         Panel::new(
             "",
-            Axis::categorical("", all.iter().map(|row| row.1.clone())),
+            Axis::categorical("", all.iter().map(|row| row.0.clone())),
             Axis::linear("RMS error", "mm").from_zero(),
             series,
         ),

@@ -29,8 +29,6 @@ pub(super) fn told(context: &Given<'_>) -> Result<Told> {
 
 /// A group with its noise level nearest to the cell's own.
 struct Shown<'a> {
-    /// Its place below `/result`.
-    at: String,
     name: String,
     level: &'a LevelResult,
 }
@@ -54,13 +52,10 @@ impl Telling for Simulation {
         let shown: Vec<Shown<'_>> = result
             .groups
             .iter()
-            .enumerate()
-            .filter_map(|(g, group)| {
-                let (l, level) = own_level(group)?;
+            .filter_map(|group| {
                 Some(Shown {
-                    at: format!("/groups/{g}/levels/{l}"),
                     name: group.name.clone(),
-                    level,
+                    level: own_level(group)?,
                 })
             })
             .collect();
@@ -88,8 +83,8 @@ impl Telling for Simulation {
         if all.clone().any(is_beyond) {
             blocks.push(Block::Text(BEYOND.into()));
         }
-        let tables = result.groups.iter().enumerate().map(|(g, group)| {
-            let table = Block::Table(levels(context, &joints, g, group));
+        let tables = result.groups.iter().map(|group| {
+            let table = Block::Table(levels(context, &joints, group));
             Block::Details(format!("All noise levels of {}", group.name), vec![table])
         });
         blocks.extend(tables);
@@ -107,25 +102,25 @@ impl Telling for Simulation {
 }
 
 /// The level nearest to the cell's own noise.
-fn own_level(group: &GroupSimulation) -> Option<(usize, &LevelResult)> {
+fn own_level(group: &GroupSimulation) -> Option<&LevelResult> {
     let distance = |level: &LevelResult| (level.variance_factor - 1.0).abs();
-    let levels = group.levels.iter().enumerate();
-    levels.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))
+    let levels = group.levels.iter();
+    levels.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// What stands for a joint: the mean, or the median where single runs dominate that.
-fn typical(level: &LevelResult, j: usize) -> (&'static str, f64) {
+/// What stands for a joint: the mean with its standard error, or the median where single runs dominate that.
+fn typical(level: &LevelResult, j: usize) -> (f64, Option<f64>) {
     if level.beyond_first_order[j] {
-        ("median_deviation", level.median_deviation[j])
+        (level.median_deviation[j], None)
     } else {
-        ("mean_deviation", level.mean_deviation[j])
+        (level.mean_deviation[j], Some(level.standard_error[j]))
     }
 }
 
 /// The joint that deviates most.
 fn worst(shown: &Shown<'_>) -> (usize, f64) {
     let joints = 0..shown.level.mean_deviation.len();
-    let all = joints.map(|j| (j, typical(shown.level, j).1));
+    let all = joints.map(|j| (j, typical(shown.level, j).0));
     all.max_by(|a, b| a.1.total_cmp(&b.1))
         .unwrap_or((0, f64::NAN))
 }
@@ -179,11 +174,8 @@ fn came(
         return Text::new("There are no runs.");
     };
     let (joint, _) = worst(best);
-    let (key, _) = typical(best.level, joint);
-    let percent = |key: &str| {
-        let number = context.number(&format!("{}/{key}/{joint}", best.at));
-        number.percent().significant(3)
-    };
+    let (deviation, error) = typical(best.level, joint);
+    let percent = |value: f64| Number::new(value).percent().significant(3);
     let mut text = match shown.len() {
         1 => Text::new("The stiffness that comes out worst, of "),
         _ => Text::default()
@@ -191,16 +183,14 @@ fn came(
             .words(" does best: the stiffness that comes out worst, of "),
     };
     text = text.words(joints[joint].clone());
-    text = match key {
-        "median_deviation" => text
-            .words(", deviates from the truth by ")
-            .number(percent(key))
-            .words(" (median)"),
-        _ => text
-            .words(", deviates from the truth by ")
-            .number(percent(key))
+    text = text
+        .words(", deviates from the truth by ")
+        .number(percent(deviation));
+    text = match error {
+        None => text.words(" (median)"),
+        Some(error) => text
             .words(" ")
-            .number(percent("standard_error").significant(2).plus_minus())
+            .number(percent(error).significant(2).plus_minus())
             .words(" on average"),
     };
     text = text.words(if (best.level.variance_factor - 1.0).abs() < 1e-12 {
@@ -215,7 +205,7 @@ fn came(
         return text.words(".");
     }
     text.words("; the closed form expects ")
-        .number(percent("expected_deviation"))
+        .number(percent(best.level.expected_deviation[joint]))
         .words(".")
 }
 
@@ -261,10 +251,7 @@ fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable
     let names = names.chain([Text::default().strong("mean")]);
     let mut table = DataTable::of(caption, "joint", names);
     for group in shown {
-        let number = |key: &str, row: usize| {
-            let number = context.number(&format!("{}/{key}/{row}", group.at));
-            number.of(DEVIATION.bare())
-        };
+        let number = |value: f64| Number::new(value).of(DEVIATION.bare());
         table = table.words(format!("{} [%]", group.name), |row| {
             if row == joints.len() {
                 return if is_beyond(group.level) {
@@ -273,19 +260,17 @@ fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable
                     mean(&group.level.mean_deviation).into()
                 };
             }
-            let (key, _) = typical(group.level, row);
-            let text = Text::from(number(key, row));
-            match key {
-                "median_deviation" => text.words(" (median)"),
-                _ => text
-                    .words(" ")
-                    .number(number("standard_error", row).plus_minus()),
+            let (deviation, error) = typical(group.level, row);
+            let text = Text::from(number(deviation));
+            match error {
+                None => text.words(" (median)"),
+                Some(error) => text.words(" ").number(number(error).plus_minus()),
             }
         });
         if is_wide {
             table = table.words("closed form [%]", |row| {
                 if row < joints.len() {
-                    number("expected_deviation", row).into()
+                    number(group.level.expected_deviation[row]).into()
                 } else {
                     mean(&group.level.expected_deviation).into()
                 }
@@ -301,11 +286,12 @@ fn mean(values: &[f64]) -> Number {
 }
 
 /// Every level of a group.
-fn levels(context: &Given<'_>, joints: &[String], g: usize, group: &GroupSimulation) -> DataTable {
-    let kinds = [
-        ("mean", "mean_deviation"),
-        ("median", "median_deviation"),
-        ("closed form", "expected_deviation"),
+fn levels(context: &Given<'_>, joints: &[String], group: &GroupSimulation) -> DataTable {
+    type Deviation = fn(&LevelResult) -> &[f64];
+    let kinds: [(&str, Deviation); 3] = [
+        ("mean", |level| &level.mean_deviation),
+        ("median", |level| &level.median_deviation),
+        ("closed form", |level| &level.expected_deviation),
     ];
     let count = kinds.len();
     let names = group
@@ -321,16 +307,12 @@ fn levels(context: &Given<'_>, joints: &[String], g: usize, group: &GroupSimulat
         });
     for (j, joint) in joints.iter().enumerate() {
         table = table.words(joint.clone(), |row| {
-            let below = format!("/groups/{g}/levels/{}", row / count);
-            let number = |key: &str| {
-                let number = context.number(&format!("{below}/{key}/{j}"));
-                number.of(DEVIATION.bare())
-            };
-            let text = Text::from(number(kinds[row % count].1));
+            let number = |all: &[f64]| Number::new(all[j]).of(DEVIATION.bare());
+            let text = Text::from(number(kinds[row % count].1(level(row))));
             match row % count {
                 0 => text
                     .words(" ")
-                    .number(number("standard_error").plus_minus()),
+                    .number(number(&level(row).standard_error).plus_minus()),
                 _ => text,
             }
         });

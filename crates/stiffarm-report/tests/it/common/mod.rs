@@ -1,9 +1,10 @@
 //! What several subjects share.
 
 use serde_json::{Value, json};
+use std::collections::HashSet;
 use std::sync::LazyLock;
 use stiffarm::Control;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
@@ -65,7 +66,7 @@ pub fn identified(cell: &Cell, measured: &Measured) -> Value {
         stop: Some(&|| true),
         ..Control::default()
     };
-    let mut found = Identified::new(&fit, &Wanted::default(), control).unwrap();
+    let mut found = Identified::new(&fit, &IdentifiedOptions::default(), control).unwrap();
     (found.profile, found.not_computed) = (None, Vec::new());
     json!(found)
 }
@@ -93,7 +94,7 @@ pub fn saved_with(command: &str, options: Value, result: Value) -> SavedResult {
     SavedResult::of(&envelope, "result").unwrap()
 }
 
-/// How many numbers of the page say where they stand in the file; every one stands there.
+/// How many numbers of the page are those of the file; every one stands there, to the last bit.
 pub fn numbers_of_the_file(page: &Page, saved: &SavedResult) -> usize {
     let mut texts = Vec::new();
     for part in &page.parts {
@@ -102,19 +103,31 @@ pub fn numbers_of_the_file(page: &Page, saved: &SavedResult) -> usize {
         let sections = part.sections.iter();
         sections.for_each(|section| texts_of(&section.blocks, &mut texts));
     }
+    let mut in_file = HashSet::new();
+    all_numbers(&saved.json, &mut in_file);
     let mut count = 0;
     for piece in texts.into_iter().flat_map(|text| &text.0) {
         let Piece::Number(number) = piece else {
             continue;
         };
-        if !number.pointer.is_empty() {
-            let value = saved.json.pointer(&number.pointer);
-            let value = value.unwrap_or_else(|| panic!("{} is not in the file", number.pointer));
-            assert_eq!(value.as_f64(), number.value, "{}", number.pointer);
+        if number.is_of_result {
+            let bits = number.value.map(f64::to_bits);
+            assert!(in_file.contains(&bits), "{number:?} is not in the file");
             count += 1;
         }
     }
     count
+}
+
+/// Every number of a file, and `None` for `null`.
+fn all_numbers(value: &Value, out: &mut HashSet<Option<u64>>) {
+    match value {
+        Value::Null => drop(out.insert(None)),
+        Value::Number(number) => drop(out.insert(number.as_f64().map(f64::to_bits))),
+        Value::Array(items) => items.iter().for_each(|item| all_numbers(item, out)),
+        Value::Object(map) => map.values().for_each(|item| all_numbers(item, out)),
+        _ => {}
+    }
 }
 
 fn texts_of<'a>(blocks: &'a [Block], out: &mut Vec<&'a Text>) {
