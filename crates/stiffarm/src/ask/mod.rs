@@ -10,6 +10,7 @@ pub mod compensate;
 pub mod fit;
 pub mod identify;
 pub mod map;
+pub mod measure;
 pub mod path;
 pub mod place;
 pub mod predict;
