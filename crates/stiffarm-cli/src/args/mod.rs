@@ -21,7 +21,7 @@ pub use coverage::CoverageArgs;
 pub use export::{ControllerArgs, ExportArgs};
 pub use groups::grouped;
 pub use init::InitArgs;
-pub use measure::{Goal, MeasureArgs};
+pub use measure::MeasureArgs;
 pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
 pub use path::{CompensateArgs, PredictArgs, WriteChoice};
 pub use pose::PoseArgs;

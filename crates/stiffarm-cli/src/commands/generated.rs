@@ -10,16 +10,14 @@ use stiffarm::Result;
 use stiffarm::ask::path::PathOptions;
 use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::select::{self, Asked};
-use stiffarm::ask::{compensate, identify, map, place, predict, simulate, validate};
+use stiffarm::ask::{compensate, identify, map, measure, place, pose, predict, simulate, validate};
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::poses;
 use stiffarm::plan::zones::Zones;
-use stiffarm::work::judged;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm_files::cell::cell_schema;
 use stiffarm_files::envelope::{Written, to_json};
@@ -51,9 +49,9 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<place::Options, Placement>("map --place"),
         of::<zones::Options, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
-        of::<judged::Options, judged::Judgement>("measure"),
-        of::<poses::Options, poses::Poses>("pose"),
-        of::<poses::Options, poses::Found>("pose --poses"),
+        of::<measure::MeasureOptions, measure::Judgement>("measure"),
+        of::<pose::Options, pose::Poses>("pose"),
+        of::<pose::Options, pose::Found>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),
         of::<route::Options, route::Routed>("route"),
         of::<export::Options, export::Exported>("export"),

@@ -5,9 +5,9 @@ use crate::tell::{
     Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Telling, Text, Told, counted,
 };
 use stiffarm::Result;
+use stiffarm::ask::measure::Judgement;
 use stiffarm::estimate::standing::Standing;
 use stiffarm::findings::{list, visible};
-use stiffarm::work::judged::Judgement;
 
 /// Angles of postures, from degrees.
 const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));

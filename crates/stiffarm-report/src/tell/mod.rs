@@ -49,6 +49,7 @@ use crate::scene::Scene;
 use serde::de::DeserializeOwned;
 use std::cmp::Reverse;
 use stiffarm::ask::compensate::Compensated;
+use stiffarm::ask::measure::Judgement;
 use stiffarm::ask::predict::Predicted;
 use stiffarm::ask::validate::Validated;
 use stiffarm::estimate::coverage::Coverage;
@@ -58,7 +59,6 @@ use stiffarm::model::cell::Cell;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::Evaluated;
 use stiffarm::plan::zones::Zones;
-use stiffarm::work::judged::Judgement;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::result::SavedResult;
 

@@ -6,7 +6,6 @@ pub(crate) mod never_loaded;
 
 pub mod compensate;
 pub mod features;
-pub mod judged;
 pub mod map;
 pub mod posture_path;
 pub mod predict;

@@ -9,17 +9,17 @@ use days::{Beyond, Day, Kind, day, displacements, move_states};
 use mistakes::{MISTAKES, Mistake, Plant};
 use rayon::prelude::*;
 use stiffarm::ask::identify::{Identified, IdentifiedOptions};
+use stiffarm::ask::measure::{MeasureOptions, judge};
 use stiffarm::estimate::setup::{SetUp, set_up};
 use stiffarm::estimate::standing::SoFar;
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::codes;
 use stiffarm::model::measurement::{Measurements, Role};
-use stiffarm::work::judged::{Options as JudgeOptions, judge};
 
-const QUIET: JudgeOptions = JudgeOptions {
-    until_stiffness: None,
-    until_deflection_m: None,
-    search: false,
+const QUIET: MeasureOptions = MeasureOptions {
+    until: None,
+    no_search: true,
+    seed: 1,
 };
 
 /// The cell as it is stated, and what was read.
@@ -52,7 +52,7 @@ fn said(cell: &Cell, measurements: Measurements) -> Vec<Finding> {
         (cell, &[]),
         Ok(measurements),
         &reduce,
-        (&QUIET, 1),
+        &QUIET,
         Control::default(),
     ) {
         Ok(found) => found.readings,
