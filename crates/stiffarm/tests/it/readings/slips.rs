@@ -196,7 +196,9 @@ fn every_column_is_on_the_page() {
     let with_unknown = ROPE_LOADS.replacen("posture,state", "posture,nonsense", 1);
     let error = readings(&with_unknown, &rope_cell()).unwrap_err();
     let hint = error.hint_text().unwrap_or_default();
-    let listed = hint.split_once("known columns: ").map_or("", |(_, all)| all);
+    let listed = hint
+        .split_once("known columns: ")
+        .map_or("", |(_, all)| all);
     let listed = listed.split_once(';').map_or("", |(all, _)| all);
     // The page speaks of angles by that of the first joint.
     let columns = listed.split(", ").filter(|name| *name != "q2_deg");
