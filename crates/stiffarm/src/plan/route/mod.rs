@@ -8,10 +8,12 @@
 
 mod approach;
 mod equivalent;
+mod exchanges;
 mod found;
 mod moves;
 mod nearest;
-pub(crate) mod order;
+mod order;
+pub(crate) mod places;
 mod remarks;
 mod rounding;
 mod search;
@@ -28,7 +30,7 @@ use crate::numerics::control::Control;
 use crate::plan::select::repeats;
 use equivalent::Equivalents;
 use moves::{Moves, on_the_way};
-use order::Places;
+use places::Places;
 use rounding::Rounding;
 use tour::Tour;
 
