@@ -16,11 +16,24 @@ pub enum Kind {
     Robot(Language),
 }
 
-/// Endings of file names, in small letters.
-const ENDINGS: [(Kind, &[&str]); 7] = [
-    (
-        Kind::Apt,
-        &[
+/// All that is said of a language, beside its reader.
+struct Facts {
+    kind: Kind,
+    /// Its name as a caller states it, and what is said of that.
+    name: &'static str,
+    describe: &'static str,
+    /// Endings of file names, in small letters.
+    endings: &'static [&'static str],
+    /// What only a program in this language has in a line.
+    is_mark: fn(&str) -> bool,
+}
+
+const KINDS: [Facts; 7] = [
+    Facts {
+        kind: Kind::Apt,
+        name: "cl-data",
+        describe: "CL data: APT, CLSF",
+        endings: &[
             "cls",
             "clsf",
             "apt",
@@ -30,16 +43,54 @@ const ENDINGS: [(Kind, &[&str]); 7] = [
             "ncl",
             "as",
         ],
-    ),
-    (
-        Kind::Gcode,
-        &["nc", "ngc", "gcode", "tap", "cnc", "mpf", "eia", "iso"],
-    ),
-    (Kind::Robot(Language::Krl), &["src"]),
-    (Kind::Robot(Language::Rapid), &["mod", "modx", "prg"]),
-    (Kind::Robot(Language::Ls), &["ls"]),
-    (Kind::Robot(Language::Inform), &["jbi"]),
-    (Kind::Robot(Language::Urscript), &["script", "urscript"]),
+        is_mark: |line| {
+            let rest = line.strip_prefix("GOTO").or(line.strip_prefix("FROM"));
+            rest.is_some_and(|rest| rest.trim_start().starts_with('/'))
+                || starts(line, "TOOL PATH/")
+        },
+    },
+    Facts {
+        kind: Kind::Gcode,
+        name: "g-code",
+        describe: "G-code",
+        endings: &["nc", "ngc", "gcode", "tap", "cnc", "mpf", "eia", "iso"],
+        is_mark: is_gcode,
+    },
+    Facts {
+        kind: Kind::Robot(Language::Krl),
+        name: "krl",
+        describe: "KUKA KRL",
+        endings: &["src"],
+        is_mark: |line| starts(line, "&ACCESS") || starts(line, "LIN {") || starts(line, "PTP {"),
+    },
+    Facts {
+        kind: Kind::Robot(Language::Rapid),
+        name: "rapid",
+        describe: "ABB RAPID",
+        endings: &["mod", "modx", "prg"],
+        is_mark: |line| starts(line, "MODULE ") || starts(line, "MoveL ") && line.ends_with(';'),
+    },
+    Facts {
+        kind: Kind::Robot(Language::Ls),
+        name: "ls",
+        describe: "FANUC TP",
+        endings: &["ls"],
+        is_mark: |line| starts(line, "/PROG"),
+    },
+    Facts {
+        kind: Kind::Robot(Language::Inform),
+        name: "inform",
+        describe: "Yaskawa INFORM",
+        endings: &["jbi"],
+        is_mark: |line| line == "/JOB",
+    },
+    Facts {
+        kind: Kind::Robot(Language::Urscript),
+        name: "urscript",
+        describe: "URScript",
+        endings: &["script", "urscript"],
+        is_mark: |line| starts(line, "movel(") || starts(line, "movej("),
+    },
 ];
 
 impl Kind {
@@ -51,9 +102,9 @@ impl Kind {
         let own = own.filter(|own| own.to_ascii_lowercase().ends_with(".ncl"));
         let path = Path::new(own.unwrap_or(name));
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        let mut kinds = ENDINGS.iter();
-        let found = kinds.find(|(_, endings)| endings.contains(&ending.as_str()));
-        found.map(|(kind, _)| *kind)
+        let mut kinds = KINDS.iter();
+        let found = kinds.find(|facts| facts.endings.contains(&ending.as_str()));
+        found.map(|facts| facts.kind)
     }
 
     /// Its name for people.
@@ -81,23 +132,17 @@ pub enum PathLanguage {
 }
 
 /// All of them, by a name, with what is said of it.
-pub const LANGUAGES: &[(&str, &str, PathLanguage)] = &[
-    ("table", "A table of points", PathLanguage::Table),
-    (
-        "cl-data",
-        "CL data: APT, CLSF",
-        PathLanguage::Program(Kind::Apt),
-    ),
-    ("g-code", "G-code", PathLanguage::Program(Kind::Gcode)),
-    ("krl", "KUKA KRL", robot(Language::Krl)),
-    ("rapid", "ABB RAPID", robot(Language::Rapid)),
-    ("ls", "FANUC TP", robot(Language::Ls)),
-    ("inform", "Yaskawa INFORM", robot(Language::Inform)),
-    ("urscript", "URScript", robot(Language::Urscript)),
-];
+pub const LANGUAGES: &[(&str, &str, PathLanguage)] = &languages();
 
-const fn robot(language: Language) -> PathLanguage {
-    PathLanguage::Program(Kind::Robot(language))
+const fn languages() -> [(&'static str, &'static str, PathLanguage); KINDS.len() + 1] {
+    let mut all = [("table", "A table of points", PathLanguage::Table); KINDS.len() + 1];
+    let mut i = 0;
+    while i < KINDS.len() {
+        let own = PathLanguage::Program(KINDS[i].kind);
+        all[i + 1] = (KINDS[i].name, KINDS[i].describe, own);
+        i += 1;
+    }
+    all
 }
 
 /// Endings of tables, which are looked into by their own readers.
@@ -147,8 +192,11 @@ pub fn recognised(
     if by_name.is_some() {
         return Ok((by_name, None));
     }
-    let found = MARKS.iter().find(|(_, is_mark)| lines().any(is_mark));
-    let found = found.map(|(kind, _)| *kind);
+    // A block of G-code has few letters, which a line of another language may have, too.
+    let mut all: Vec<&Facts> = KINDS.iter().collect();
+    all.sort_by_key(|facts| facts.kind == Kind::Gcode);
+    let found = all.into_iter().find(|facts| lines().any(facts.is_mark));
+    let found = found.map(|facts| facts.kind);
     let finding = found.map(|kind| {
         let sentence = format!(
             "{name} is read as {}, by what stands in it: `--language` says otherwise.",
@@ -169,28 +217,6 @@ fn starts(line: &str, word: &str) -> bool {
     line.get(..word.len())
         .is_some_and(|begin| begin.eq_ignore_ascii_case(word))
 }
-
-/// What only a program in this language has in a line.
-type Mark = (Kind, fn(&str) -> bool);
-
-const MARKS: [Mark; 7] = [
-    (Kind::Apt, |line| {
-        let rest = line.strip_prefix("GOTO").or(line.strip_prefix("FROM"));
-        rest.is_some_and(|rest| rest.trim_start().starts_with('/')) || starts(line, "TOOL PATH/")
-    }),
-    (Kind::Robot(Language::Rapid), |line| {
-        starts(line, "MODULE ") || starts(line, "MoveL ") && line.ends_with(';')
-    }),
-    (Kind::Robot(Language::Ls), |line| starts(line, "/PROG")),
-    (Kind::Robot(Language::Inform), |line| line == "/JOB"),
-    (Kind::Robot(Language::Krl), |line| {
-        starts(line, "&ACCESS") || starts(line, "LIN {") || starts(line, "PTP {")
-    }),
-    (Kind::Robot(Language::Urscript), |line| {
-        starts(line, "movel(") || starts(line, "movej(")
-    }),
-    (Kind::Gcode, is_gcode),
-];
 
 /// A block that moves: words of one letter with numbers alone, G or N first, an axis among them.
 fn is_gcode(line: &str) -> bool {
