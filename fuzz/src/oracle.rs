@@ -238,3 +238,16 @@ mod tests {
         assert_eq!(fault, "not finite: .list[].x is null");
     }
 }
+
+/// Whether a result holds a serious finding, wherever it stands; what is sealed says again what stands elsewhere.
+pub fn holds_serious(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().any(holds_serious),
+        Value::Object(map) => {
+            let own = map.iter().filter(|(key, _)| *key != "sealed");
+            let mut own = own.map(|(_, item)| item);
+            map.get("severity").is_some_and(|weight| weight == "serious") || own.any(holds_serious)
+        }
+        _ => false,
+    }
+}

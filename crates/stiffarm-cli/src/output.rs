@@ -14,7 +14,6 @@ use stiffarm::findings::{Finding, Severity, codes};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::envelope::{Envelope, write_result};
-use stiffarm_files::result::SavedResult;
 use stiffarm_files::source::NamedCell;
 use stiffarm_report::tell::{Given, Telling, Told};
 
@@ -86,7 +85,7 @@ impl Session {
     ///
     /// # Errors
     /// A file or standard output cannot be written.
-    pub fn deliver_told<'c, O: Serialize, R: Serialize + Telling>(
+    pub fn deliver_told<'c, O: Serialize, R: Serialize + Telling<O>>(
         &self,
         target: Option<Target>,
         envelope: &Envelope<O, R>,
@@ -114,40 +113,34 @@ impl Session {
         self.show(envelope, || words)
     }
 
-    /// Delivers what a result at work says, and how the command ended: what is made of JSON holds none of its `points`,
-    /// of which there can be hundred thousands. Where a table of them went to standard output, only what is serious is
-    /// said.
+    /// Delivers what a result at work says, and how the command ended by its `findings`. Where a table of its points went
+    /// to standard output, only what is serious is said.
     ///
     /// # Errors
     /// As [`Session::deliver_told`].
-    pub fn deliver_at_work<O: Serialize, R: Serialize + Telling, P>(
+    pub fn deliver_at_work<O: Serialize, R: Serialize + Telling<O>>(
         &self,
-        mut envelope: Envelope<O, R>,
-        points: fn(&mut R) -> &mut Vec<P>,
+        envelope: &Envelope<O, R>,
+        findings: &[Finding],
         (named, stiffness): (&NamedCell, &Saved),
         details: bool,
     ) -> Result<Exit> {
-        let all = std::mem::take(points(&mut envelope.result));
-        let saved = SavedResult::of(&envelope, "result")?;
-        *points(&mut envelope.result) = all;
-        let findings = saved.findings();
-        self.write_page(&envelope)?;
+        self.write_page(envelope)?;
         if self.stdout_is_taken.get() {
             self.remark_serious(findings.iter());
         } else {
-            let given = Given::new(&saved, Some(&named.cell)).in_words();
             let words = if self.json {
                 String::new()
             } else {
-                text::told(&envelope.result.told(&given)?, details)
+                text::told(&told(envelope, Some(&named.cell))?, details)
             };
-            self.show(&envelope, || words + &named.line() + &stiffness.line())?;
+            self.show(envelope, || words + &named.line() + &stiffness.line())?;
         }
-        Ok(Exit::of_findings(&findings))
+        Ok(Exit::of_findings(findings))
     }
 
     /// What a result says.
-    fn in_words<O: Serialize, R: Serialize + Telling>(
+    fn in_words<O, R: Telling<O>>(
         &self,
         envelope: &Envelope<O, R>,
         cell: Option<&NamedCell>,
@@ -218,11 +211,13 @@ impl Session {
 /// What a result that was just made says, without pictures of its cell.
 ///
 /// # Errors
-/// A result that JSON cannot hold.
-pub fn told<O: Serialize, R: Serialize + Telling>(
-    envelope: &Envelope<O, R>,
-    cell: Option<&Cell>,
-) -> Result<Told> {
-    let saved = SavedResult::of(envelope, "result")?;
-    envelope.result.told(&Given::new(&saved, cell).in_words())
+/// A cell that cannot take its postures.
+pub fn told<O, R: Telling<O>>(envelope: &Envelope<O, R>, cell: Option<&Cell>) -> Result<Told> {
+    let given = Given {
+        command: &envelope.command,
+        name: "result",
+        cell,
+        pictures: false,
+    };
+    envelope.result.told(&envelope.options, &given)
 }

@@ -94,9 +94,10 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         outputs.write(session, tables, figure)?;
         result.postures.findings.extend(left);
     }
+    let findings = result.every_finding();
     let exit = session.deliver_at_work(
-        session.envelope("compensate", None, options, result),
-        |result| &mut result.compensation.points,
+        &session.envelope("compensate", None, options, result),
+        &findings,
         (&named, &saved),
         args.details,
     )?;

@@ -8,7 +8,7 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use stiffarm::Result;
 use stiffarm::estimate::clamped::{self, ClampedIdentification};
-use stiffarm::estimate::coverage::Coverage;
+use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
 use stiffarm::estimate::{identified, simulated, validated};
 use stiffarm::measure::registered;
@@ -17,7 +17,8 @@ use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
 use stiffarm::plan::planned::{self, Asked};
 use stiffarm::plan::poses;
-use stiffarm::plan::zones::Zones;
+use stiffarm::plan::route::routed;
+use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm::work::{compensated, judged, mapped, placed, predicted};
 use stiffarm_files::cell::cell_schema;
@@ -41,7 +42,7 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<Asked<planned::CandidateRequest>, planned::Chosen>("select --candidates"),
         of::<simulated::Options, Simulation>("simulate"),
         of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
-        of::<coverage::Options, Coverage>("coverage"),
+        of::<CoverageOptions, Coverage>("coverage"),
         of::<registered::Options, RegistrationRecord>("register"),
         of::<identified::Options, identified::Identified>("identify"),
         of::<clamped::Options, ClampedIdentification>("identify --clamped"),
@@ -50,13 +51,13 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<compensated::Options, compensated::Compensated>("compensate"),
         of::<mapped::Options, StiffnessMap>("map"),
         of::<placed::Options, Placement>("map --place"),
-        of::<zones::Options, Zones>("zones"),
+        of::<ZonesOptions, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
         of::<judged::Options, judged::Judgement>("measure"),
         of::<poses::Options, poses::Poses>("pose"),
         of::<poses::Options, poses::Found>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),
-        of::<route::Options, route::Routed>("route"),
+        of::<routed::Options, routed::Routed>("route"),
         of::<export::Options, export::Exported>("export"),
         of::<export::Options, export::compare::Compared>("export --compare"),
         of::<study::measured::Options, study::measured::Written>("study --measured"),

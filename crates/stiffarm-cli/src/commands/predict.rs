@@ -70,9 +70,10 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
         || Ok(vec![Rows(|out: &mut dyn Write| prediction.write_csv(out))]),
         || render_svg(&prediction_figure(prediction, workpiece)),
     )?;
+    let findings = result.every_finding();
     session.deliver_at_work(
-        session.envelope("predict", None, request.options(), result),
-        |result| &mut result.prediction.points,
+        &session.envelope("predict", None, request.options(), result),
+        &findings,
         (&named, &saved),
         args.details,
     )

@@ -7,13 +7,14 @@ use super::points::{position, region, vector};
 use crate::map_figure;
 use crate::path::norm;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, of_saved,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
+    of_saved, with_stopped,
 };
-use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
-use stiffarm::work::mapped::LoadSource;
+use stiffarm::work::mapped::{LoadSource, Options};
+use stiffarm::work::placed;
 
 /// Deflection of a tip under a small load, from m.
 const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));
@@ -30,17 +31,17 @@ pub(super) const RANGE: [(&str, fn(&MapRange) -> f64); 3] = [
 ];
 
 /// What a result says of `map`, with a workpiece to place or without.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    if context.saved.json["result"]["candidates"].is_array() {
-        return of_saved::<Placement>(context);
+pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+    if with.saved.json["result"]["candidates"].is_array() {
+        return of_saved::<Placement, placed::Options>(with);
     }
-    of_saved::<StiffnessMap>(context)
+    of_saved::<StiffnessMap, Options>(with)
 }
 
-impl Telling for StiffnessMap {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for StiffnessMap {
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let map = self;
-        let verdict = [done(context, map), came(map), next(map)];
+        let verdict = [done(options, map), came(map), next(map)];
         let mut sections = Vec::new();
         let mut shown = Vec::new();
         if context.pictures {
@@ -69,7 +70,9 @@ impl Telling for StiffnessMap {
             "What the arm may reach",
             vec![counts],
         ));
+        let findings = map.findings.clone();
         Ok(context.told(
+            with_stopped(context, findings, map.interrupted, &[]),
             "Stiffness of the tool tip over the workspace",
             verdict,
             map.extremes.map(|extremes| key(map, extremes)),
@@ -78,7 +81,7 @@ impl Telling for StiffnessMap {
     }
 }
 
-fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
+fn done(options: &Options, map: &StiffnessMap) -> Text {
     let ends = map.axes().map(|at| match at {
         [first, .., last] => [*first, *last],
         [only] => [*only; 2],
@@ -100,21 +103,21 @@ fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
         region(ends),
         vector(axis),
         vector(map.force_n),
-        load(context)
+        load(options.load_from)
     ))
     .number(Number::count(map.counts.reachable))
     .words(" of them are reachable within all limits.")
 }
 
 /// Where the load comes from, in words; empty where it was given.
-fn load(context: &Given<'_>) -> &'static str {
-    match LoadSource::deserialize(&context.saved.json["options"]["load_from"]) {
-        Ok(LoadSource::Cell) => ", from the cell's [work]",
-        Ok(LoadSource::CellAlongPath) => {
+fn load(from: LoadSource) -> &'static str {
+    match from {
+        LoadSource::Cell => ", from the cell's [work]",
+        LoadSource::CellAlongPath => {
             ", 1 N along the direction: the cell's [work] gives a load in the axes of a path, which a map has not"
         }
-        Ok(LoadSource::Unit) => ", 1 N along the direction: no force is given",
-        Ok(LoadSource::Given) | Err(_) => "",
+        LoadSource::Unit => ", 1 N along the direction: no force is given",
+        LoadSource::Given => "",
     }
 }
 

@@ -18,7 +18,9 @@ use stiffarm::work::{compensated, mapped};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
-use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, tell};
+use stiffarm_report::tell::{
+    Block, DataTable, Depth, Outcome, Telling, Text, Told, WithCell, tell,
+};
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
@@ -55,15 +57,15 @@ fn told<R: Serialize + Telling, P>(
     points: fn(&mut R) -> &mut Vec<P>,
 ) -> Told {
     let whole = saved(command, json!(result));
-    let from_file = tell(&Given::new(&whole, Some(cell)).in_words()).unwrap();
+    let from_file = tell(&WithCell::new(&whole, Some(cell)).in_words()).unwrap();
     let all = std::mem::take(points(result));
     let without = saved(command, json!(result));
     *points(result) = all;
-    let given = Given::new(&without, Some(cell)).in_words();
+    let given = WithCell::new(&without, Some(cell)).in_words();
     let made = result.told(&given).unwrap();
     assert_eq!(words(&made), words(&from_file));
     // The page has pictures beside the same words.
-    let page = tell(&Given::new(&whole, Some(cell))).unwrap();
+    let page = tell(&WithCell::new(&whole, Some(cell))).unwrap();
     assert_eq!(page.verdict, from_file.verdict);
     assert!(page.sections.len() > from_file.sections.len() || command == "map");
     made

@@ -14,11 +14,11 @@ use stiffarm::model::stiffness::Model;
 use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::{Block, Outcome, Page, Piece, Text, render_page};
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 use stiffarm_report::validated::validation_figure;
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    report(&[Given::new(saved, cell)]).unwrap()
+    report(&[WithCell::new(saved, cell)]).unwrap()
 }
 
 fn words(page: &Page) -> [String; 3] {
@@ -192,7 +192,10 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
     {
         one.name = name.to_string();
     }
-    let all: Vec<Given<'_>> = given.iter().map(|saved| Given::new(saved, None)).collect();
+    let all: Vec<WithCell<'_>> = given
+        .iter()
+        .map(|saved| WithCell::new(saved, None))
+        .collect();
     let page = report(&all).unwrap();
     let comparison = page.comparison.as_ref().unwrap();
     let [_, came, next] = comparison.verdict.each_ref().map(Text::plain);

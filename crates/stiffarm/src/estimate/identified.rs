@@ -52,7 +52,7 @@ impl Default for Wanted {
 }
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// How the stiffness is estimated.
@@ -66,7 +66,7 @@ pub struct Options {
     /// Extra terms asked for.
     pub extra: Vec<ExtraTerm>,
     /// Quantities of the set-up identified beside the stiffness.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub free: Vec<String>,
     /// What gives way.
     pub elastic: ElasticChoice,

@@ -10,13 +10,13 @@ use crate::numerics::control::Control;
 use crate::units::{deg_to_rad, percent_to_fraction};
 use crate::work::posture_path::{PosturePathOptions, PosturePathSummary, posture_path};
 use crate::work::predict::LoadedArm;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Turns about the tool axis that are tried where a path gives the axis alone.
 const TURNS: usize = 72;
 
 /// Options of the result that concern the path.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PathOptions {
     /// Axes of the forces in the path and of the load below.

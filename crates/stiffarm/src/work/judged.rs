@@ -6,7 +6,7 @@ use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
 use crate::estimate::standing::{SoFar, Standing, is_better, standing};
-use crate::findings::{Finding, Severity, codes};
+use crate::findings::{Finding, Severity, codes, each_once};
 use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
 use crate::model::cell::Cell;
@@ -34,7 +34,7 @@ const MAY_COME: [&str; 5] = [
 const STEP_DEG: f64 = 0.01;
 
 /// Options of the result.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Half width of every joint's stiffness that is good enough (fraction of k); `null` unless it is the goal.
@@ -70,6 +70,14 @@ pub struct Judgement {
     /// A posture that would help much more than the next planned one; `null` where there is none, or none
     /// was looked for.
     pub better: Option<NextPosture>,
+}
+
+impl Judgement {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        let standing = self.standing.iter().flat_map(|own| &own.findings);
+        each_once(self.readings.iter().chain(standing))
+    }
 }
 
 /// A planned posture.

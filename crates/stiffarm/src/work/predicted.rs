@@ -4,6 +4,7 @@
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::saved::Saved;
+use crate::findings::{Finding, each_once};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::model::load::Axes;
@@ -21,7 +22,7 @@ use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// The path, its loads and postures.
@@ -45,6 +46,14 @@ pub struct Predicted {
     /// How the features of the path come out, where it names them or a tolerance is given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<Feature>,
+}
+
+impl Predicted {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        let of_path = self.postures.iter().flat_map(|own| &own.findings);
+        each_once(self.prediction.findings.iter().chain(of_path))
+    }
 }
 
 /// What is asked of a prediction beside cell and stiffness; by default the equilibrium under the loads at the tip.

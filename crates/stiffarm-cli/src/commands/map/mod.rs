@@ -61,14 +61,17 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let said = request.options(&options, &named.cell);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
     write_pictures(session, args, FILES, pictures)?;
-    let interrupted = result.interrupted;
     let exit = session.deliver_at_work(
-        session.envelope("map", None, said, result),
-        |map| &mut map.nodes,
+        &session.envelope("map", None, said, &result),
+        &result.findings,
         (&named, &saved),
         args.details,
     )?;
-    Ok(if interrupted { Exit::Interrupted } else { exit })
+    Ok(if result.interrupted {
+        Exit::Interrupted
+    } else {
+        exit
+    })
 }
 
 /// Writes picture and table to the folder, where one is asked for.

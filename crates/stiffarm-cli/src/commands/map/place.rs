@@ -71,12 +71,15 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         ]
     };
     write_pictures(session, args, FILES, pictures)?;
-    let interrupted = result.interrupted;
     let exit = session.deliver_at_work(
-        session.envelope("map", None, said, result),
-        |placement| &mut placement.candidates,
+        &session.envelope("map", None, said, &result),
+        &result.findings,
         (&named, &saved),
         args.details,
     )?;
-    Ok(if interrupted { Exit::Interrupted } else { exit })
+    Ok(if result.interrupted {
+        Exit::Interrupted
+    } else {
+        exit
+    })
 }

@@ -47,7 +47,7 @@ impl Job<'_> {
     }
 
     /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
-    pub fn deliver<R: Serialize + Telling, O: Serialize>(
+    pub fn deliver<R: Serialize + Telling<O>, O: Serialize + Clone>(
         &self,
         planned: &Planned<R, O>,
         findings: &[Finding],
@@ -58,13 +58,13 @@ impl Job<'_> {
     }
 
     /// Tells the result, and how the command ends by its findings.
-    pub fn show<R: Serialize + Telling, O: Serialize>(
+    pub fn show<R: Serialize + Telling<O>, O: Serialize + Clone>(
         &self,
         planned: &Planned<R, O>,
         findings: &[Finding],
     ) -> Result<Exit> {
         let (session, seed) = (self.session, planned.seed);
-        let envelope = session.envelope("select", seed, &planned.options, &planned.result);
+        let envelope = session.envelope("select", seed, planned.options.clone(), &planned.result);
         session.deliver_told(None, &envelope, &self.named, self.args.details)?;
         Ok(Exit::of_findings(findings))
     }

@@ -55,9 +55,9 @@ pub struct Written {
     pub files: Vec<String>,
 }
 
-impl Telling for Written {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
-        self.study.told(given)
+impl Telling<Options> for Written {
+    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+        self.study.told(options, given)
     }
 }
 
@@ -125,7 +125,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
 }
 
 /// Writes the folder of a study, the result first and its page last, and says what the study says.
-fn finish<O: Serialize, R: Serialize + Telling>(
+fn finish<O: Serialize, R: Serialize + Telling<O>>(
     session: &Session,
     args: &StudyArgs,
     (envelope, names): (&Envelope<O, R>, &[String]),

@@ -4,17 +4,18 @@ use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
 use crate::tell::{
     Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
+    with_stopped,
 };
 use stiffarm::Result;
 use stiffarm::findings::visible;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Curve, CurveSize};
+use stiffarm::plan::planned::{Asked, Curve, CurveRequest, CurveSize};
 
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;
 
-impl Telling for Curve {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Asked<CurveRequest>> for Curve {
+    fn told(&self, options: &Asked<CurveRequest>, context: &Given<'_>) -> Result<Told> {
         let curve = self;
         let (index, sizes) = (curve.index, &curve.sizes);
         let largest = sizes.last().map_or(0, |size| size.point.postures);
@@ -106,7 +107,10 @@ impl Telling for Curve {
         };
         let sections = vec![Section::new("count", "How many postures", blocks)];
         let verdict = [done, came, next];
+        let is_stopped = sizes.len() < options.request.postures;
+        let findings = with_stopped(context, curve.findings.clone(), is_stopped, &[]);
         Ok(context.told(
+            findings,
             "How many postures".to_string(),
             verdict,
             Some(key),

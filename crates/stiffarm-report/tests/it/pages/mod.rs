@@ -8,14 +8,14 @@ use serde_json::{Value, json};
 use stiffarm::model::cell::Cell;
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::{Block, Page, render_page};
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 
 fn saved(command: &str, mode: Option<&str>, result: &Value) -> SavedResult {
     saved_with(command, json!({"mode": mode}), result.clone())
 }
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    let page = report(&[Given::new(saved, cell)]).unwrap();
+    let page = report(&[WithCell::new(saved, cell)]).unwrap();
     assert!(numbers_of_the_file(&page, saved) > 0);
     page
 }

@@ -5,10 +5,10 @@ use crate::error::Result;
 use crate::estimate::identify::{Estimator, IdentifyOptions, NoiseSource};
 use crate::measure::{all_excluded, check_names};
 use crate::model::observation::ExtraTerm;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// How the stiffness is estimated.

@@ -10,7 +10,7 @@ use crate::plan::certificate::{CertificateOptions, certify};
 use crate::plan::check::prepared;
 use crate::plan::index::Index;
 use crate::plan::select::{ErrorAtCount, GlobalOptions, error_at_count, error_by_count};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::time::Duration;
 
 /// Largest number of postures unless one is given.
@@ -24,9 +24,19 @@ fn seconds<S: Serializer>(
     time.map(|time| time.as_secs_f64()).serialize(serializer)
 }
 
+/// The same read back.
+fn of_seconds<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<Duration>, D::Error> {
+    let seconds = Option::<f64>::deserialize(deserializer)?;
+    let time = seconds.map(Duration::try_from_secs_f64).transpose();
+    time.map_err(serde::de::Error::custom)
+}
+
 /// What is asked of a curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
 #[non_exhaustive]
 pub struct CurveRequest {
     /// The index to improve.
@@ -37,7 +47,11 @@ pub struct CurveRequest {
     /// Rounds of each search; without rounds and time limit each ends when nothing improves any more.
     pub rounds: Option<u64>,
     /// Time after which no further round is begun, for each number of postures \[s\].
-    #[serde(rename = "time_limit_s", serialize_with = "seconds")]
+    #[serde(
+        rename = "time_limit_s",
+        serialize_with = "seconds",
+        deserialize_with = "of_seconds"
+    )]
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     pub time_limit: Option<Duration>,
     /// Seed of the random numbers.

@@ -65,7 +65,7 @@ pub enum Mode {
 }
 
 /// Options of a result: what was asked, and what else it depends on.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(
     feature = "schema",
     derive(schemars::JsonSchema),

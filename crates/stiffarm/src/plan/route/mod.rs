@@ -14,6 +14,7 @@ mod nearest;
 pub(crate) mod order;
 mod remarks;
 mod rounding;
+pub mod routed;
 mod search;
 mod tour;
 mod way;
