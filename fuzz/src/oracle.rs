@@ -246,7 +246,9 @@ pub fn holds_serious(value: &Value) -> bool {
         Value::Object(map) => {
             let own = map.iter().filter(|(key, _)| *key != "sealed");
             let mut own = own.map(|(_, item)| item);
-            map.get("severity").is_some_and(|weight| weight == "serious") || own.any(holds_serious)
+            map.get("severity")
+                .is_some_and(|weight| weight == "serious")
+                || own.any(holds_serious)
         }
         _ => false,
     }

@@ -2,12 +2,14 @@
 
 use crate::Captured;
 use crate::excerpt::excerpt;
-use crate::screen::rendered;
+use crate::screen::{plain, rendered};
 use crate::session::Session;
 use crate::table::paint;
 use anstyle::AnsiColor;
+use clap::error::{ContextKind, ContextValue};
 use serde::Serialize;
 use std::cell::RefCell;
+use std::error::Error as _;
 use std::io::Write;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -51,7 +53,7 @@ pub fn report(session: &Session, error: &Error) -> u8 {
         // A reader that has gone needs no error.
         let _ = session.print_exact(&json(error));
     } else {
-        session.print_error(&draw(session, error));
+        session.print_error(&in_words(session, error));
     }
     exit_code(error.code())
 }
@@ -61,7 +63,7 @@ pub fn report_beside(session: &Session, error: &Error) -> u8 {
     if let Some(captured) = &session.captured {
         captured.borrow_mut().failure = Some(json(error));
     }
-    session.print_error(&draw(session, error));
+    session.print_error(&in_words(session, error));
     exit_code(error.code())
 }
 
@@ -101,6 +103,26 @@ pub fn of_option(error: Error, command: &clap::Command) -> Error {
 /// Prints what clap says: help and version on standard output, usage errors on
 /// standard error, or as JSON where the line asks for it.
 pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Captured>>) -> u8 {
+    let own = stop.source().and_then(|own| own.downcast_ref::<Error>());
+    if let Some(own) = own {
+        let own = own.clone().key(argument(stop).unwrap_or_default());
+        let [out, err] = match json_wanted {
+            true => [json(&own), String::new()],
+            false => [String::new(), draw(&own, |_| None)],
+        };
+        match captured {
+            Some(captured) => {
+                captured.borrow_mut().out += &out;
+                captured.borrow_mut().err += &plain(&err);
+            }
+            // A reader that has gone needs no error.
+            None => {
+                let _ = std::io::stdout().write_all(out.as_bytes());
+                let _ = anstream::stderr().write_all(rendered(&err).as_bytes());
+            }
+        }
+        return exit_code(own.code());
+    }
     let code = u8::try_from(stop.exit_code()).unwrap_or(2);
     if let Some(captured) = captured {
         let mut captured = captured.borrow_mut();
@@ -126,6 +148,15 @@ pub fn usage(stop: &clap::Error, json_wanted: bool, captured: Option<&RefCell<Ca
     code
 }
 
+/// The option that clap speaks of.
+fn argument(stop: &clap::Error) -> Option<&str> {
+    match stop.get(ContextKind::InvalidArg)? {
+        // "--index <NAME>"
+        ContextValue::String(own) => own.split(' ').next(),
+        _ => None,
+    }
+}
+
 /// What clap says about a line, as an error of ours.
 fn usage_error(stop: &clap::Error) -> Error {
     let text = stop.render().to_string();
@@ -135,7 +166,12 @@ fn usage_error(stop: &clap::Error) -> Error {
     let hint: Vec<String> = paragraphs
         .filter(|p| !p.starts_with("For more information"))
         .collect();
-    Error::new(Code::Usage, message.trim_start_matches("error: ")).hint(hint.join("; "))
+    let error = Error::new(Code::Usage, message.trim_start_matches("error: "));
+    let error = match argument(stop) {
+        Some(option) => error.key(option),
+        None => error,
+    };
+    error.hint_if((!hint.is_empty()).then(|| hint.join("; ")))
 }
 
 /// Runs `work` without the text that a panic prints: [`catch_panic`] says it better.
@@ -181,13 +217,13 @@ fn json(error: &Error) -> String {
 
 /// The error with the lines of the file it is about, where a command goes on after it.
 pub fn in_words(session: &Session, error: &Error) -> String {
-    draw(session, error)
+    draw(error, |file| session.text_of(file))
 }
 
 /// The error with the lines of the file it is about.
-fn draw(session: &Session, error: &Error) -> String {
+fn draw(error: &Error, text_of: impl Fn(&str) -> Option<String>) -> String {
     let place = error.place();
-    let text = place.file.as_deref().and_then(|file| session.text_of(file));
+    let text = place.file.as_deref().and_then(text_of);
     let shown = text.filter(|text| !text.trim().is_empty());
     let shown = shown.and_then(|text| Some((span(error, &text)?, text)));
     let mut message = error.message().to_string();

@@ -73,9 +73,7 @@ impl Session {
     /// As [`read_cell`].
     pub fn read_cell(&self, from: &str) -> Result<NamedCell> {
         let named = read_cell(self, from)?;
-        if let Some(page) = self.page.borrow_mut().as_mut() {
-            page.cell.get_or_insert_with(|| named.cell.clone());
-        }
+        self.remember_cell(&named.cell);
         Ok(named)
     }
 

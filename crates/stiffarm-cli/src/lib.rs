@@ -3,6 +3,7 @@
 //! The program calls [`run_process`]; fuzzer and Python package call [`run_captured`] many times in one process.
 //! Nothing else is promised, the library to build on is `stiffarm`.
 
+mod answer;
 mod args;
 mod arguments;
 mod commands;
@@ -35,9 +36,9 @@ pub use described::{Argument, Described, Kind, described};
 pub use host::Host;
 pub use saved::{Telling, page, told};
 
+use answer::Answer;
 use args::{Cli, Command};
 use clap::{CommandFactory, FromArgMatches};
-use output::Exit;
 use session::Session;
 use std::cell::RefCell;
 use std::ffi::OsString;
@@ -93,25 +94,21 @@ fn run_words(words: &[OsString], captured: Option<Rc<RefCell<Captured>>>, host: 
     let session = Session::new(words, &cli.global, captured, host);
     let ran = error::catch_panic(|| {
         session.set_threads(&cli.global)?;
-        if let Some((page, force)) = cli.command.page() {
-            session.will_report(page.path(), force)?;
-        }
-        run(&session, &cli.command)
+        let page = match cli.command.page() {
+            Some((page, force)) => page::page_target(&session, page.path(), force)?,
+            None => None,
+        };
+        session.deliver(page, run(&session, &cli.command)?)
     });
-    match ran {
-        Ok(exit) => match session.failure() {
-            // The result is on standard output already.
-            Some(error) => error::report_beside(&session, &error),
-            None => exit.code(),
-        },
-        Err(fault) => {
-            let asked = command.find_subcommand(&named).unwrap_or(&command);
-            error::report(&session, &error::of_option(fault, asked))
-        }
-    }
+    ran.unwrap_or_else(|fault| {
+        let asked = command.find_subcommand(&named).unwrap_or(&command);
+        error::report(&session, &error::of_option(fault, asked))
+    })
 }
 
-fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
+/// What a command answers: a function of what it reads and of what it was asked. Only `measure` beside the robot prints
+/// while it runs, and a rehearsal of `simulate` writes.
+fn run(session: &Session, command: &Command) -> stiffarm::Result<Answer> {
     match command {
         Command::Study(args) => commands::study::run(session, args),
         Command::Init(args) => commands::init::run(session, args),
@@ -134,9 +131,9 @@ fn run(session: &Session, command: &Command) -> stiffarm::Result<Exit> {
         Command::Export(args) => commands::export::run(session, args),
         Command::Capsules(args) => commands::capsules::run(session, args),
         Command::Robots(args) => commands::robots::run(session, args),
-        Command::Schema(args) => commands::schema::run(session, args),
-        Command::Completions(args) => commands::completions::run(session, args),
+        Command::Schema(args) => commands::schema::run(args),
+        Command::Completions(args) => commands::completions::run(args),
         Command::Man(args) => commands::man::run(session, args),
-        Command::Docs(args) => commands::docs::run(session, args),
+        Command::Docs(args) => commands::docs::run(args),
     }
 }

@@ -1,20 +1,17 @@
-//! Printing: tables for people, one JSON object for machines.
+//! Where what a command answers goes: files, tables for people, one JSON object for machines.
 
-use crate::files::write_all;
-use crate::finding::finding_line;
-use crate::input::Line;
+use crate::answer::Answer;
+use crate::error::report_beside;
+use crate::files::{Files, Written};
 use crate::screen::{fitted, plain, rendered};
 use crate::session::Session;
 use crate::target::Target;
-use crate::text;
 use serde::Serialize;
 use std::io::{ErrorKind, Write};
-use stiffarm::estimate::saved::Saved;
 use stiffarm::findings::{Finding, Severity, codes};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
-use stiffarm_files::envelope::{Envelope, write_result};
-use stiffarm_files::source::NamedCell;
+use stiffarm_files::envelope::Envelope;
 use stiffarm_report::tell::{Given, Telling, Told};
 
 /// How a command ended, where it ended without an error.
@@ -47,6 +44,15 @@ impl Exit {
         }
     }
 
+    /// [`Exit::Interrupted`] if the user stopped the work, else as [`Exit::of_findings`].
+    pub fn so_far(interrupted: bool, findings: &[Finding]) -> Self {
+        if interrupted {
+            Exit::Interrupted
+        } else {
+            Exit::of_findings(findings)
+        }
+    }
+
     /// [`Exit::Finding`] if one of them is serious, or names a joint that cannot be determined.
     pub fn of_findings(findings: &[Finding]) -> Self {
         let ends = |f: &Finding| f.severity == Severity::Serious || f.code == codes::JOINT_LEFT_OUT;
@@ -67,87 +73,53 @@ impl Session {
         Envelope::new(command, arguments, inputs, seed, options, result)
     }
 
-    /// Prints the JSON object if that was asked for, else the table.
+    /// Delivers what a command answered, and gives the exit code of the process.
+    ///
+    /// Files are written first, group by group, the page last. Standard output belongs to the file that was asked for
+    /// there, and what there is to say goes to standard error; else it belongs to the JSON object or the words. A file
+    /// that could not be written is told after the result, and decides the exit code.
     ///
     /// # Errors
-    /// Standard output cannot be written.
-    pub fn show(&self, envelope: &impl Serialize, table: impl FnOnce() -> String) -> Result<()> {
-        if self.json {
-            self.print_exact(&write_result(envelope)?)
-        } else {
-            self.print(&fitted(&(table() + &self.written())))
+    /// A form of the result that cannot be made; then nothing is written. Standard output cannot be written.
+    pub fn deliver(&self, page: Option<Target>, answer: Answer) -> Result<u8> {
+        let Answer {
+            shown, mut files, ..
+        } = answer;
+        if let (Some(target), Some(shown)) = (page, &shown) {
+            files.push(Files::one(target, shown.page(self.cell())?));
         }
-    }
-
-    /// Writes the JSON object to `target`, if there is one, and the page, where one is asked for, and says what the
-    /// result, made with `cell` where it has one, says: as a remark where the object itself, or another file, goes to
-    /// standard output.
-    ///
-    /// # Errors
-    /// A file or standard output cannot be written.
-    pub fn deliver_told<'c, O: Serialize, R: Serialize + Telling<O>>(
-        &self,
-        target: Option<Target>,
-        envelope: &Envelope<O, R>,
-        cell: impl Into<Option<&'c NamedCell>>,
-        details: bool,
-    ) -> Result<()> {
-        let is_stdout = matches!(target, Some(Target::Stdout));
-        // The object alone needs no words.
-        let words = match self.json && !self.stdout_is_taken.get() && !is_stdout {
-            true => String::new(),
-            false => self.in_words(envelope, cell.into(), details)?,
+        let is_taken = files.iter().any(Files::takes_stdout);
+        let said = match (&shown, is_taken, answer.beside) {
+            (None, ..) => String::new(),
+            (Some(_), true, Some(beside)) => beside,
+            (Some(_), true, None) if self.quiet => String::new(),
+            (Some(shown), true, None) => shown.words()? + "\n",
+            (Some(shown), false, _) if self.json => shown.object()?,
+            (Some(shown), false, _) => shown.words()?,
         };
-        if let Some(target) = target.filter(|_| !is_stdout) {
-            write_all(self, &[(target, write_result(envelope)?)])?;
+        self.print_error(answer.warning);
+        let mut written = Written::default();
+        for group in files {
+            written.write(self, group)?;
         }
-        self.write_page(envelope)?;
-        if is_stdout {
-            self.print_exact(&write_result(envelope)?)?;
-            self.stdout_is_taken.set(true);
-        }
-        if self.stdout_is_taken.get() {
-            self.remark(&words);
-            return Ok(());
-        }
-        self.show(envelope, || words)
-    }
-
-    /// Delivers what a result at work says, and how the command ended by its `findings`. Where a table of its points went
-    /// to standard output, only what is serious is said.
-    ///
-    /// # Errors
-    /// As [`Session::deliver_told`].
-    pub fn deliver_at_work<O: Serialize, R: Serialize + Telling<O>>(
-        &self,
-        envelope: &Envelope<O, R>,
-        findings: &[Finding],
-        (named, stiffness): (&NamedCell, &Saved),
-        details: bool,
-    ) -> Result<Exit> {
-        self.write_page(envelope)?;
-        if self.stdout_is_taken.get() {
-            self.remark_serious(findings.iter());
+        let notes = match written.failure {
+            Some(_) => "",
+            None => answer.notes.as_str(),
+        };
+        if is_taken {
+            self.print_error(&said);
+            if !notes.is_empty() {
+                self.remark(notes);
+            }
+        } else if self.json {
+            self.print_exact(&said)?;
         } else {
-            let words = if self.json {
-                String::new()
-            } else {
-                text::told(&told(envelope, Some(&named.cell))?, details)
-            };
-            self.show(envelope, || words + &named.line() + &stiffness.line())?;
+            self.print(&fitted(&(said + &written.said() + notes)))?;
         }
-        Ok(Exit::of_findings(findings))
-    }
-
-    /// What a result says.
-    fn in_words<O, R: Telling<O>>(
-        &self,
-        envelope: &Envelope<O, R>,
-        cell: Option<&NamedCell>,
-        details: bool,
-    ) -> Result<String> {
-        let told = told(envelope, cell.map(|named| &named.cell))?;
-        Ok(text::told(&told, details) + &cell.map_or_else(String::new, Line::line))
+        Ok(match written.failure {
+            Some(error) => report_beside(self, &error),
+            None => answer.exit.code(),
+        })
     }
 
     /// Prints text for people to standard output: what others wrote in it is
@@ -190,14 +162,6 @@ impl Session {
         // Where standard error is closed there is nobody left to tell.
         let mut out = anstream::AutoStream::new(std::io::stderr(), self.color).lock();
         let _ = out.write_all(rendered(text).as_bytes());
-    }
-
-    /// The serious ones of `findings` on standard error: where a table went to
-    /// standard output, nothing else says them.
-    pub fn remark_serious<'f>(&self, findings: impl Iterator<Item = &'f Finding>) {
-        for finding in findings.filter(|f| f.severity == Severity::Serious) {
-            self.print_error(&finding_line(finding));
-        }
     }
 
     /// A remark on standard error, unless the user wants quiet.

@@ -1,9 +1,8 @@
 //! `--report FILE`: the page of a result that was just made.
 
-use crate::files::write_all;
 use crate::files::{ends_in, only_target};
 use crate::session::Session;
-use crate::session::WantedPage;
+use crate::target::Target;
 use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::model::cell::Cell;
@@ -28,32 +27,14 @@ pub fn check_page_name(path: &str, option: &str) -> Result<()> {
     }
 }
 
-impl Session {
-    /// Remembers where the page of the result goes, if anywhere.
-    ///
-    /// # Errors
-    /// A file that cannot be written, or exists and `force` is not given.
-    pub fn will_report(&self, path: Option<&str>, force: bool) -> Result<()> {
-        if let Some(path) = path {
-            let target = only_target(self, Some(path), force)?;
-            check_page_name(path, "--report")?;
-            self.page
-                .replace(target.map(|target| WantedPage { target, cell: None }));
-        }
-        Ok(())
-    }
-
-    /// Writes the page of a result, where one is asked for.
-    ///
-    /// # Errors
-    /// A result that has no page.
-    pub fn write_page(&self, envelope: &impl Serialize) -> Result<()> {
-        let Some(wanted) = self.page.borrow_mut().take() else {
-            return Ok(());
-        };
-        let page = page_of(envelope, wanted.cell.as_ref())?;
-        write_all(self, &[(wanted.target, page)])
-    }
+/// Where the page of the result goes, if anywhere.
+///
+/// # Errors
+/// A file that cannot be written, or exists and `force` is not given.
+pub fn page_target(session: &Session, path: Option<&str>, force: bool) -> Result<Option<Target>> {
+    let target = only_target(session, path, force)?;
+    path.map_or(Ok(()), |path| check_page_name(path, "--report"))?;
+    Ok(target)
 }
 
 /// The page of a result, of what its file holds: angles in degrees are not the same to the last bit, and `report` makes the

@@ -1,32 +1,14 @@
 //! What the commands at work share: the stiffness, options of a path, its table and picture.
 
-use crate::args::PathArgs;
-use crate::files::{Contents, check_targets, ends_in, write_all};
+use crate::files::{Contents, Files, check_targets, ends_in};
 use crate::picture::check_picture_name;
 use crate::session::Session;
 use crate::target::Target;
 use std::path::Path;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::model::cell::Cell;
-use stiffarm::work::along::PathOptions;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source;
-
-impl PathArgs {
-    /// The options of the library, which the result holds.
-    pub fn options(&self) -> PathOptions {
-        PathOptions {
-            axes: self.axes,
-            force_n: self.force_n,
-            moment_nm: self.moment_nm,
-            load_uncertainty_percent: self.load_uncertainty_percent,
-            near_deg: (!self.near_deg.is_empty()).then(|| self.near_deg.clone()),
-            max_step_deg: self.max_step_deg,
-            free_turn: self.free_turn,
-            tolerance_mm: self.tolerance_mm,
-        }
-    }
-}
 
 /// Reads a stiffness, with a caution among its doubts where it was identified with another version of the cell.
 ///
@@ -90,16 +72,15 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes what was asked for.
+    /// The files that were asked for; `tables` and `figure` make what is in them.
     ///
     /// # Errors
-    /// A text that cannot be made, or a file that cannot be written.
-    pub fn write<C: Contents>(
+    /// A text that cannot be made.
+    pub fn files<C: Contents + 'static>(
         self,
-        session: &Session,
         tables: impl FnOnce() -> Result<Vec<C>>,
         figure: impl FnOnce() -> String,
-    ) -> Result<()> {
+    ) -> Result<Files> {
         let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if !self.tables.is_empty() {
             for (target, contents) in self.tables.into_iter().zip(tables()?) {
@@ -109,6 +90,6 @@ impl Outputs {
         if let Some(target) = self.figure {
             files.push((target, Box::new(figure())));
         }
-        write_all(session, &files)
+        Ok(Files::new(files))
     }
 }

@@ -6,26 +6,17 @@ use crate::arguments::arguments;
 use crate::host::Host;
 use crate::identity::{FileId, Input};
 use crate::interrupt;
-use crate::target::Target;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::Path;
 use std::rc::Rc;
-use stiffarm::findings::{list, visible};
+use stiffarm::findings::visible;
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 
 /// Threads that are started on a machine of fewer cores.
 const MOST_THREADS: usize = 16;
-
-/// Where the page of the result goes, and what it needs.
-pub struct WantedPage {
-    /// The file.
-    pub target: Target,
-    /// The cell as its file describes it.
-    pub cell: Option<Cell>,
-}
 
 /// One run of the command.
 pub struct Session {
@@ -41,14 +32,10 @@ pub struct Session {
     inputs: RefCell<Vec<Input>>,
     /// Files that will be written.
     outputs: RefCell<Vec<FileId>>,
-    /// Why a file could not be written.
-    failure: RefCell<Option<Error>>,
-    /// Names of the files that were written, for the end of what is printed.
-    written: RefCell<Vec<String>>,
-    /// Whether a file went to standard output: the result is told beside it.
-    pub stdout_is_taken: std::cell::Cell<bool>,
-    /// The page of the result, where one is asked for.
-    pub page: RefCell<Option<WantedPage>>,
+    /// Whether standard output is spoken for.
+    stdout_is_taken: std::cell::Cell<bool>,
+    /// The first cell that was read, as its file describes it: that of the page.
+    cell: OnceCell<Cell>,
     /// Takes what is printed, instead of the process's own output.
     pub captured: Option<Rc<RefCell<Captured>>>,
     /// What the program around the command hands over.
@@ -74,10 +61,8 @@ impl Session {
             },
             inputs: RefCell::new(Vec::new()),
             outputs: RefCell::new(Vec::new()),
-            failure: RefCell::new(None),
-            written: RefCell::default(),
-            stdout_is_taken: std::cell::Cell::default(),
-            page: RefCell::default(),
+            stdout_is_taken: std::cell::Cell::new(global.json),
+            cell: OnceCell::new(),
             captured,
             host: Rc::new(host),
         }
@@ -92,10 +77,8 @@ impl Session {
             color: self.color,
             inputs: RefCell::default(),
             outputs: RefCell::default(),
-            failure: RefCell::default(),
-            written: RefCell::default(),
-            stdout_is_taken: std::cell::Cell::default(),
-            page: RefCell::default(),
+            stdout_is_taken: std::cell::Cell::new(self.json),
+            cell: OnceCell::new(),
             captured: self.captured.clone(),
             host: Rc::clone(&self.host),
         }
@@ -184,33 +167,26 @@ impl Session {
         }
     }
 
-    /// Remembers that a file could not be written: the command still shows its
-    /// result, and then ends with this error.
-    pub fn fail(&self, error: Error) {
-        self.failure.borrow_mut().get_or_insert(error);
-    }
-
-    /// Remembers that a file was written.
-    pub fn has_written(&self, name: String) {
-        self.written.borrow_mut().push(name);
-    }
-
-    /// What was written, as the last line of what is printed; nothing where nothing was.
-    pub fn written(&self) -> String {
-        match self.written.borrow().as_slice() {
-            [] => String::new(),
-            names => format!("\nwrote {}\n", list(names)),
+    /// Remembers that standard output will take a result.
+    ///
+    /// # Errors
+    /// It takes another already.
+    pub fn will_print(&self) -> Result<()> {
+        if self.stdout_is_taken.replace(true) {
+            let message = "Standard output can take one result only.";
+            return Err(Error::new(Code::Usage, message).hint("write one of them to a file"));
         }
+        Ok(())
     }
 
-    /// True where a file could not be written.
-    pub fn has_failed(&self) -> bool {
-        self.failure.borrow().is_some()
+    /// Remembers a cell that was read.
+    pub fn remember_cell(&self, cell: &Cell) {
+        self.cell.get_or_init(|| cell.clone());
     }
 
-    /// Why a file could not be written.
-    pub fn failure(&self) -> Option<Error> {
-        self.failure.borrow().clone()
+    /// The first cell that was read.
+    pub fn cell(&self) -> Option<&Cell> {
+        self.cell.get()
     }
 
     /// Text of an input by the name that errors use for it.

@@ -47,7 +47,7 @@ mod _stiffarm {
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         crate::cores::begin();
-        module.add("MOST_POSTURES", stiffarm::plan::planned::MOST_POSTURES)?;
+        module.add("MOST_POSTURES", stiffarm::plan::select::MOST_POSTURES)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -41,6 +41,7 @@
 //! | [`estimate`] | which joint stiffness, how sure, and what limits it? |
 //! | [`work`] | how far does the arm bend at work, and what to command instead? |
 //! | [`study`] | the paper's comparison of indices on any cell |
+//! | [`ask`] | all that a command says, in one call, with its options |
 //!
 //! Nothing here reads or writes a file: cell files, tables, robot programs and built-in examples are the crate
 //! `stiffarm-files`.
@@ -48,6 +49,7 @@
 //! Everything inside is SI: m, rad, N, N·m, N·m/rad. Degrees and millimetres
 //! exist only in files, on the command line and in tables.
 
+pub mod ask;
 pub mod error;
 pub mod estimate;
 pub mod findings;

@@ -1,7 +1,7 @@
 //! Options of `capsules`.
 
-use super::values::within;
 use clap::{Args, ValueEnum, ValueHint};
+use stiffarm::ask::values::within;
 
 #[derive(Debug, Args)]
 pub struct CapsulesArgs {

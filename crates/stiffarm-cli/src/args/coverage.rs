@@ -1,9 +1,9 @@
 //! Options of `stiffarm coverage`.
 
 use super::PageArgs;
-use super::fit::FitArgs;
-use super::values::{count, seed};
 use clap::{Args, ValueHint};
+use stiffarm::ask::fit::FitOptions;
+use stiffarm::ask::values::{count, seed};
 
 #[derive(Debug, Args)]
 pub struct CoverageArgs {
@@ -24,7 +24,7 @@ pub struct CoverageArgs {
     pub seed: u64,
     /// How the stiffness is estimated.
     #[command(flatten)]
-    pub fit: FitArgs,
+    pub fit: FitOptions,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

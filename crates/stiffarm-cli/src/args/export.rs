@@ -1,9 +1,9 @@
 //! Options of `export`.
 
-use super::values::{one_of, within};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
+use stiffarm::ask::values::{one_of, within};
 use stiffarm::model::robot::Controller;
 use stiffarm_files::program::Language;
 

@@ -2,6 +2,8 @@
 
 use crate::screen::{columns, lines};
 use clap::{Arg, Command, ValueHint};
+use stiffarm::ask::rules::NotWith;
+use stiffarm::ask::{map, predict, select};
 
 /// Groups of commands, in the order of the work.
 const GROUPS: [(&str, &[&str]); 5] = [
@@ -58,6 +60,13 @@ const EVERYDAY: [(&str, &[&str]); 2] = [
     ),
 ];
 
+/// What is not asked beside what, by command.
+const NOT_WITH: [(&str, NotWith); 3] = [
+    ("map", map::NOT_WITH),
+    ("predict", predict::NOT_WITH),
+    ("select", select::NOT_WITH),
+];
+
 /// Columns before what a command does.
 const NAMES: usize = 15;
 
@@ -86,6 +95,9 @@ pub fn grouped(command: Command) -> Command {
     };
     let command = command.mut_args(numbers);
     let command = command.mut_subcommands(|one| one.mut_args(numbers));
+    let command = NOT_WITH.iter().fold(command, |command, (name, rules)| {
+        command.mut_subcommand(name, |one| excluding(one, rules))
+    });
     EVERYDAY
         .iter()
         .fold(command, |command, (name, options)| {
@@ -102,6 +114,21 @@ pub fn grouped(command: Command) -> Command {
         .help_template(
             "{about-with-newline}\n{usage-heading} {usage}\n\n{before-help}{all-args}{after-help}",
         )
+}
+
+/// The command that refuses what `rules` exclude, as far as it has it.
+fn excluding(command: Command, rules: NotWith) -> Command {
+    let ids: Vec<String> = command
+        .get_arguments()
+        .map(|arg| arg.get_id().to_string())
+        .collect();
+    let there = |other: &&&str| ids.iter().any(|id| id == **other);
+    command.mut_args(|arg| {
+        let own = rules.iter().find(|(name, _)| arg.get_id() == name);
+        let others = own.map_or(&[][..], |(_, others)| others);
+        let others: Vec<&str> = others.iter().filter(there).copied().collect();
+        arg.conflicts_with_all(others)
+    })
 }
 
 #[cfg(test)]

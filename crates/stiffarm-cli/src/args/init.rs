@@ -1,8 +1,8 @@
 //! Options of `init`.
 
-use super::values::{Choice, choice};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
+use stiffarm::ask::values::{Choice, choice};
 use stiffarm::model::robot::DhConvention;
 
 #[derive(Debug, Args)]

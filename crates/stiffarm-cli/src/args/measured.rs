@@ -1,24 +1,19 @@
 //! Commands that work on measurements.
 
 use super::PageArgs;
-use super::fit::FitArgs;
-use super::values::{Choice, above_zero, choice, count, number, seed};
 use clap::{Args, ValueHint};
-use stiffarm::estimate::validate::Model;
-use stiffarm::estimate::validated::Folds;
+use stiffarm::ask::identify::IdentifiedOptions;
+use stiffarm::ask::register::PairOptions;
+use stiffarm::ask::validate::ValidateOptions;
 
 #[derive(Debug, Args)]
 pub struct RegisterArgs {
     /// Pairs of points: name, tracker_x_mm to tracker_z_mm, base_x_mm to base_z_mm
     #[arg(value_hint = ValueHint::FilePath, value_name = "PAIRS.csv")]
     pub pairs: String,
-    /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
-    /// the residuals]
-    #[arg(long, value_name = "X", value_parser = above_zero("std_mm"))]
-    pub std_mm: Option<f64>,
-    /// Points to leave out
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    pub exclude: Vec<String>,
+    /// What is asked.
+    #[command(flatten)]
+    pub options: PairOptions,
     /// Show all findings
     #[arg(long)]
     pub details: bool,
@@ -44,37 +39,9 @@ pub struct IdentifyArgs {
     /// Result of `register`: places raw readings in the base frame
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
-    /// Postures to leave out, for example those kept for validation
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    pub exclude: Vec<String>,
-    /// The flange was fixed: the table has the controller's angles and the wrench of the fixture
-    #[arg(long)]
-    pub clamped: bool,
-    /// Standard deviation of a difference of two angles, for --clamped [deg]
-    #[arg(long, value_name = "X", requires = "clamped", value_parser = above_zero("noise_deg"))]
-    pub angle_noise_deg: Option<f64>,
-    /// How the stiffness is estimated, and what it rests on.
+    /// What is asked.
     #[command(flatten)]
-    pub fit: FitArgs,
-    /// Quantities of the set-up that are identified beside the stiffness, on purpose: anchor,
-    /// loading-point, gravity, force-beside, common-shift, … (docs/set-up.md)
-    #[arg(
-        long,
-        value_name = "NAME,…",
-        value_delimiter = ',',
-        help_heading = "Estimator"
-    )]
-    pub free: Vec<String>,
-    /// Also resample the postures this often for a bootstrap interval
-    #[arg(long, value_name = "N", value_parser = count())]
-    pub bootstrap: Option<u64>,
-    /// Seed of the resampling and of the search for the next posture
-    #[arg(long, default_value_t = 1, value_parser = seed())]
-    pub seed: u64,
-    /// Estimates and residuals only: no leave-one-out, systematic errors,
-    /// extra terms tried or next posture
-    #[arg(long)]
-    pub brief: bool,
+    pub options: IdentifiedOptions,
     /// Also show intervals, systematic errors by source, what each joint carries, extra terms,
     /// the largest residuals and the next posture
     #[arg(long)]
@@ -108,22 +75,9 @@ pub struct ValidateArgs {
     /// Result of `register`: places raw readings in the base frame
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json")]
     pub registration: Option<String>,
-    /// How displacements are calculated
-    #[arg(long, default_value = "linear", value_parser = choice(MODEL))]
-    pub model: Model,
-    /// Largest deviation allowed [mm]; beyond it the exit code is 1
-    #[arg(long, value_name = "X", value_parser = number("tolerance_mm"))]
-    pub tolerance_mm: Option<f64>,
-    /// Only these postures
-    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
-    pub only: Vec<String>,
-    /// Without a stiffness: leave out N folds of postures in turn, and predict each from the
-    /// others; `all` leaves out one posture at a time
-    #[arg(long, value_name = "N", value_parser = folds)]
-    pub folds: Option<Folds>,
-    /// Options of the fits.
+    /// What is asked.
     #[command(flatten)]
-    pub fit: FitArgs,
+    pub options: ValidateOptions,
     /// Also show every displacement, and what raw readings say of the day
     #[arg(long)]
     pub details: bool,
@@ -134,23 +88,3 @@ pub struct ValidateArgs {
     #[arg(long)]
     pub force: bool,
 }
-
-fn folds(text: &str) -> Result<Folds, String> {
-    if text.eq_ignore_ascii_case("all") {
-        return Ok(Folds::All);
-    }
-    match text.parse() {
-        Ok(count) if count >= 2 => Ok(Folds::Count(count)),
-        _ => Err("a number from 2, or `all`, is needed".to_string()),
-    }
-}
-
-/// How displacements are calculated.
-pub const MODEL: &[Choice<Model>] = &[
-    ("linear", "Linear in the load", Model::Linear),
-    (
-        "equilibrium",
-        "Exact static equilibrium",
-        Model::Equilibrium,
-    ),
-];

@@ -3,7 +3,6 @@
 mod capsules;
 mod coverage;
 mod export;
-mod fit;
 mod groups;
 mod init;
 mod measure;
@@ -15,7 +14,6 @@ mod route;
 mod schema;
 mod select;
 mod simulate;
-mod values;
 mod work;
 
 pub use capsules::{CapsulesArgs, MeshUnit};
@@ -23,15 +21,15 @@ pub use coverage::CoverageArgs;
 pub use export::{ControllerArgs, ExportArgs};
 pub use groups::grouped;
 pub use init::InitArgs;
-pub use measure::{Goal, MeasureArgs};
+pub use measure::MeasureArgs;
 pub use measured::{IdentifyArgs, RegisterArgs, ValidateArgs};
-pub use path::{CompensateArgs, PathArgs, PredictArgs, WriteChoice};
+pub use path::{CompensateArgs, PredictArgs, WriteChoice};
 pub use pose::PoseArgs;
 pub use report::PageArgs;
 pub use report::ReportArgs;
 pub use route::RouteArgs;
 pub use schema::SCHEMAS;
-pub use select::{LoadArgs, OutputArgs, SelectArgs, SheetChoice};
+pub use select::{OutputArgs, SelectArgs, SheetChoice};
 pub use simulate::SimulateArgs;
 pub use work::MapArgs;
 
@@ -40,10 +38,9 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
+use stiffarm::ask::values::{ELASTIC, above_zero, choice, count_or_none, number, seed, within};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::plan::zones::STEPS;
-use values::choice;
-use values::{count_or_none, number, seed, within};
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -200,7 +197,7 @@ pub struct StudyArgs {
     pub initial_groups: usize,
     /// Also simulate groups on an arm that gives way beyond its joint axes, as simulate --elastic
     /// does, in at most 40 runs each [default: axes]
-    #[arg(long, value_name = "MODEL", value_parser = choice(fit::ELASTIC))]
+    #[arg(long, value_name = "MODEL", value_parser = choice(ELASTIC))]
     pub elastic: Option<ElasticChoice>,
     /// Also show every table and all findings
     #[arg(long)]
@@ -236,7 +233,7 @@ pub struct SplitArgs {
     )]
     pub indices: Vec<String>,
     /// Multiplies the sizes of what the index prediction takes to give way beyond the axes
-    #[arg(long, value_name = "X", requires = "measured", value_parser = values::above_zero("1"))]
+    #[arg(long, value_name = "X", requires = "measured", value_parser = above_zero("1"))]
     pub size_factor: Option<f64>,
     /// Result of `register`: places raw readings in the base frame
     #[arg(value_hint = ValueHint::FilePath, long, value_name = "registration.json", requires = "measured")]

@@ -1,7 +1,7 @@
 //! Options of `pose`.
 
-use super::values::{Choice, choice};
 use clap::{Args, ValueHint};
+use stiffarm::ask::values::{Choice, choice};
 use stiffarm::model::pose::Convention;
 use stiffarm::plan::poses::{PoseFrame, PosePoint};
 

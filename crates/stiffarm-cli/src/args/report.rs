@@ -1,9 +1,9 @@
 //! Pages of results.
 
-use super::values::above_zero;
 use crate::picture::{INSTEAD, is_foreign};
 use clap::{Args, ValueHint};
 use std::path::PathBuf;
+use stiffarm::ask::values::above_zero;
 use stiffarm_report::paper::{Format, PaperOptions};
 
 /// The page of a result that a command has just made.

@@ -1,8 +1,8 @@
 //! The command line of `stiffarm route`.
 
 use super::PageArgs;
-use super::values::{angle_step, seed};
 use clap::{Args, ValueHint};
+use stiffarm::ask::values::{angle_step, seed};
 
 #[derive(Debug, Args)]
 pub struct RouteArgs {

@@ -1,5 +1,6 @@
 //! `stiffarm capsules`: capsules around meshes.
 
+use crate::answer::Answer;
 use crate::args::{CapsulesArgs, MeshUnit};
 use crate::numbers::{NONE, significant};
 use crate::output::Exit;
@@ -64,7 +65,7 @@ struct InMillimetres {
 }
 
 /// Fits capsules around meshes.
-pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Answer> {
     let progress = Progress::new(session, "meshes into capsules");
     let meshes = args.meshes.iter().enumerate();
     let meshes: Vec<Mesh> = meshes
@@ -90,11 +91,8 @@ pub fn run(session: &Session, args: &CapsulesArgs) -> Result<Exit> {
         link: args.link,
         tool: args.tool,
     };
-    session.show(
-        &session.envelope("capsules", None, options, Fitted { meshes }),
-        || text,
-    )?;
-    Ok(Exit::Done)
+    let envelope = session.envelope("capsules", None, options, Fitted { meshes });
+    Ok(Answer::table(Exit::Done, envelope, text))
 }
 
 fn fitted(session: &Session, role: &str, from: &str, args: &CapsulesArgs) -> Result<Mesh> {

@@ -1,10 +1,10 @@
 //! `stiffarm check`: what to know about a cell before anybody measures.
 
+use crate::answer::Answer;
 use crate::args::CheckArgs;
-use crate::files::{only_target, write_all};
+use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::picture::check_picture_name;
-use crate::screen::fitted;
 use crate::session::Session;
 use crate::table::title;
 use stiffarm::model::cell::Cell;
@@ -24,7 +24,7 @@ const ALL: &str = "all";
 pub struct Options {}
 
 /// Checks the cell, and draws it where that is asked for.
-pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &CheckArgs) -> Result<Answer> {
     args.figure.as_deref().map(check_picture_name).transpose()?;
     let target = only_target(session, args.figure.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
@@ -37,22 +37,19 @@ pub fn run(session: &Session, args: &CheckArgs) -> Result<Exit> {
     let names: Vec<&str> = joints.map(|joint| joint.name.as_str()).collect();
     result.findings.extend(doubted_axes(&names));
     let exit = Exit::of_findings(&result.findings);
-    let on_stdout = target.as_ref().is_some_and(|target| target.is_stdout());
-    let mut notes = String::new();
+    let (mut notes, mut picture) = (String::new(), None);
     if let Some(target) = target {
         let drawing = cell_drawing(&named.cell, &postures, full)?;
-        write_all(session, &[(target, render_drawing(&drawing))])?;
-        if !session.has_failed() && !on_stdout && !drawing.notes.is_empty() {
+        // A picture shows its notes itself.
+        if !target.is_stdout() && !drawing.notes.is_empty() {
             let lines = drawing.notes.iter().map(|note| format!("{}\n", note.text));
             notes = title("Picture") + &lines.collect::<String>();
         }
+        picture = Some(Files::one(target, render_drawing(&drawing)));
     }
-    let envelope = session.envelope("check", None, Options {}, &result);
-    session.deliver_told(None, &envelope, &named, args.details)?;
-    if !session.json {
-        session.print(&fitted(&notes))?;
-    }
-    Ok(exit)
+    let envelope = session.envelope("check", None, Options {}, result);
+    let answer = Answer::told(exit, envelope, named, args.details).with(picture);
+    Ok(Answer { notes, ..answer })
 }
 
 /// The postures of the picture, and which of them is drawn in full.

@@ -1,19 +1,21 @@
 //! `stiffarm compensate`: the path to command so that the loaded tool follows
 //! the nominal one.
 
+use crate::answer::Answer;
 use crate::args::{CompensateArgs, WriteChoice};
 use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
+use std::rc::Rc;
+use stiffarm::ask::compensate::Compensated;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::findings::Severity;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::{PathPoint, PathTarget as Aim};
 use stiffarm::units::{deg_to_rad, rad_to_shortest_deg};
 use stiffarm::work::compensate::Compensation;
-use stiffarm::work::compensated::{Compensated, Options};
 use stiffarm::work::predict::LoadedArm;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::program::Language;
@@ -22,8 +24,12 @@ use stiffarm_files::table::{PathFormat, PathKind, PathTable, write_path};
 use stiffarm_files::tool_path::{Kind, MoveOptions, ToolPath, write_moves};
 use stiffarm_report::{compensation_figure, render_svg};
 
+/// Said where a path is asked for that is not to be commanded.
+const WITHHELD: &str =
+    "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n";
+
 /// Compensates.
-pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let mut outputs = Outputs::new(
         session,
         args.output.as_deref(),
@@ -33,12 +39,10 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let saved = read_stiffness(session, &args.stiffness, cell)?;
-    let options = Options {
-        path: args.along.options(),
-    };
+    let options = &args.options;
     let wrong = options.compensate_options(&saved).map(|_| ());
-    wrong.and_then(|()| options.path.posture_options(cell))?;
-    let (axes, log) = (options.path.axes, args.along.log.as_deref());
+    wrong.and_then(|()| options.posture_options(cell))?;
+    let (axes, log) = (options.axes, args.along.log.as_deref());
     let path = read_path(session, &args.path, cell, args.along.language, axes, log)?;
     let language = args.write.and_then(WriteChoice::language);
     let kept = path.program.as_ref().filter(|_| args.write.is_none());
@@ -57,9 +61,7 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
     let mut result = Progress::new(session, "compensating the path")
         .watch(|control| {
             let points = &path.table.points;
-            let followed = options
-                .path
-                .follow(cell, &saved.predictor, points, control)?;
+            let followed = options.follow(cell, &saved.predictor, points, control)?;
             options.compensate(cell, &saved, &followed, control)
         })
         .map_err(|e| path.in_file(e))?;
@@ -69,11 +71,8 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
         .extend(path.findings.iter().cloned());
     let wanted = args.output.is_some() || args.figure.is_some();
     let withheld = wanted && !args.beyond_data && is_objected(&result);
-    if withheld {
-        session.print_error(
-            "Nothing was written: the findings say why. `--beyond-data` writes it all the same.\n",
-        );
-    } else if wanted {
+    let mut files = None;
+    if wanted && !withheld {
         let found = &result.compensation;
         let figure = || render_svg(&compensation_figure(found, Some(&cell.work.workpiece)));
         let mut left = Vec::new();
@@ -91,17 +90,18 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Exit> {
             };
             Ok(vec![text.into_bytes()])
         };
-        outputs.write(session, tables, figure)?;
+        files = Some(outputs.files(tables, figure)?);
         result.postures.findings.extend(left);
     }
     let findings = result.every_finding();
-    let exit = session.deliver_at_work(
-        &session.envelope("compensate", None, options, result),
-        &findings,
-        (&named, &saved),
-        args.details,
-    )?;
-    Ok(if withheld { Exit::Finding } else { exit })
+    let envelope = Rc::new(session.envelope("compensate", None, options.clone(), result));
+    let made_with = (named, &saved);
+    let mut answer = Answer::at_work(envelope, &findings, made_with, args.details).with(files);
+    if withheld {
+        answer.exit = Exit::Finding;
+        answer.warning = WITHHELD;
+    }
+    Ok(answer)
 }
 
 /// Whether something speaks against commanding the path.

@@ -1,17 +1,15 @@
 //! `stiffarm completions`.
 
+use crate::answer::Answer;
 use crate::args::{Cli, CompletionsArgs};
-use crate::output::Exit;
-use crate::session::Session;
 use clap::CommandFactory;
 use stiffarm::{Code, Error, Result};
 
 /// Prints the completions of one shell.
-pub fn run(session: &Session, args: &CompletionsArgs) -> Result<Exit> {
+pub fn run(args: &CompletionsArgs) -> Result<Answer> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "stiffarm", &mut script);
     let script = String::from_utf8(script)
         .map_err(|_| Error::new(Code::Internal, "The completions are not text."))?;
-    session.print_exact(&script)?;
-    Ok(Exit::Done)
+    Ok(Answer::text(script))
 }

@@ -1,5 +1,6 @@
 //! `stiffarm coverage`: how often the intervals of `identify` hold the truth, counted in simulated experiments.
 
+use crate::answer::Answer;
 use crate::args::CoverageArgs;
 use crate::numbers::to_usize;
 use crate::output::Exit;
@@ -10,7 +11,7 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::read_postures;
 
 /// Counts.
-pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &CoverageArgs) -> Result<Answer> {
     if args.fit.elastic.is_some() {
         let message = "Coverage is counted for springs at the joint axes.";
         let error = Error::new(Code::Usage, message).key("--elastic");
@@ -38,7 +39,7 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Exit> {
     };
     let found = Progress::new(session, "counting")
         .watch(|control| coverage(&named.cell, &postures, &case, control))?;
-    let envelope = session.envelope("coverage", Some(args.seed), described, &found);
-    session.deliver_told(None, &envelope, &named, false)?;
-    Ok(Exit::of_findings(&found.findings))
+    let exit = Exit::of_findings(&found.findings);
+    let envelope = session.envelope("coverage", Some(args.seed), described, found);
+    Ok(Answer::told(exit, envelope, named, false))
 }

@@ -1,20 +1,18 @@
 //! `stiffarm docs`: pages of the documentation made from the program itself.
 
+use crate::answer::Answer;
 use crate::args::{DocsArgs, DocsPage};
 use crate::described::described;
-use crate::output::Exit;
-use crate::session::Session;
 use stiffarm::{Code, Result};
 use stiffarm_files::envelope::to_json;
 
 /// Prints one page as Markdown.
-pub fn run(session: &Session, args: &DocsArgs) -> Result<Exit> {
+pub fn run(args: &DocsArgs) -> Result<Answer> {
     let page = match args.page {
         DocsPage::Errors => errors(),
         DocsPage::Commands => to_json(&described())?,
     };
-    session.print_exact(&page)?;
-    Ok(Exit::Done)
+    Ok(Answer::text(page))
 }
 
 fn errors() -> String {

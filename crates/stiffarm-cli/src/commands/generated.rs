@@ -1,26 +1,26 @@
 //! JSON Schemas of the types, for the files that `stiffarm schema` prints.
 
-use super::{capsules, check, coverage, export, route, study, zones};
+use super::{capsules, check, export, study};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use stiffarm::Result;
-use stiffarm::estimate::clamped::{self, ClampedIdentification};
+use stiffarm::ask::path::PathOptions;
+use stiffarm::ask::register::PairOptions;
+use stiffarm::ask::select::{self, Asked};
+use stiffarm::ask::{compensate, identify, map, measure, place, predict, simulate, validate};
+use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
-use stiffarm::estimate::{identified, simulated, validated};
-use stiffarm::measure::registered;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::planned::{self, Asked};
 use stiffarm::plan::poses;
 use stiffarm::plan::route::routed;
 use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
 use stiffarm::work::map::{Placement, StiffnessMap};
-use stiffarm::work::{compensated, judged, mapped, placed, predicted};
 use stiffarm_files::cell::cell_schema;
 use stiffarm_files::envelope::{Written, to_json};
 
@@ -33,27 +33,25 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         ("cell".to_string(), cell_schema()),
         of::<check::Options, CellCheck>("check"),
         of::<EvaluatedOptions, Evaluated>("evaluate"),
-        of::<planned::PlanOptions, planned::Plan>("select"),
-        of::<Asked<planned::DropRequest>, planned::DropResult>("select --drop"),
-        of::<Asked<planned::CurveRequest>, planned::Curve>("select --curve"),
-        of::<Asked<planned::SpaceFillingRequest>, planned::SpaceFillingPlan>(
-            "select --space-filling",
-        ),
-        of::<Asked<planned::CandidateRequest>, planned::Chosen>("select --candidates"),
-        of::<simulated::Options, Simulation>("simulate"),
+        of::<Asked, select::Plan>("select"),
+        of::<Asked, select::DropResult>("select --drop"),
+        of::<Asked, select::Curve>("select --curve"),
+        of::<Asked, select::SpaceFillingPlan>("select --space-filling"),
+        of::<Asked, select::Chosen>("select --candidates"),
+        of::<simulate::Options, Simulation>("simulate"),
         of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
         of::<CoverageOptions, Coverage>("coverage"),
-        of::<registered::Options, RegistrationRecord>("register"),
-        of::<identified::Options, identified::Identified>("identify"),
-        of::<clamped::Options, ClampedIdentification>("identify --clamped"),
-        of::<validated::Options, validated::Validated>("validate"),
-        of::<predicted::Options, predicted::Predicted>("predict"),
-        of::<compensated::Options, compensated::Compensated>("compensate"),
-        of::<mapped::Options, StiffnessMap>("map"),
-        of::<placed::Options, Placement>("map --place"),
+        of::<PairOptions, RegistrationRecord>("register"),
+        of::<identify::IdentifiedOptions, identify::Identified>("identify"),
+        of::<identify::IdentifiedOptions, ClampedIdentification>("identify --clamped"),
+        of::<validate::Options, validate::Validated>("validate"),
+        of::<predict::PredictOptions, predict::Predicted>("predict"),
+        of::<PathOptions, compensate::Compensated>("compensate"),
+        of::<map::Options, StiffnessMap>("map"),
+        of::<place::Options, Placement>("map --place"),
         of::<ZonesOptions, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
-        of::<judged::Options, judged::Judgement>("measure"),
+        of::<measure::MeasureOptions, measure::Judgement>("measure"),
         of::<poses::Options, poses::Poses>("pose"),
         of::<poses::Options, poses::Found>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),

@@ -1,23 +1,21 @@
 //! `stiffarm man`: manual pages.
 
+use crate::answer::Answer;
 use crate::args::{Cli, ManArgs};
-use crate::files::{make_folder, write_all};
+use crate::files::{Files, Said, check_folder};
 use crate::output::Exit;
 use crate::session::Session;
-use crate::target::Target;
 use clap::CommandFactory;
 use clap_mangen::Man;
 use stiffarm::{Code, Error, Result};
 
 /// Prints the main page, or writes all pages.
-pub fn run(session: &Session, args: &ManArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &ManArgs) -> Result<Answer> {
     let mut main = Cli::command();
     main.build();
     let Some(folder) = &args.output_dir else {
-        session.print_exact(&page(main)?)?;
-        return Ok(Exit::Done);
+        return Ok(Answer::text(page(main)?));
     };
-    make_folder(folder)?;
     let mut commands: Vec<clap::Command> = main
         .get_subcommands()
         .filter(|c| !c.is_hide_set() && c.get_name() != "help")
@@ -31,16 +29,13 @@ pub fn run(session: &Session, args: &ManArgs) -> Result<Exit> {
             .get_display_name()
             .unwrap_or(command.get_name())
             .to_string();
-        let file = folder.join(format!("{name}.1"));
-        pages.push((Target::file(&file, args.force)?, page(command)?));
+        pages.push((format!("{name}.1"), page(command)?));
     }
-    write_all(session, &pages)?;
-    session.remark(&format!(
-        "{} pages written to {}",
-        pages.len(),
-        folder.display()
-    ));
-    Ok(Exit::Done)
+    let names = pages.iter().map(|(name, _)| name.as_str());
+    check_folder(session, folder, names, args.force)?;
+    let said = format!("{} pages written to {}", pages.len(), folder.display());
+    let files = Files::folder(folder, pages, args.force).said(Said::Nothing);
+    Ok(Answer::ended(Exit::Done).with(files.then(|| said)))
 }
 
 fn page(command: clap::Command) -> Result<String> {

@@ -1,19 +1,19 @@
 //! `stiffarm predict`: how far the loaded tool bends away, and how sure that is.
 
+use crate::answer::Answer;
 use crate::args::PredictArgs;
 use crate::files::Rows;
-use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::io::Write;
-use stiffarm::work::predicted::Request;
+use std::rc::Rc;
 use stiffarm::{Error, Result};
 use stiffarm_files::source::read_path;
 use stiffarm_report::{prediction_figure, render_svg};
 
 /// Predicts.
-pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     let outputs = Outputs::new(
         session,
         args.output.as_deref(),
@@ -22,16 +22,10 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     )?;
     let mut named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
-    let request = Request {
-        path: args.along.options(),
-        model: args.model,
-        matrix: args.matrix,
-        cell_load: args.cell_load,
-        load_case: args.load_case.clone(),
-    };
+    let request = &args.options;
     named.cell = request.under_case(named.cell)?;
-    request.predict_options(&saved)?;
-    if args.path.is_some() && !args.cell_load {
+    request.at_work(&saved)?;
+    if args.path.is_some() && !request.cell_load {
         let wrong = request.path.posture_options(&named.cell);
         wrong?;
     }
@@ -63,18 +57,16 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Exit> {
     if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
         summary.findings.extend(path.findings.iter().cloned());
     }
-    let prediction = &result.prediction;
+    let envelope = Rc::new(session.envelope("predict", None, request.clone(), result));
+    let result = &envelope.result;
     let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);
-    outputs.write(
-        session,
-        || Ok(vec![Rows(|out: &mut dyn Write| prediction.write_csv(out))]),
-        || render_svg(&prediction_figure(prediction, workpiece)),
+    let table = Rc::clone(&envelope);
+    let rows = move |out: &mut dyn Write| table.result.prediction.write_csv(out);
+    let files = outputs.files(
+        || Ok(vec![Rows(rows)]),
+        || render_svg(&prediction_figure(&result.prediction, workpiece)),
     )?;
     let findings = result.every_finding();
-    session.deliver_at_work(
-        &session.envelope("predict", None, request.options(), result),
-        &findings,
-        (&named, &saved),
-        args.details,
-    )
+    let made_with = (named, &saved);
+    Ok(Answer::at_work(envelope, &findings, made_with, args.details).with(files))
 }

@@ -1,29 +1,25 @@
 //! `stiffarm register`: the transform from tracker to base axes.
 
+use crate::answer::Answer;
 use crate::args::RegisterArgs;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
 use stiffarm::Result;
-use stiffarm::measure::registered::Options;
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm_files::source::Source;
 use stiffarm_files::table::read_pairs;
 
 /// Registers tracker to base.
-pub fn run(session: &Session, args: &RegisterArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &RegisterArgs) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let (file, bytes) = session.read("pairs", &args.pairs)?;
-    let options = Options {
-        std_mm: args.std_mm,
-        exclude: args.exclude.clone(),
-    };
+    let options = &args.options;
     let pairs = options.kept(read_pairs(&bytes, &file)?)?;
     let registration = options.register(&pairs).map_err(|e| e.file(&file))?;
 
     let exit = Exit::finding(registration.is_serious());
     let record = RegistrationRecord::from(&registration);
-    let envelope = session.envelope("register", None, options, &record);
-    session.deliver_told(target, &envelope, None, args.details)?;
-    Ok(exit)
+    let envelope = session.envelope("register", None, options.clone(), record);
+    Answer::told(exit, envelope, None, args.details).with_object(target)
 }

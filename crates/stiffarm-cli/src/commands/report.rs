@@ -1,7 +1,8 @@
 //! `stiffarm report`: one offline page of saved results, and their pictures for papers.
 
+use crate::answer::Answer;
 use crate::args::ReportArgs;
-use crate::files::{check_folder, only_target, shown, write_all, write_folder};
+use crate::files::{Files, Said, check_folder, only_target, shown};
 use crate::output::Exit;
 use crate::page::check_page_name;
 use crate::session::Session;
@@ -59,7 +60,7 @@ struct Known {
 }
 
 /// Reads the results and writes their page and pictures.
-pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &ReportArgs) -> Result<Answer> {
     let usual = args.figures.is_none().then_some(PAGE);
     let target = only_target(session, args.output.as_deref().or(usual), args.force)?;
     if let Some(path) = &args.output {
@@ -82,18 +83,9 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         .collect();
     let page = report(&given)?;
     let folder = args.figures.as_deref();
-    let files = folder.map(|folder| paper(session, args, folder, &page));
-    let files = files.transpose()?;
-    if let Some(target) = target {
-        write_all(session, &[(target, render_page(&page))])?;
-    }
-    if let (Some(folder), Some(files)) = (folder, files) {
-        let count = files.len();
-        write_folder(session, folder, files, args.force)?;
-        if !session.has_failed() {
-            session.has_written(format!("{count} files in {}", shown(folder)));
-        }
-    }
+    let pictures = folder.map(|folder| paper(session, args, folder, &page));
+    let pictures = pictures.transpose()?;
+    let page = target.map(|target| Files::one(target, render_page(&page)));
     let shown = given.iter().map(|one| Shown {
         command: one.saved.command.clone(),
         cell: one.cell.map(|cell| cell.name.clone()),
@@ -102,12 +94,10 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Exit> {
         results: shown.collect(),
     };
     let envelope = session.envelope("report", None, Options {}, result);
-    session.show(&envelope, || given.iter().map(line).collect())?;
-    Ok(Exit::Done)
+    let table = given.iter().map(line).collect();
+    let answer = Answer::table(Exit::Done, envelope, table);
+    Ok(answer.with(page).with(pictures))
 }
-
-/// Files by their names.
-type Files = Vec<(String, String)>;
 
 /// The pictures for a paper; the folder can take them.
 fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Result<Files> {
@@ -121,7 +111,9 @@ fn paper(session: &Session, args: &ReportArgs, folder: &Path, page: &Page) -> Re
     }
     let names = names.iter().map(String::as_str);
     check_folder(session, folder, names, args.force)?;
-    paper_files(&figures, &drawings, &options)
+    let files = paper_files(&figures, &drawings, &options)?;
+    let said = format!("{} files in {}", files.len(), shown(folder));
+    Ok(Files::folder(folder, files, args.force).said(Said::As(said)))
 }
 
 /// The cells of the results: those given, and built-in ones.

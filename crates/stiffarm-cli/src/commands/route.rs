@@ -1,7 +1,8 @@
 //! `stiffarm route`: the order of a plan's postures, and the moves between them.
 
+use crate::answer::Answer;
 use crate::args::RouteArgs;
-use crate::files::{only_target, write_all};
+use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
@@ -17,7 +18,7 @@ use stiffarm_files::source::read_postures;
 use stiffarm_files::table::write_postures;
 
 /// Finds the route of a plan.
-pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &RouteArgs) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
@@ -46,9 +47,7 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
         route(cell, &angles, &options, control)
     })?;
     let stops = stops(&plan, &found);
-    if let Some(target) = target {
-        write_all(session, &[(target, write_postures(&stops))])?;
-    }
+    let table = target.map(|target| Files::one(target, write_postures(&stops)));
     let mut findings = not_allowed(cell, &stops)?;
     if args.equivalents {
         findings.extend(robot_doubts(&cell.setup.robot));
@@ -65,9 +64,9 @@ pub fn run(session: &Session, args: &RouteArgs) -> Result<Exit> {
         keep_wrist: args.keep_wrist,
         angle_step_deg: step_deg,
     };
-    let envelope = session.envelope("route", Some(args.seed), options, &result);
-    session.deliver_told(None, &envelope, &named, args.details)?;
-    Ok(Exit::of_findings(&result.findings))
+    let exit = Exit::of_findings(&result.findings);
+    let envelope = session.envelope("route", Some(args.seed), options, result);
+    Ok(Answer::told(exit, envelope, named, args.details).with(table))
 }
 
 /// The stops under the names that their postures have in the plan.

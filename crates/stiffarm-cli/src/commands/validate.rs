@@ -1,14 +1,15 @@
 //! `stiffarm validate`: calculated against measured displacements, Eq. (22), at
 //! postures kept out of the identification, or fold by fold without any.
 
+use crate::answer::Answer;
 use crate::args::ValidateArgs;
 use crate::files::ends_in;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
+use stiffarm::ask::validate::{Folds, Options, ValidateOptions, Validated};
 use stiffarm::estimate::identify::Fit;
 use stiffarm::estimate::validate::Model;
-use stiffarm::estimate::validated::{Folds, Options, Request, Validated};
 use stiffarm::findings::Severity;
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
@@ -16,16 +17,12 @@ use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::{NamedCell, read_measurements, read_registration, read_stiffness};
 
 /// Validates.
-pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
-    let request = Request {
-        model: args.model,
-        tolerance_mm: args.tolerance_mm,
-        only: args.only.clone(),
-    };
+pub fn run(session: &Session, args: &ValidateArgs) -> Result<Answer> {
+    let request = &args.options;
     request.check()?;
-    match (&args.stiffness, args.folds) {
-        (Some(stiffness), None) => held_out(session, args, &request, stiffness),
-        (None, Some(folds)) => cross(session, args, &request, &args.measurements, folds),
+    match (&args.stiffness, request.folds) {
+        (Some(stiffness), None) => held_out(session, args, request, stiffness),
+        (None, Some(folds)) => cross(session, args, request, &args.measurements, folds),
         (None, None) => Err(Error::new(
             Code::Usage,
             "There is no joint stiffness to validate.",
@@ -35,7 +32,7 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
         (Some(first), Some(folds)) if !ends_in(first, "json") => {
             let first = std::slice::from_ref(first);
             let from = [first, &args.measurements].concat();
-            cross(session, args, &request, &from, folds)
+            cross(session, args, request, &from, folds)
         }
         (Some(_), Some(_)) => Err(Error::new(
             Code::Usage,
@@ -50,33 +47,26 @@ pub fn run(session: &Session, args: &ValidateArgs) -> Result<Exit> {
 fn held_out(
     session: &Session,
     args: &ValidateArgs,
-    request: &Request,
+    request: &ValidateOptions,
     stiffness: &str,
-) -> Result<Exit> {
-    if let Some(option) = args.fit.given() {
-        return Err(Error::new(
-            Code::Usage,
-            format!("{option} can be used only with --folds."),
-        )
-        .key(option)
-        .hint("a saved stiffness brings its own estimator, terms and confidence"));
-    }
+) -> Result<Answer> {
+    request.fit.refuse()?;
     let named = session.read_cell(&args.cell)?;
     let saved = read_stiffness(session, stiffness, &named.cell)?;
     let measured = measured(session, args, request, &args.measurements, &named.cell)?;
     let hash = session.last_hash("cell");
     let result = request.held_out(&named.cell, hash.as_deref(), &saved, measured)?;
-    deliver(session, args, &named, request.options(None), &result)
+    answer(session, args, named, request.options(None), result)
 }
 
 /// Predicts each posture from fits without it.
 fn cross(
     session: &Session,
     args: &ValidateArgs,
-    request: &Request,
+    request: &ValidateOptions,
     from: &[String],
     folds: Folds,
-) -> Result<Exit> {
+) -> Result<Answer> {
     if request.model != Model::Linear {
         return Err(Error::new(
             Code::Unsupported,
@@ -85,44 +75,43 @@ fn cross(
         .key("--model"));
     }
     let named = session.read_cell(&args.cell)?;
-    let fit = args.fit.options(&named.cell.setup.robot)?;
+    let fit = request.fit.options(&named.cell.setup.robot)?;
     let measured = measured(session, args, request, from, &named.cell)?;
     let progress = Progress::new(session, "predicting each posture");
-    let asked = args.fit.elastic;
     let (result, described) = Fit::watched(&named.cell, measured, &fit, progress.shared())
-        .and_then(|fit| request.by_folds(&fit, asked, folds))
+        .and_then(|fit| request.by_folds(&fit, folds))
         .map_err(|e| match e.code() {
             Code::InvalidValue => e.key("--folds"),
             _ => e,
         })?;
     drop(progress);
     let options = request.options(Some(described));
-    deliver(session, args, &named, options, &result)
+    answer(session, args, named, options, result)
 }
 
-fn deliver(
+fn answer(
     session: &Session,
     args: &ValidateArgs,
-    named: &NamedCell,
+    named: NamedCell,
     options: Options,
-    result: &Validated,
-) -> Result<Exit> {
-    let envelope = session.envelope("validate", None, options, result);
-    session.deliver_told(None, &envelope, named, args.details)?;
+    result: Validated,
+) -> Result<Answer> {
     let mut remarks = result.remarks.iter();
     let found = &result.validation;
-    Ok(Exit::finding(
+    let exit = Exit::finding(
         found.passed == Some(false)
             || !found.unpredicted.is_empty()
             || remarks.any(|f| f.severity == Severity::Serious),
-    ))
+    );
+    let envelope = session.envelope("validate", None, options, result);
+    Ok(Answer::told(exit, envelope, named, args.details))
 }
 
 /// The measurements, or those of `--only`.
 fn measured(
     session: &Session,
     args: &ValidateArgs,
-    request: &Request,
+    request: &ValidateOptions,
     from: &[String],
     cell: &Cell,
 ) -> Result<Measured> {

@@ -1,7 +1,8 @@
 //! `stiffarm zones`: maps of dexterity and of the influence of K_C.
 
+use crate::answer::Answer;
 use crate::args::ZonesArgs;
-use crate::files::{check_folder, shown, write_folder};
+use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
@@ -18,7 +19,7 @@ const FILES: [&str; 2] = ["zones.svg", "zones.csv"];
 const MANY: usize = 100_000;
 
 /// Maps the zones.
-pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &ZonesArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
         check_folder(session, folder, FILES, args.force)?;
@@ -43,19 +44,14 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Exit> {
             steps: args.steps,
             characteristic_length_m: cell.characteristic_length,
         },
-        &result,
+        result,
     );
-    if let Some(folder) = &args.output_dir {
-        let texts = [
-            render_svg(&zones_figure(&result)),
-            zones_table(&result).csv(),
-        ];
-        let files = FILES.map(String::from).into_iter().zip(texts).collect();
-        write_folder(session, folder, files, args.force)?;
-        if !session.has_failed() {
-            session.has_written(format!("{} to {}", FILES.join(" and "), shown(folder)));
-        }
-    }
-    session.deliver_told(None, &envelope, &named, false)?;
-    Ok(Exit::Done)
+    let pictures = args.output_dir.as_ref().map(|folder| {
+        let result = &envelope.result;
+        let texts = [render_svg(&zones_figure(result)), zones_table(result).csv()];
+        let files = FILES.map(String::from).into_iter().zip(texts);
+        let said = format!("{} to {}", FILES.join(" and "), shown(folder));
+        Files::folder(folder, files, args.force).said(Said::As(said))
+    });
+    Ok(Answer::told(Exit::Done, envelope, named, false).with(pictures))
 }

@@ -8,17 +8,18 @@
 
 mod contents;
 mod temporary;
+mod written;
 
 use crate::identity::folder_of;
 use crate::session::Session;
 use crate::target::Target;
 pub use contents::{Contents, Rows};
 use std::fs;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use stiffarm::findings::visible;
 use stiffarm::{Code, Error, Result};
-use temporary::Temporary;
+pub use written::{Files, Said, Written, place};
 
 /// Links that a link may lead over; as many as Linux follows.
 const MOST_LINKS: usize = 40;
@@ -128,155 +129,8 @@ pub fn check_targets(session: &Session, targets: &[Option<&Target>]) -> Result<(
             session.will_write(path)?;
         }
     }
-    let used = targets
-        .iter()
-        .flatten()
-        .filter(|target| target.is_stdout())
-        .count();
-    if used + usize::from(session.json) > 1 {
-        return Err(
-            Error::new(Code::Usage, "Standard output can take one result only.")
-                .hint("write one of them to a file"),
-        );
-    }
-    Ok(())
-}
-
-/// Writes all files, or none: each is complete under a temporary name beside
-/// its target before the first gets its own.
-///
-/// A file that cannot be written is no error here: its text is printed where it
-/// is a table, the session remembers the failure ([`Session::fail`]), and the
-/// command goes on to show its result.
-///
-/// # Errors
-/// A file is an input of the same command, or standard output cannot be written.
-pub fn write_all<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
-    write_unsaid(session, files)?;
-    for (target, _) in files.iter().filter(|_| !session.has_failed()) {
-        if let Target::File { path, .. } | Target::Device(path) = target {
-            session.has_written(shown(path));
-        }
-    }
-    Ok(())
-}
-
-/// The same where the command itself says what was written.
-fn write_unsaid<C: Contents>(session: &Session, files: &[(Target, C)]) -> Result<()> {
-    for (target, _) in files {
-        let Target::File { path, .. } = target else {
-            continue;
-        };
-        session.refuse_input(path)?;
-    }
-    if files.iter().any(|(target, _)| target.is_stdout()) {
-        session.stdout_is_taken.set(true);
-    }
-    let Err(error) = place_all(files) else {
-        let to_stdout = files.iter().filter(|(target, _)| target.is_stdout());
-        return to_stdout
-            .into_iter()
-            .try_for_each(|(_, contents)| session.print_exact(&contents.text()));
-    };
-    session.fail(error);
-    files
-        .iter()
-        .try_for_each(|(target, contents)| match target {
-            Target::Stdout => session.print_exact(&contents.text()),
-            Target::File { path, .. } | Target::Device(path) => {
-                print_instead(session, path, &contents.text())
-            }
-        })
-}
-
-/// Writes `files` to `folder`, which is made where it is not there, as
-/// [`write_all`] does: it may have changed since [`check_folder`].
-///
-/// # Errors
-/// As [`write_all`].
-pub fn write_folder<C: Contents>(
-    session: &Session,
-    folder: &Path,
-    files: Vec<(String, C)>,
-    force: bool,
-) -> Result<()> {
-    let target = |(name, _): &(String, C)| Target::file(&folder.join(name), force);
-    let targets: Result<Vec<Target>> =
-        make_folder(folder).and_then(|()| files.iter().map(target).collect());
-    match targets {
-        Ok(targets) => {
-            let texts = files.into_iter().map(|(_, text)| text);
-            write_unsaid(session, &targets.into_iter().zip(texts).collect::<Vec<_>>())
-        }
-        Err(error) => {
-            session.fail(error);
-            files.iter().try_for_each(|(name, contents)| {
-                print_instead(session, &folder.join(name), &contents.text())
-            })
-        }
-    }
-}
-
-/// Prints a table that could not be written. Pictures and objects are no use on
-/// a screen, and what they show is printed anyway.
-fn print_instead(session: &Session, path: &Path, text: &str) -> Result<()> {
-    if is_table(path) && !session.json {
-        session.print(&format!("not written, {}:\n{text}\n", shown(path)))
-    } else {
-        Ok(())
-    }
-}
-
-fn is_table(path: &Path) -> bool {
-    !path.extension().is_some_and(|e| {
-        ["svg", "json", "xlsx", "html"]
-            .iter()
-            .any(|other| e.eq_ignore_ascii_case(other))
-    })
-}
-
-/// Writes the files and devices among `files`.
-fn place_all<C: Contents>(files: &[(Target, C)]) -> Result<()> {
-    let mut finished: Vec<(Temporary, &PathBuf, bool)> = Vec::new();
-    for (target, contents) in files {
-        if let Target::File { path, force } = target {
-            let temporary = Temporary::write(path, contents).map_err(|e| write_error(path, &e))?;
-            finished.push((temporary, path, *force));
-        }
-    }
-    for (target, contents) in files {
-        if let Target::Device(path) = target {
-            let written = fs::File::create(path).and_then(|file| {
-                let mut out = BufWriter::new(file);
-                contents.write_to(&mut out)?;
-                out.flush()
-            });
-            written.map_err(|e| write_error(path, &e))?;
-        }
-    }
-    // The only moment at which a kill leaves new files beside old ones.
-    let mut made: Vec<&PathBuf> = Vec::new();
-    for (temporary, path, force) in finished {
-        let placed = if force {
-            temporary.replace(path)
-        } else {
-            temporary.place(path)
-        };
-        if let Err(error) = placed {
-            // Without the others of its command none is of use.
-            made.into_iter()
-                .for_each(|path| drop(fs::remove_file(path)));
-            return Err(match error.kind() {
-                ErrorKind::AlreadyExists => exists(
-                    path,
-                    "Something else has made the file while this command ran.",
-                ),
-                _ => write_error(path, &error),
-            });
-        }
-        made.extend((!force).then_some(path));
-    }
-    Ok(())
+    let mut printed = targets.iter().flatten().filter(|target| target.is_stdout());
+    printed.try_for_each(|_| session.will_print())
 }
 
 /// Checks, before any work, that the files `names` can be written to `folder`.

@@ -34,5 +34,6 @@ mod stations;
 mod support;
 mod tool_paths;
 mod validate;
+mod values;
 mod work;
 mod zones;

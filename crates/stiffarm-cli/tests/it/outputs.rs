@@ -233,3 +233,123 @@ fn a_disk_that_is_full_costs_the_file_and_not_the_result() {
         ran.out
     );
 }
+
+/// Command lines with the options for a file that each has; `*` stands for the option and its value.
+const WITH_OUTPUTS: [(&str, &[&str]); 17] = [
+    (
+        "check builtin:comau --force *",
+        &["--figure x.svg", "--report x.html"],
+    ),
+    (
+        "select builtin:comau --initial builtin:comau-group1 --force *",
+        &[
+            "--output x.csv",
+            "--sheet x.csv",
+            "--figure x.svg",
+            "--print x.html",
+            "--report x.html",
+        ],
+    ),
+    (
+        "select builtin:comau --curve -n 2 --rounds 1 --force *",
+        &["--output x.csv", "--report x.html"],
+    ),
+    (
+        "evaluate builtin:comau builtin:comau-group1 --force *",
+        &["--report x.html"],
+    ),
+    (
+        "simulate builtin:comau builtin:comau-group1 --runs 2 --force *",
+        &[
+            "--measurements x.csv",
+            "--readings x.csv",
+            "--report x.html",
+        ],
+    ),
+    (
+        "simulate builtin:comau builtin:comau-group1 --runs 2 --elastic mixed --force *",
+        &["--measurements x.csv", "--report x.html"],
+    ),
+    (
+        "coverage builtin:comau builtin:comau-group1 --runs 2 --force *",
+        &["--report x.html"],
+    ),
+    (
+        "register builtin:example-pairs --force *",
+        &["--output x.json"],
+    ),
+    (
+        "identify builtin:comau m.csv --brief --force *",
+        &["--output x.json", "--report x.html"],
+    ),
+    (
+        "validate builtin:comau k.json m.csv --force *",
+        &["--report x.html"],
+    ),
+    (
+        "predict builtin:comau prior builtin:contour --force *",
+        &["--output x.csv", "--figure x.svg", "--report x.html"],
+    ),
+    (
+        "compensate builtin:comau prior builtin:contour --force *",
+        &["--output x.csv", "--figure x.svg", "--report x.html"],
+    ),
+    (
+        "map builtin:comau prior --plane z=800 --steps 7 --force *",
+        &["--report x.html"],
+    ),
+    (
+        "zones builtin:comau --steps 5 --force *",
+        &["--report x.html"],
+    ),
+    (
+        "pose builtin:comau builtin:comau-group1 --force *",
+        &["--output x.csv"],
+    ),
+    (
+        "route builtin:comau builtin:comau-group1 --force *",
+        &["--output x.csv", "--report x.html"],
+    ),
+    ("report k.json --force *", &["--output x.html"]),
+];
+
+/// Standard output takes one result, the bytes of the file that it would be, and nothing else.
+#[test]
+fn what_goes_to_standard_output_is_the_file_and_nothing_else() {
+    let folder = Folder::with("m.csv", measurements());
+    folder.ok("identify builtin:comau m.csv --brief --output k.json");
+    let to_stdout = |option: &str| {
+        let (name, _) = option.split_once(' ').unwrap();
+        format!("{name} -")
+    };
+    for (line, options) in WITH_OUTPUTS {
+        for option in options {
+            let (_, file) = option.split_once(' ').unwrap();
+            folder.ok(&line.replace('*', option));
+            let wanted = folder.read(file);
+            // With a second file beside it, what is said of that one goes to standard error as well.
+            let others = options.iter().enumerate();
+            let others = others.filter(|(_, other)| *other != option);
+            let named = |(i, other): (usize, &&str)| other.replace(" x.", &format!(" other-{i}."));
+            let others: Vec<String> = others.map(named).collect();
+            let all = format!("{} {}", to_stdout(option), others.join(" "));
+            let printed = folder.run(&line.replace('*', &all));
+            assert_eq!(printed.code, Some(0), "{line} {all}\n{}", printed.err);
+            assert!(printed.out == wanted, "{line} {all}\n{}", printed.err);
+        }
+        // Two results do not fit there, whatever kinds they are.
+        for pair in options.windows(2) {
+            let both = format!("{} {}", to_stdout(pair[0]), to_stdout(pair[1]));
+            let said = folder.refused(&line.replace('*', &both));
+            assert!(said.contains("can take one result only"), "{both}: {said}");
+        }
+    }
+}
+
+/// A rehearsal needs a file; that is said before anything is read, let alone simulated.
+#[test]
+fn readings_that_come_slowly_need_a_file_before_any_work() {
+    let folder = Folder::new();
+    let said = folder.refused("simulate none.toml none.csv --slowly 1 --readings -");
+    assert!(said.contains("need a file"), "{said}");
+}

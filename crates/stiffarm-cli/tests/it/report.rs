@@ -148,8 +148,8 @@ fn every_page_of_a_stopped_command_says_so() {
         (
             "c",
             "select builtin:comau --curve -n 5 --rounds 1 --no-certificate",
-            "\"postures\": 5,",
-            "\"postures\": 6,",
+            "\"largest\": 5,",
+            "\"largest\": 6,",
         ),
     ] {
         let json = folder.ok(&format!("{line} --json"));

@@ -2,13 +2,13 @@
 
 use crate::support::Folder;
 use serde::Serialize;
+use stiffarm::ask::select::{
+    Plan, Planned, SelectInputs, SelectOptions, plan, plan_candidates, plan_curve, plan_drop,
+    plan_space_filling,
+};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Candidate;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::planned::{
-    CandidateRequest, CurveRequest, DropRequest, PlanRequest, Planned, SpaceFillingRequest, plan,
-    plan_candidates, plan_curve, plan_drop, plan_space_filling,
-};
 use stiffarm::{Control, Index};
 use stiffarm_files::builtin;
 
@@ -21,7 +21,7 @@ fn group() -> Vec<Posture> {
 }
 
 /// Compares the printed seed, options and result with those of the library, digit by digit.
-fn same<R: Serialize, O: Serialize>(line: &str, planned: &Planned<R, O>) {
+fn same<R: Serialize>(line: &str, planned: &Planned<R>) {
     let printed = Folder::new().ok(&format!("select builtin:comau {line} --json"));
     let seed = planned
         .seed
@@ -43,80 +43,75 @@ fn without_space(text: &str) -> String {
     text.split_whitespace().collect()
 }
 
+fn options(change: impl FnOnce(&mut SelectOptions)) -> SelectOptions {
+    let mut options = SelectOptions::default();
+    change(&mut options);
+    options
+}
+
+fn planned(inputs: &SelectInputs, options: &SelectOptions) -> Planned<Plan> {
+    plan(&cell(), inputs, options, &mut |_| {}, Control::default()).unwrap()
+}
+
 #[test]
 fn a_plan() {
-    let mut request = PlanRequest::default();
-    request.postures = 3;
-    request.rounds = Some(1);
-    request.seed = 7;
-    request.sensitivity = true;
-    let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
-    let planned = planned.with_forecast();
+    let options = options(|o| {
+        (o.count, o.rounds, o.seed) = (Some(3), Some(1), Some(7));
+        o.sensitivity = true;
+    });
+    let planned = planned(&SelectInputs::default(), &options);
     same("-n 3 --rounds 1 --seed 7 --sensitivity", &planned);
 }
 
 #[test]
 fn a_plan_from_an_initial_group() {
-    let mut request = PlanRequest::default();
-    request.index = Index::Novel;
-    request.initial = Some(group());
-    request.max_iterations = 5;
-    let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
-    let planned = planned.with_forecast();
+    let options = options(|o| (o.index, o.max_iterations) = (Some(Index::Novel), Some(5)));
+    let mut inputs = SelectInputs::default();
+    inputs.initial = Some(group());
     let line = "--initial builtin:comau-group1 --index novel --max-iterations 5";
-    same(line, &planned);
+    same(line, &planned(&inputs, &options));
 }
 
 #[test]
 fn postures_beside_given_ones() {
-    let mut request = PlanRequest::default();
-    request.given = group();
-    request.postures = 2;
-    request.rounds = Some(1);
-    request.angle_step_deg = None;
-    request.certificate = false;
-    let planned = plan(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
-    let planned = planned.with_forecast();
+    let options = options(|o| {
+        (o.add, o.rounds) = (Some(2), Some(1));
+        (o.angle_step_deg, o.no_certificate) = (0.0, true);
+    });
+    let mut inputs = SelectInputs::default();
+    inputs.given = group();
     let line =
         "--given builtin:comau-group1 --add 2 --rounds 1 --angle-step-deg 0 --no-certificate";
-    same(line, &planned);
+    same(line, &planned(&inputs, &options));
 }
 
 #[test]
 fn the_best_of_a_list() {
     let candidates = group().into_iter().map(|p| Candidate::new(p.name, p.q));
     let candidates: Vec<Candidate> = candidates.collect();
-    let mut request = CandidateRequest::default();
-    request.postures = 4;
-    request.index = Index::D;
-    let planned = plan_candidates(&cell(), &candidates, &request, Control::default()).unwrap();
-    let planned = planned.with_forecast();
+    let options = options(|o| (o.count, o.index) = (Some(4), Some(Index::D)));
+    let planned = plan_candidates(&cell(), &candidates, true, &options, Control::default());
     let line = "--candidates builtin:comau-group1 -n 4 --index d";
-    same(line, &planned);
+    same(line, &planned.unwrap());
 }
 
 #[test]
 fn evenly_spread_postures() {
-    let mut request = SpaceFillingRequest::default();
-    request.postures = 5;
-    request.seed = 3;
-    let planned = plan_space_filling(&cell(), &request, Control::default()).unwrap();
+    let options = options(|o| (o.count, o.seed) = (Some(5), Some(3)));
+    let planned = plan_space_filling(&cell(), &options, Control::default()).unwrap();
     same("--space-filling -n 5 --seed 3", &planned);
 }
 
 #[test]
 fn given_postures_with_some_left_out() {
-    let mut request = DropRequest::default();
-    request.drop = 2;
-    let planned = plan_drop(&cell(), &group(), &request, Control::default()).unwrap();
+    let options = options(|o| o.drop = Some(2));
+    let planned = plan_drop(&cell(), &group(), &options, Control::default()).unwrap();
     same("--given builtin:comau-group1 --drop 2", &planned);
 }
 
 #[test]
 fn a_curve() {
-    let mut request = CurveRequest::default();
-    request.postures = 3;
-    request.rounds = Some(1);
-    let planned = plan_curve(&cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let options = options(|o| (o.count, o.rounds) = (Some(3), Some(1)));
+    let planned = plan_curve(&cell(), &options, &mut |_| {}, Control::default()).unwrap();
     same("--curve -n 3 --rounds 1", &planned);
 }

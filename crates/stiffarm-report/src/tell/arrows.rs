@@ -5,7 +5,7 @@ use crate::scene::{Arrow, SceneGroup, SceneOptions};
 use crate::tell::Given;
 use crate::tell::Section;
 use stiffarm::Result;
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
 use stiffarm::model::kinematics::Frames;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::posture::Posture;

@@ -9,10 +9,10 @@ use crate::path::{along, compensation_figure};
 use crate::path_components::{PathShift, path_components_figure};
 use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
+use stiffarm::ask::compensate::Compensated;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::compensate::Compensation;
-use stiffarm::work::compensated::Compensated;
 
 impl<O> Telling<O> for Compensated {
     fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {

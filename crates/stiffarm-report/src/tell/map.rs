@@ -11,10 +11,10 @@ use crate::tell::{
     of_saved, with_stopped,
 };
 use stiffarm::Result;
+use stiffarm::ask::map::{LoadSource, Options};
+use stiffarm::ask::place;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
-use stiffarm::work::mapped::{LoadSource, Options};
-use stiffarm::work::placed;
 
 /// Deflection of a tip under a small load, from m.
 const SMALL: Quantity = Quantity::new("µm", 1e6, Form::Significant(3));
@@ -33,7 +33,7 @@ pub(super) const RANGE: [(&str, fn(&MapRange) -> f64); 3] = [
 /// What a result says of `map`, with a workpiece to place or without.
 pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
     if with.saved.json["result"]["candidates"].is_array() {
-        return of_saved::<Placement, placed::Options>(with);
+        return of_saved::<Placement, place::Options>(with);
     }
     of_saved::<StiffnessMap, Options>(with)
 }

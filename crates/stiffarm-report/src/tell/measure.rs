@@ -5,17 +5,17 @@ use crate::tell::{
     Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Telling, Text, Told, counted,
 };
 use stiffarm::Result;
+use stiffarm::ask::measure::{Goal, Judgement, MeasureOptions};
 use stiffarm::estimate::standing::Standing;
 use stiffarm::findings::{list, visible};
-use stiffarm::work::judged::{Judgement, Options};
 
 /// Angles of postures, from degrees.
 const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));
 /// Deflections at the tasks, from m.
 const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
 
-impl Telling<Options> for Judgement {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+impl Telling<MeasureOptions> for Judgement {
+    fn told(&self, options: &MeasureOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
         let verdict = [done(found), came(options, found), next(found)];
         let key = found.standing.as_ref().map(|own| joints(found, own));
@@ -67,7 +67,7 @@ fn done(found: &Judgement) -> Text {
 }
 
 /// How well the joints are known, and whether that is enough.
-fn came(options: &Options, found: &Judgement) -> Text {
+fn came(options: &MeasureOptions, found: &Judgement) -> Text {
     let text = if found.is_serious() {
         Text::default()
             .strong("Something is wrong with the readings")
@@ -134,8 +134,8 @@ fn misfit(standing: &Standing) -> Text {
 }
 
 /// How far the goal is, where it is one of the stiffness.
-fn goal(options: &Options, found: &Judgement, standing: &Standing) -> Text {
-    let number = Number::new(options.until_stiffness);
+fn goal(options: &MeasureOptions, found: &Judgement, standing: &Standing) -> Text {
+    let number = Number::new(options.until.and_then(Goal::stiffness));
     if number.value.is_none() {
         return Text::default();
     }
@@ -165,11 +165,11 @@ fn goal(options: &Options, found: &Judgement, standing: &Standing) -> Text {
 }
 
 /// How well the deflection at the tasks is predicted, where that is the goal.
-fn at_tasks(options: &Options, found: &Judgement) -> Text {
+fn at_tasks(options: &MeasureOptions, found: &Judgement) -> Text {
     let Some(deflection) = &found.deflection else {
         return Text::default();
     };
-    let goal = Number::new(options.until_deflection_m).of(DEFLECTION.digits(3));
+    let goal = Number::new(options.until.and_then(Goal::deflection)).of(DEFLECTION.digits(3));
     if deflection.largest_m.is_none() {
         return Text::new(" No deflection at the tasks is predicted yet; the goal is ± ")
             .number(goal)

@@ -47,8 +47,11 @@ use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use std::cmp::Reverse;
+use stiffarm::ask::compensate::Compensated;
+use stiffarm::ask::measure::{Judgement, MeasureOptions};
+use stiffarm::ask::predict::{PredictOptions, Predicted};
+use stiffarm::ask::validate::{Options as ValidateOptions, Validated};
 use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
-use stiffarm::estimate::validated::{self, Validated};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::model::cell::Cell;
@@ -56,9 +59,6 @@ use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
 use stiffarm::plan::route::routed::{self, Routed};
 use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
-use stiffarm::work::compensated::Compensated;
-use stiffarm::work::judged::{self, Judgement};
-use stiffarm::work::predicted::{self, Predicted};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::result::SavedResult;
 
@@ -112,14 +112,14 @@ const TELLERS: &[(&str, Teller)] = &[
     ("evaluate", of_saved::<Evaluated, EvaluatedOptions>),
     ("identify", identify::told),
     ("map", map::told),
-    ("measure", of_saved::<Judgement, judged::Options>),
-    ("predict", of_saved::<Predicted, predicted::Options>),
+    ("measure", of_saved::<Judgement, MeasureOptions>),
+    ("predict", of_saved::<Predicted, PredictOptions>),
     ("register", of_saved::<RegistrationRecord, IgnoredAny>),
     ("route", of_saved::<Routed, routed::Options>),
     ("select", select::told),
     ("simulate", simulate::told),
     ("study", study::told),
-    ("validate", of_saved::<Validated, validated::Options>),
+    ("validate", of_saved::<Validated, ValidateOptions>),
     ("zones", of_saved::<Zones, ZonesOptions>),
 ];
 

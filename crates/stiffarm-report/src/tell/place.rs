@@ -7,10 +7,10 @@ use crate::tell::{
     Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
 };
 use stiffarm::Result;
+use stiffarm::ask::place::Options;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
-use stiffarm::work::placed::Options;
 
 /// A gain from which on moving the workpiece is worth it.
 const WORTH: f64 = 1.05;

@@ -11,9 +11,9 @@ use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
+use stiffarm::ask::predict::{PredictOptions, Predicted};
 use stiffarm::findings::{codes, visible};
-use stiffarm::work::predict::{LoadPoint, PointPrediction, Prediction};
-use stiffarm::work::predicted::{Options, Predicted};
+use stiffarm::work::predict::{PointPrediction, Prediction};
 
 /// Points whose stiffness matrices are shown.
 const MATRICES: usize = 2;
@@ -22,12 +22,12 @@ const STIFFNESS: Quantity = Quantity::new("", 1e-3, Form::Significant(5));
 /// Entries of a matrix below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
 
-impl Telling<Options> for Predicted {
-    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
+impl Telling<PredictOptions> for Predicted {
+    fn told(&self, options: &PredictOptions, context: &Given<'_>) -> Result<Told> {
         let prediction = &self.prediction;
         let work = What {
             is_path: self.postures.is_some(),
-            is_cell_load: options.load_at == LoadPoint::LoadingPoint,
+            is_cell_load: options.cell_load,
         };
         let findings = self.every_finding();
         // Directions that no reading has loaded rule the ±.

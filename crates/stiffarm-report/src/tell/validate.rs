@@ -9,9 +9,9 @@ use crate::tell::{
 };
 use crate::validated::validation_figure;
 use stiffarm::Result;
+use stiffarm::ask::validate::{Options, Validated};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
-use stiffarm::estimate::validated::{Options, Validated};
 use stiffarm::findings::{Finding, Severity, codes, list, visible};
 use stiffarm::measure::is_of_table;
 

@@ -4,6 +4,10 @@ use crate::common::saved;
 use serde::Serialize;
 use serde_json::json;
 use stiffarm::Control;
+use stiffarm::ask::map::MapOptions;
+use stiffarm::ask::path::PathOptions;
+use stiffarm::ask::predict::{PredictOptions, Predicted};
+use stiffarm::ask::region::{Plane, RegionOptions, Steps};
 use stiffarm::estimate::saved::Saved;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::model::cell::Cell;
@@ -12,9 +16,6 @@ use stiffarm::model::process::{ForceAxes, TipLoad};
 use stiffarm::nalgebra::{Isometry3, Vector3, Vector4};
 use stiffarm::work::compensate::PointCompensation;
 use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
-use stiffarm::work::predicted::{Predicted, Request};
-use stiffarm::work::region::{Plane, RegionRequest, Steps};
-use stiffarm::work::{compensated, mapped};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
@@ -31,9 +32,9 @@ fn cell() -> (Cell, Saved) {
 
 /// Deflections at the cell's tasks.
 fn tasks(cell: &Cell, saved: &Saved, matrix: bool) -> Predicted {
-    let request = Request {
+    let request = PredictOptions {
         matrix,
-        ..Request::default()
+        ..PredictOptions::default()
     };
     let control = Control::default();
     let loaded = request.loaded(cell.clone(), &saved.predictor, None, control);
@@ -158,11 +159,10 @@ fn what_is_serious_stands_before_the_numbers() {
 #[test]
 fn corrections_and_what_they_leave() {
     let (cell, prior) = cell();
-    let options = compensated::Options::default();
+    let options = PathOptions::default();
     let control = Control::default();
     let points = contour(&cell);
     let followed = options
-        .path
         .follow(&cell, &prior.predictor, &points, control)
         .unwrap();
     let mut found = options
@@ -186,15 +186,15 @@ fn a_map_names_its_places() {
     let (cell, prior) = cell();
     let map = |from: f64| {
         let plane = Plane { axis: 2, mm: 800.0 };
-        let region = RegionRequest {
+        let region = RegionOptions {
             plane: (from < 5000.0).then_some(plane),
             from_mm: Some([from, -500.0, 800.0]),
             to_mm: Some([from + 800.0, 500.0, 800.0]),
             steps: Some(Steps::Longest(5)),
         };
-        let request = mapped::Request {
+        let request = MapOptions {
             region,
-            ..mapped::Request::default()
+            ..MapOptions::default()
         };
         let options = request.map_options(&cell).unwrap();
         stiffness_map(&cell, &prior.predictor, &options, Control::default()).unwrap()
@@ -276,10 +276,9 @@ fn the_part_is_drawn_in_the_workpiece_frame() {
             axes: ForceAxes::Base,
         });
     }
-    let options = compensated::Options::default();
+    let options = PathOptions::default();
     let control = Control::default();
     let followed = options
-        .path
         .follow(&cell, &saved.predictor, &points, control)
         .unwrap();
     let found = options
@@ -352,7 +351,7 @@ fn what_is_not_bent_has_no_picture_of_the_part() {
     let (mut cell, saved) = cell();
     cell.work.process = None;
     let points = contour(&cell);
-    let request = Request::default();
+    let request = PredictOptions::default();
     let control = Control::default();
     let loaded = request.loaded(cell.clone(), &saved.predictor, Some(&points), control);
     let found = request

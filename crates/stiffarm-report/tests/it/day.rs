@@ -2,14 +2,14 @@
 
 use crate::common::{exchange, group, saved, saved_with};
 use serde_json::json;
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
+use stiffarm::ask::measure::{Goal, MeasureOptions, judge};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::prepare;
 use stiffarm::measure::registration::{RegistrationRecord, register};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::{Measurements, ReadingTable};
 use stiffarm::simulated_readings;
-use stiffarm::work::judged::{Options, judge};
 use stiffarm::{Code, Control, Error, Fit, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_pairs;
@@ -19,17 +19,17 @@ use stiffarm_report::tell::{Block, Outcome, Told, WithCell, tell};
 fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
     let cell = builtin::cell("comau").unwrap();
     let plan = group(&cell);
-    let options = Options {
-        until_stiffness: goal,
-        until_deflection_m: None,
-        search: false,
+    let options = MeasureOptions {
+        until: goal.map(Goal::Stiffness),
+        no_search: true,
+        seed: 1,
     };
     let table = simulated_readings(&cell, &plan, 1).unwrap();
     let found = judge(
         (&cell, &plan),
         readings(table),
         &Default::default(),
-        (&options, 1),
+        &options,
         Control::default(),
     );
     let saved = saved_with("measure", json!(options), json!(found.unwrap()));
@@ -149,17 +149,16 @@ fn a_day_says_what_identify_says_of_the_readings() {
     let cell = builtin::cell("comau").unwrap();
     let plan = group(&cell);
     let judged = |cell: &Cell, table: ReadingTable| {
-        let options = Options {
-            until_stiffness: None,
-            until_deflection_m: None,
-            search: false,
+        let options = MeasureOptions {
+            no_search: true,
+            ..MeasureOptions::default()
         };
         let control = Control::default();
         judge(
             (cell, &plan),
             Ok(table.into()),
             &Default::default(),
-            (&options, 1),
+            &options,
             control,
         )
         .unwrap()

@@ -16,7 +16,7 @@ use crate::model::posture::Posture;
 use crate::plan::check::determinable;
 use crate::plan::evaluated::Evaluated;
 use crate::plan::index::{Forecast, GroupEvaluation};
-use crate::plan::planned::{Chosen, MOST_POSTURES, Plan, Planned};
+use crate::plan::select::MOST_POSTURES;
 use nalgebra::DVector;
 
 /// Degrees of freedom of residuals with which they weigh as much as the noise that the cell declares.
@@ -119,45 +119,14 @@ fn stiffness(fit: &Fit, systematic: &SystematicErrors) -> Result<Vec<f64>> {
     (0..joints.len()).map(of).collect()
 }
 
-/// Adds the forecast for these postures, where there is one.
-fn add(cell: &Cell, postures: &[Posture], evaluation: &mut GroupEvaluation) {
+/// Adds the ± that `identify` is expected to print of these postures, where there is one.
+pub(crate) fn add_forecast(cell: &Cell, postures: &[Posture], evaluation: &mut GroupEvaluation) {
     let is_plan = postures.len() <= MOST_POSTURES && cell.prior.is_some();
     evaluation.forecast = if is_plan {
         forecast(cell, postures).ok()
     } else {
         None
     };
-}
-
-impl<O> Planned<Plan, O> {
-    /// The same with the ± that `identify` is expected to print.
-    #[must_use]
-    pub fn with_forecast(mut self) -> Self {
-        let plan = &mut self.result;
-        let before = plan.before.as_ref().map(|before| before.group().postures);
-        let before = before.unwrap_or_default();
-        if let Some(known) = &mut plan.before {
-            add(&self.cell, &before, &mut known.evaluation);
-        }
-        // An initial group makes way for the plan, given postures stay.
-        let given = before.into_iter().take(plan.given_names.len());
-        let all: Vec<Posture> = given.chain(self.postures.iter().cloned()).collect();
-        add(&self.cell, &all, &mut plan.evaluation);
-        self
-    }
-}
-
-impl<O> Planned<Chosen, O> {
-    /// The same with the ± that `identify` is expected to print.
-    #[must_use]
-    pub fn with_forecast(mut self) -> Self {
-        // Measured wrenches are not the load of the cell.
-        if !self.result.measured_wrenches {
-            let evaluation = &mut self.result.selection.evaluation;
-            add(&self.cell, &self.postures, evaluation);
-        }
-        self
-    }
 }
 
 impl Evaluated {
@@ -167,7 +136,7 @@ impl Evaluated {
         let (cell, _) = determinable(cell.clone());
         for group in &mut self.groups {
             let postures = group.group().postures;
-            add(&cell, &postures, &mut group.evaluation);
+            add_forecast(&cell, &postures, &mut group.evaluation);
         }
         self
     }

@@ -7,9 +7,9 @@
 
 use super::compliance::IdentifiedCompliance;
 use super::diagnose::Diagnosis;
+use super::diagnosed::diagnosed;
 use super::elastic::{ElasticChoice, FEWEST_POSTURES, carried};
 use super::forecast::forecast_with;
-use super::identified::diagnosed;
 use super::identify::{Fit, JointEstimate};
 use super::mixed::MixedFit;
 use super::next_posture::{NextPosture, PlannedErrors};

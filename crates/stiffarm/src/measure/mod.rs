@@ -5,7 +5,6 @@ pub mod experiment;
 mod measured;
 mod pending;
 pub mod reduction;
-pub mod registered;
 pub mod registration;
 mod resolution;
 pub mod screening;

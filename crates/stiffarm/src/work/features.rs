@@ -15,7 +15,7 @@ const NAMED: usize = 3;
 
 /// What is known of a point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Deviation {
+pub(crate) struct Deviation {
     /// Shift of the tip, base axes \[m\].
     pub shift_m: [f64; 3],
     /// Half width of its size \[m\]; `None` where the stiffness comes without covariance.
@@ -94,7 +94,7 @@ impl Verdict {
 ///
 /// # Errors
 /// Angles of the wrong number.
-pub(super) fn features(
+pub(crate) fn features(
     (cell, arm): (&Cell, &LoadedArm),
     postures: &[LoadedPosture],
     given: Option<f64>,

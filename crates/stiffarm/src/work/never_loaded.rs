@@ -18,7 +18,7 @@ const POINTS: usize = 100;
 ///
 /// # Errors
 /// As [`never_loaded`].
-pub(super) fn never_loaded_at_work<'a>(
+pub(crate) fn never_loaded_at_work<'a>(
     (cell, arm): (&Cell, &LoadedArm),
     saved: &Saved,
     points: impl Iterator<Item = (&'a LoadedPosture, [f64; 3], Option<TipBand>)>,

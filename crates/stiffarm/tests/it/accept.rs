@@ -2,23 +2,23 @@
 
 use crate::common::prelude::*;
 use std::sync::LazyLock;
-use stiffarm::plan::planned::{PlanRequest, plan};
+use stiffarm::ask::select::{Plan, Planned, SelectInputs, SelectOptions, plan};
 use stiffarm::plan::select::Accept;
 
-fn request(accept: Accept) -> PlanRequest {
-    with(|o: &mut PlanRequest| {
-        o.index = Index::ExpectedError;
-        o.rounds = Some(2);
-        o.certificate = false;
-        o.accept = Some(accept);
-    })
+/// A plan under this constraint, or none.
+fn planned(accept: Option<Accept>) -> stiffarm::Result<Planned<Plan>> {
+    let cell = builtin::cell("comau").unwrap();
+    let options = with(|o: &mut SelectOptions| {
+        (o.index, o.rounds) = (Some(Index::ExpectedError), Some(2));
+        o.no_certificate = true;
+    });
+    let inputs = with(|i: &mut SelectInputs| i.accept = accept);
+    plan(&cell, &inputs, &options, &mut |_| {}, Control::default())
 }
 
 /// The postures and the value of the plan without a constraint.
 static FREE: LazyLock<(Vec<Posture>, f64)> = LazyLock::new(|| {
-    let cell = builtin::cell("comau").unwrap();
-    let free = changed(request(Accept::new(away)), |request| request.accept = None);
-    let found = plan(&cell, &free, &mut |_| {}, Control::default()).unwrap();
+    let found = planned(None).unwrap();
     (found.postures, found.result.selection.value)
 });
 
@@ -29,14 +29,7 @@ fn away(q: &[f64]) -> bool {
 
 #[test]
 fn every_posture_of_a_plan_is_accepted_as_it_is_driven() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
-    let found = plan(
-        &cell,
-        &request(Accept::new(away)),
-        &mut |_| {},
-        Control::default(),
-    )
-    .unwrap();
+    let found = planned(Some(Accept::new(away))).unwrap();
     assert_eq!(found.postures.len(), 6);
     assert!(found.postures.iter().all(|p| away(&p.q)));
     // The free plan is not: the constraint costs something here.
@@ -48,24 +41,13 @@ fn every_posture_of_a_plan_is_accepted_as_it_is_driven() {
 
 #[test]
 fn the_same_seed_gives_the_same_accepted_plan() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
-    let found = || {
-        let request = request(Accept::new(away));
-        let found = plan(&cell, &request, &mut |_| {}, Control::default());
-        found.unwrap().postures
-    };
+    let found = || planned(Some(Accept::new(away))).unwrap().postures;
     assert_eq!(found(), found());
 }
 
 #[test]
 fn a_constraint_that_accepts_everything_changes_nothing_but_the_turns() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
-    let all = plan(
-        &cell,
-        &request(Accept::new(|_| true)),
-        &mut |_| {},
-        Control::default(),
-    );
+    let all = planned(Some(Accept::new(|_| true)));
     let (own, best) = (all.unwrap().result.selection.value, FREE.1);
     // Angles that are rounded elsewhere change it in the fifth digit.
     assert!((own / best - 1.0).abs() < 1e-3, "{own} {best}");
@@ -73,13 +55,7 @@ fn a_constraint_that_accepts_everything_changes_nothing_but_the_turns() {
 
 #[test]
 fn a_constraint_that_accepts_nothing_is_named() {
-    let cell = stiffarm_files::builtin::cell("comau").unwrap();
-    let error = plan(
-        &cell,
-        &request(Accept::new(|_| false)),
-        &mut |_| {},
-        Control::default(),
-    );
+    let error = planned(Some(Accept::new(|_| false)));
     let error = error.map(|found| found.postures).unwrap_err();
     assert_eq!(error.code(), Code::InvalidValue);
     assert_eq!(error.place().key.as_deref(), Some("accept"));

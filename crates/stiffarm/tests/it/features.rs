@@ -1,15 +1,14 @@
 //! Deviations of the features of a path, and their tolerances.
 
 use nalgebra::Vector3;
+use stiffarm::ask::path::PathOptions;
+use stiffarm::ask::predict::{PredictOptions, Predicted};
 use stiffarm::estimate::saved::Saved;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::path::PathPoint;
 use stiffarm::model::process::{ForceAxes, Process, TipLoad};
 use stiffarm::model::work::FeatureWork;
-use stiffarm::work::along::PathOptions;
-use stiffarm::work::compensated::Options;
 use stiffarm::work::features::Verdict;
-use stiffarm::work::predicted::{Predicted, Request};
 use stiffarm::{Control, Result};
 use stiffarm_files::cell::parse_cell;
 use stiffarm_files::tool_path::{Kind, read_tool_path};
@@ -38,12 +37,12 @@ fn predicted(tolerance_mm: Option<f64>) -> Result<Predicted> {
 fn predicted_in(cell: Cell, tolerance_mm: Option<f64>) -> Result<(Vec<PathPoint>, Predicted)> {
     let mut read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
     assert_eq!(cell.work.put_on(&mut read.points).unwrap(), None);
-    let request = Request {
+    let request = PredictOptions {
         path: PathOptions {
             tolerance_mm,
             ..PathOptions::default()
         },
-        ..Request::default()
+        ..PredictOptions::default()
     };
     let saved = saved(&cell);
     let loaded = request.loaded(
@@ -128,17 +127,12 @@ fn a_tolerance_is_judged_as_it_is_and_compensated() -> Result<()> {
     assert!(finding.is_some_and(|finding| finding.sentence.starts_with("1 of 2 features")));
     let cell = cell();
     let read = read_tool_path(Kind::Apt, ("a.cls", PROGRAM.as_bytes()), None, &cell)?;
-    let options = Options {
-        path: PathOptions {
-            tolerance_mm: Some(between),
-            ..PathOptions::default()
-        },
+    let options = PathOptions {
+        tolerance_mm: Some(between),
+        ..PathOptions::default()
     };
     let saved = saved(&cell);
-    let followed =
-        options
-            .path
-            .follow(&cell, &saved.predictor, &read.points, Control::default())?;
+    let followed = options.follow(&cell, &saved.predictor, &read.points, Control::default())?;
     let compensated = options.compensate(&cell, &saved, &followed, Control::default())?;
     // Without covariance nobody knows what is left.
     assert!(

@@ -4,7 +4,7 @@ use crate::common::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiffarm::Watch;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::identify::IntervalHolds;
 use stiffarm::model::measurement::WrenchColumns;
 
@@ -19,15 +19,15 @@ fn fit() -> Fit {
 #[test]
 fn everything_or_estimates_alone() {
     let fit = fit();
-    let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+    let all = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
     assert!(
         all.systematic_errors.is_some() && all.diagnosis.is_some() && all.next_posture.is_some()
     );
     assert!(all.bootstrap.is_none() && all.elastic.is_some() && all.not_computed.is_empty());
     let brief = {
-        let mut wanted = Wanted::default();
+        let mut wanted = IdentifiedOptions::default();
         wanted.brief = true;
-        wanted.elastic = Some(ElasticChoice::Axes);
+        wanted.fit.elastic = Some(ElasticChoice::Axes);
         Identified::new(&fit, &wanted, Control::default()).unwrap()
     };
     assert_eq!(brief.identification, *fit.identification().unwrap());
@@ -48,7 +48,7 @@ fn what_a_stop_leaves_out_is_named() {
         stop: Some(&|| true),
         ..Control::default()
     };
-    let stopped = Identified::new(&fit(), &Wanted::default(), control).unwrap();
+    let stopped = Identified::new(&fit(), &IdentifiedOptions::default(), control).unwrap();
     assert!(stopped.next_posture.is_none());
     assert_eq!(stopped.not_computed, ["next_posture"]);
     assert_eq!(stopped.next_posture_missing, None);
@@ -67,7 +67,7 @@ fn a_stop_before_the_systematic_errors_goes_along_with_the_stiffness() {
     let fit = Fit::watched(&cell, &measured, &Default::default(), watch).unwrap();
     fit.identification().unwrap();
     stop.store(true, Ordering::Relaxed);
-    let stopped = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+    let stopped = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
     assert!(
         stopped.systematic_errors.is_none(),
         "{:?}",
@@ -84,7 +84,7 @@ fn a_stop_before_the_systematic_errors_goes_along_with_the_stiffness() {
 
 #[test]
 fn a_bootstrap_without_resamples_is_refused_with_its_key() {
-    let mut wanted = Wanted::default();
+    let mut wanted = IdentifiedOptions::default();
     wanted.bootstrap = Some(0);
     let refused = Identified::new(&fit(), &wanted, Control::default()).unwrap_err();
     assert_eq!(refused.place().key.as_deref(), Some("bootstrap"));
@@ -94,8 +94,8 @@ fn a_bootstrap_without_resamples_is_refused_with_its_key() {
 #[test]
 fn the_first_interval_holds_all_errors_and_the_parts_have_names() {
     let fit = fit();
-    let mut wanted = Wanted::default();
-    wanted.elastic = Some(ElasticChoice::Axes);
+    let mut wanted = IdentifiedOptions::default();
+    wanted.fit.elastic = Some(ElasticChoice::Axes);
     let all = Identified::new(&fit, &wanted, Control::default()).unwrap();
     let alone = &fit.identification().unwrap().estimates.joints;
     let systematic = all.systematic_errors.as_ref().unwrap();

@@ -3,7 +3,10 @@
 use crate::common::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::time::Duration;
+use stiffarm::ask::select::{
+    CurveSize, Mode, Plan, Planned, SelectInputs, SelectOptions, Stage, plan as planned_from,
+    plan_candidates, plan_curve, plan_drop, plan_space_filling,
+};
 use stiffarm::findings::codes;
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::model::elastic::ElasticSizes;
@@ -11,10 +14,6 @@ use stiffarm::model::load::LoadCase;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::plan::evaluated::Evaluated;
 use stiffarm::plan::feasibility::{PostureLimits, on_limits};
-use stiffarm::plan::planned::{
-    CandidateRequest, CurveRequest, CurveSize, DropRequest, Mode, PlanRequest, SpaceFillingRequest,
-    Stage, plan, plan_candidates, plan_curve, plan_drop, plan_space_filling,
-};
 
 /// Text of a result that is read back and written again as the same text.
 fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
@@ -24,12 +23,31 @@ fn saved<T: Serialize + DeserializeOwned>(result: &T) -> String {
     text
 }
 
-fn quick(postures: usize) -> PlanRequest {
-    with(|o: &mut PlanRequest| {
-        (o.index, o.postures) = (Index::ExpectedError, postures);
+fn quick(count: usize) -> SelectOptions {
+    with(|o: &mut SelectOptions| {
+        (o.index, o.count) = (Some(Index::ExpectedError), Some(count));
         o.rounds = Some(1);
-        o.certificate = false;
+        o.no_certificate = true;
     })
+}
+
+/// A plan from nothing.
+fn plan(
+    cell: &Cell,
+    options: &SelectOptions,
+    watch: &mut dyn FnMut(Stage),
+    control: Control<'_>,
+) -> stiffarm::Result<Planned<Plan>> {
+    planned_from(cell, &SelectInputs::default(), options, watch, control)
+}
+
+/// A plan from these postures.
+fn plan_from(
+    cell: &Cell,
+    inputs: &SelectInputs,
+    options: &SelectOptions,
+) -> stiffarm::Result<Planned<Plan>> {
+    planned_from(cell, inputs, options, &mut |_| {}, Control::default())
 }
 
 fn given() -> Vec<Posture> {
@@ -44,7 +62,7 @@ fn names(postures: &[Posture]) -> Vec<&str> {
 fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
     let cell = default_cell();
     let mut request = quick(3);
-    request.certificate = true;
+    request.no_certificate = false;
     let mut stages = Vec::new();
     let mut watch = |stage: Stage| stages.push(stage.to_string());
     let planned = plan(&cell, &request, &mut watch, Control::default()).unwrap();
@@ -59,7 +77,7 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
     let options = rounds(1);
     let alone = select(
         &planned.cell,
-        request.index,
+        request.index(),
         3,
         &options,
         Control::default(),
@@ -83,7 +101,7 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
 
     assert_eq!(planned.seed, Some(1));
     assert_eq!(planned.options.mode, Mode::Global);
-    assert_eq!(planned.options.angle_step_deg, Some(0.01));
+    assert_eq!(planned.options.asked.angle_step_deg, 0.01);
     assert!(planned.options.characteristic_length_m.is_some());
     saved(result);
     saved(&planned.options);
@@ -93,8 +111,8 @@ fn a_plan_is_the_selection_with_its_bounds_in_the_order_of_its_route() {
 fn equal_requests_give_equal_bytes() {
     let cell = default_cell();
     let mut request = quick(3);
-    request.index = Index::D;
-    request.seed = 7;
+    request.index = Some(Index::D);
+    request.seed = Some(7);
     request.sensitivity = true;
     let text = || {
         let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
@@ -112,35 +130,35 @@ fn equal_requests_give_equal_bytes() {
 fn a_plan_from_an_initial_group_keeps_names_and_draws_nothing() {
     let mut initial = given();
     initial[0].name = "first".to_string();
-    let mut request = PlanRequest::default();
-    request.initial = Some(initial.clone());
-    request.max_iterations = 2;
-    let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let inputs = with(|i: &mut SelectInputs| i.initial = Some(initial.clone()));
+    let mut options = with(|o: &mut SelectOptions| o.max_iterations = Some(2));
+    let planned = plan_from(&default_cell(), &inputs, &options).unwrap();
     assert_eq!(names(&planned.postures), names(&initial));
     assert_eq!((planned.seed, planned.options.mode), (None, Mode::From));
-    assert_eq!(planned.options.max_iterations, Some(2));
-    // There is no bound from an initial group, whatever was asked for.
-    assert!(!planned.options.certificate && planned.result.certificate.is_none());
+    assert_eq!(planned.options.asked, options);
+    // There is no bound from an initial group.
+    assert!(planned.result.certificate.is_none());
     assert_eq!(
         planned.result.before.as_ref().unwrap().evaluation.name,
         "initial"
     );
-    request.sensitivity = true;
-    request.index = Index::O1;
-    let examined = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    (options.sensitivity, options.index) = (true, Some(Index::O1));
+    let examined = plan_from(&default_cell(), &inputs, &options).unwrap();
     assert_eq!(examined.seed, Some(1));
 }
 
 #[test]
 fn new_postures_meet_no_name_of_the_given_ones() {
-    let mut request = quick(2);
-    request.given = given();
-    request.given.truncate(3);
-    request.given[1].name = "5".to_string();
-    let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
+    let mut options = quick(2);
+    (options.count, options.add) = (None, Some(2));
+    let inputs = with(|i: &mut SelectInputs| {
+        i.given = given();
+        i.given.truncate(3);
+        i.given[1].name = "5".to_string();
+    });
+    let planned = plan_from(&default_cell(), &inputs, &options).unwrap();
     assert_eq!(names(&planned.postures), ["4", "6"]);
     assert_eq!(planned.options.mode, Mode::Add);
-    assert_eq!(planned.options.postures, 2);
     let result = &planned.result;
     assert_eq!(result.given_names, ["1", "5", "3"]);
     assert!(result.selection.value < result.given_value.unwrap());
@@ -149,49 +167,48 @@ fn new_postures_meet_no_name_of_the_given_ones() {
 }
 
 #[test]
-fn requests_that_contradict_themselves_are_refused_with_their_key() {
-    let refused = |key: &str, change: fn(&mut PlanRequest)| {
-        let mut request = quick(2);
-        change(&mut request);
-        let error = plan(&default_cell(), &request, &mut |_| {}, Control::default());
+fn options_that_exclude_each_other_are_refused_with_their_name() {
+    let refused = |[key, other]: [&str; 2], change: fn(&mut SelectInputs, &mut SelectOptions)| {
+        let (mut inputs, mut options) = (SelectInputs::default(), SelectOptions::default());
+        change(&mut inputs, &mut options);
+        let error = plan_from(&default_cell(), &inputs, &options);
         let error = error.map(|planned| planned.options).unwrap_err();
         assert_eq!(error.code(), Code::Conflict, "{key}");
         assert_eq!(error.place().key.as_deref(), Some(key));
+        assert!(error.message().contains(&format!("`{other}`")), "{error}");
     };
-    refused("rounds", |r| r.initial = Some(given()));
-    refused("given", |r| {
-        r.initial = Some(given());
-        r.given = given();
+    refused(["initial", "rounds"], |i, o| {
+        (i.initial, o.rounds) = (Some(given()), Some(1));
     });
-    refused("time_limit", |r| {
-        r.initial = Some(given());
-        r.rounds = None;
-        r.time_limit = Some(std::time::Duration::from_secs(1));
+    refused(["initial", "given"], |i, _| {
+        (i.initial, i.given) = (Some(given()), given());
     });
-    refused("load", |r| {
-        r.initial = Some(given());
-        r.rounds = None;
-        r.load.magnitude = Some(500.0);
+    refused(["initial", "time_limit"], |i, o| {
+        (i.initial, o.time_limit_s) = (Some(given()), Some(1.0));
     });
-    refused("prices", |r| {
-        r.initial = Some(given());
-        r.rounds = None;
-        r.prices = true;
+    refused(["initial", "largest_load_n"], |i, o| {
+        (i.initial, o.largest_load_n) = (Some(given()), Some(500.0));
     });
-    refused("sensitivity", |r| {
-        r.given = given();
-        r.sensitivity = true;
+    refused(["prices", "initial"], |i, o| {
+        (i.initial, o.prices) = (Some(given()), true);
     });
-    refused("repeats", |r| r.repeats = true);
-    refused("repeats", |r| {
-        (r.index, r.repeats) = (Index::Prediction, true);
-        r.initial = Some(given());
-        r.rounds = None;
+    refused(["given", "sensitivity"], |i, o| {
+        (i.given, o.sensitivity) = (given(), true);
     });
-    refused("measuring_time", |r| {
-        r.given = given();
-        r.measuring_time = Some(Duration::from_secs(3600));
+    refused(["repeats", "initial"], |i, o| {
+        (i.initial, o.repeats) = (Some(given()), true);
     });
+    refused(["minutes", "given"], |i, o| {
+        (i.given, o.minutes) = (given(), Some(60.0));
+    });
+    refused(["minutes", "count"], |_, o| {
+        (o.count, o.minutes) = (Some(6), Some(60.0));
+    });
+    let mut options = quick(2);
+    options.repeats = true;
+    let error = plan_from(&default_cell(), &SelectInputs::default(), &options);
+    let error = error.map(|planned| planned.options).unwrap_err();
+    assert_eq!(error.place().key.as_deref(), Some("repeats"));
 }
 
 /// Joint 6 is free, the others hardly move.
@@ -213,9 +230,9 @@ fn hardly_moving(last: [f64; 2]) -> Cell {
 fn postures_that_are_alike_are_planned_where_they_may_be() {
     let cell = hardly_moving([0.0, 10.0]);
     let mut request = quick(8);
-    request.index = Index::Prediction;
+    request.index = None;
     let planned =
-        |cell: &Cell, request: &PlanRequest| plan(cell, request, &mut |_| {}, Control::default());
+        |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
     let error = planned(&cell, &request).map(|own| own.options).unwrap_err();
     assert!(
         error.message().contains("within 15°"),
@@ -226,7 +243,7 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
     request.repeats = true;
     let again = planned(&cell, &request).unwrap();
     assert_eq!(again.postures.len(), 8);
-    assert!(again.options.repeats);
+    assert!(again.options.asked.repeats);
 
     // A whole turn makes no other posture: -180° and 180°.
     let cell = hardly_moving([170.0, 180.0]);
@@ -236,10 +253,11 @@ fn postures_that_are_alike_are_planned_where_they_may_be() {
             .map(f64::to_radians)
             .to_vec(),
     };
-    (request.given, request.postures) = (vec![one], 1);
-    assert!(planned(&cell, &request).is_ok());
+    let inputs = with(|i: &mut SelectInputs| i.given = vec![one]);
+    request.count = None;
+    assert!(plan_from(&cell, &inputs, &request).is_ok());
     request.repeats = false;
-    assert!(planned(&cell, &request).is_err());
+    assert!(plan_from(&cell, &inputs, &request).is_err());
 }
 
 /// The default cell under its rope, and under these loads besides.
@@ -261,10 +279,10 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     let weight = ("weight", hanging(500.0));
     let cell = with_loads(&[weight]);
     let mut request = quick(6);
-    request.index = Index::Prediction;
-    request.measuring_time = Some(Duration::from_secs(36 * 60));
+    (request.index, request.count) = (None, None);
+    request.minutes = Some(36.0);
     let in_time =
-        |cell: &Cell, request: &PlanRequest| plan(cell, request, &mut |_| {}, Control::default());
+        |cell: &Cell, request: &SelectOptions| plan(cell, request, &mut |_| {}, Control::default());
     let planned = in_time(&cell, &request).unwrap();
     let result = &planned.result;
     saved(result);
@@ -281,8 +299,7 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
     assert!(result.selection.value <= result.in_time[0].prediction * (1.0 + 1e-3));
     // What the rope alone gives is what its own plan gives: its work is the same.
     let mut alone = request.clone();
-    alone.measuring_time = None;
-    alone.postures = 12;
+    (alone.minutes, alone.count) = (None, Some(12));
     let alone = in_time(&default_cell(), &alone)
         .unwrap()
         .result
@@ -308,14 +325,18 @@ fn minutes_are_spent_on_the_loads_that_predict_best() {
 
     // Under another index all loads are taken.
     let mut other = request.clone();
-    other.index = Index::ExpectedError;
+    other.index = Some(Index::ExpectedError);
     let planned = in_time(&cell, &other).unwrap();
     assert_eq!(
         (planned.postures.len(), planned.result.in_time.len()),
         (9, 0)
     );
-    for (seconds, words) in [(100, "no posture can"), (10_000_000, "at most")] {
-        request.measuring_time = Some(Duration::from_secs(seconds));
+    for (minutes, words) in [
+        (1.5, "no posture can"),
+        (2e5, "at most"),
+        (1e300, "at most"),
+    ] {
+        request.minutes = Some(minutes);
         let error = in_time(&cell, &request).map(|own| own.options).unwrap_err();
         let said = format!(
             "{} {}",
@@ -357,7 +378,7 @@ fn a_second_anchor_is_worth_what_is_said() {
     let mut cell = default_cell();
     cell.limits = Default::default();
     let mut request = quick(4);
-    request.index = Index::Prediction;
+    request.index = None;
     let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
     let found = planned.result.further_load.unwrap();
     let anchor = found.anchor.unwrap();
@@ -410,15 +431,11 @@ fn a_second_anchor_is_worth_what_is_said() {
 #[test]
 fn a_chosen_load_is_that_of_the_cell_handed_on() {
     let mut request = quick(2);
-    request.index = Index::D;
-    request.load.magnitude = Some(650.0);
+    request.index = Some(Index::D);
+    request.largest_load_n = Some(650.0);
     let planned = plan(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
     assert_eq!(planned.cell.setup.load.size(), Some(650.0));
-    let load = planned.options.load.unwrap();
-    assert_eq!(
-        (load.largest_load_n, load.anchor_box_m),
-        (Some(650.0), None)
-    );
+    assert_eq!(planned.options.asked, request);
 }
 
 #[test]
@@ -432,7 +449,7 @@ fn a_stop_leaves_the_bounds_out_and_says_so() {
     };
     let mut request = quick(3);
     request.rounds = None;
-    request.certificate = true;
+    request.no_certificate = false;
     request.sensitivity = true;
     let mut watch = |stage: Stage| {
         if matches!(stage, Stage::Round(_)) {
@@ -453,31 +470,27 @@ fn the_best_of_a_list() {
     let drawn = random_group(&cell, StartKind::Uniform, 8, 1, 0).unwrap();
     let named = |(i, q): (usize, Vec<f64>)| Candidate::new(format!("c{i}"), q);
     let list: Vec<Candidate> = drawn.into_iter().enumerate().map(named).collect();
-    let mut request = CandidateRequest::default();
-    request.postures = 3;
-    let planned = plan_candidates(&cell, &list, &request, Control::default()).unwrap();
+    let mut request = with(|o: &mut SelectOptions| o.count = Some(3));
+    let planned = plan_candidates(&cell, &list, true, &request, Control::default()).unwrap();
     let result = &planned.result;
     assert_eq!(names(&planned.postures), result.posture_names);
     for (posture, at) in planned.postures.iter().zip(&result.selection.chosen) {
         assert_eq!((&posture.name, &posture.q), (&list[*at].name, &list[*at].q));
     }
     assert_eq!(planned.options.mode, Mode::Candidates);
-    assert_eq!(
-        (planned.options.request.postures, planned.seed),
-        (3, Some(1))
-    );
+    assert_eq!((&planned.options.asked, planned.seed), (&request, Some(1)));
     assert!(!result.measured_wrenches && result.candidate_names.len() == 8);
     assert!(saved(result).contains(r#""postures_deg":[["#));
-    request.certificate = false;
-    let found = plan_candidates(&cell, &list, &request, Control::default()).unwrap();
-    assert!(found.result.selection.bound.is_none() && !found.options.request.certificate);
+    request.no_certificate = true;
+    let found = plan_candidates(&cell, &list, true, &request, Control::default()).unwrap();
+    assert!(found.result.selection.bound.is_none());
 }
 
 #[test]
 fn evenly_spread_postures() {
-    let mut request = SpaceFillingRequest::default();
-    request.postures = 4;
-    request.seed = 3;
+    let mut request = with(|o: &mut SelectOptions| {
+        (o.count, o.seed) = (Some(4), Some(3));
+    });
     let planned = plan_space_filling(&default_cell(), &request, Control::default()).unwrap();
     let result = &planned.result;
     assert_eq!(names(&planned.postures), ["1", "2", "3", "4"]);
@@ -493,7 +506,7 @@ fn evenly_spread_postures() {
     assert_eq!(planned.options.mode, Mode::SpaceFilling);
     assert_eq!(planned.seed, Some(3));
     saved(result);
-    request.angle_step_deg = Some(-1.0);
+    request.angle_step_deg = -1.0;
     let refused = plan_space_filling(&default_cell(), &request, Control::default());
     assert_eq!(
         refused.map(|p| p.options).unwrap_err().code(),
@@ -504,8 +517,7 @@ fn evenly_spread_postures() {
 #[test]
 fn given_postures_with_two_left_out() {
     let given = given();
-    let mut request = DropRequest::default();
-    request.drop = 2;
+    let mut request = with(|o: &mut SelectOptions| o.drop = Some(2));
     let planned = plan_drop(&default_cell(), &given, &request, Control::default()).unwrap();
     let result = &planned.result;
     let kept: Vec<Posture> = result
@@ -518,7 +530,7 @@ fn given_postures_with_two_left_out() {
     assert_eq!(result.postures.len(), given.len());
     assert_eq!((planned.options.mode, planned.seed), (Mode::Drop, None));
     saved(result);
-    request.drop = given.len();
+    request.drop = Some(given.len());
     let refused = plan_drop(&default_cell(), &given, &request, Control::default());
     let refused = refused.map(|p| p.options).unwrap_err();
     assert_eq!(refused.hint_text(), Some("leave out 5 at most"));
@@ -526,10 +538,9 @@ fn given_postures_with_two_left_out() {
 
 #[test]
 fn a_curve_with_its_bounds() {
-    let mut request = CurveRequest::default();
-    request.index = Index::D;
-    request.postures = 4;
-    request.rounds = Some(1);
+    let mut request = with(|o: &mut SelectOptions| {
+        (o.index, o.count, o.rounds) = (Some(Index::D), Some(4), Some(1));
+    });
     let mut stages = Vec::new();
     let mut watch = |stage: Stage| stages.push(stage.to_string());
     let planned = plan_curve(&default_cell(), &request, &mut watch, Control::default()).unwrap();
@@ -558,12 +569,12 @@ fn a_curve_with_its_bounds() {
     }
     assert!(planned.postures.is_empty() && planned.options.mode == Mode::Curve);
     saved(&planned.result);
-    request.certificate = false;
+    request.no_certificate = true;
     let quick = plan_curve(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
     assert_eq!(quick.result.sizes[3].bound, None);
     assert_eq!(quick.result.certificate_missing, None);
     // O3 is to be large.
-    (request.index, request.postures) = (Index::O3, 3);
+    (request.index, request.count) = (Some(Index::O3), Some(3));
     let larger = plan_curve(&default_cell(), &request, &mut |_| {}, Control::default()).unwrap();
     let [_, two, three] = &larger.result.sizes[..] else {
         panic!("three sizes");
@@ -585,8 +596,8 @@ fn a_curve_of_predictions_has_the_bound_of_its_largest_plan() {
         coupling: 5.2e-7,
     });
     for largest in [4, 12] {
-        let request = with(|o: &mut CurveRequest| {
-            (o.postures, o.rounds) = (largest, Some(1));
+        let request = with(|o: &mut SelectOptions| {
+            (o.count, o.rounds) = (Some(largest), Some(1));
         });
         let curve = plan_curve(&cell, &request, &mut |_| {}, Control::default()).unwrap();
         let curve = curve.result;

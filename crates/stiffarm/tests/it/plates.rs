@@ -3,13 +3,13 @@
 use crate::common::differences::assert_gradient;
 use crate::common::prelude::*;
 use crate::common::{entrywise_error, random_group};
+use stiffarm::ask::select::{SelectInputs, SelectOptions, plan};
 use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
 use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::next_posture::planned_errors;
 use stiffarm::estimate::simulate::simulate_elastic_measurements;
 use stiffarm::estimate::standing::{SoFar, is_better, standing};
 use stiffarm::plan::check::determinable;
-use stiffarm::plan::planned::{PlanRequest, plan};
 use stiffarm::plan::select::random_group as draw_group;
 
 /// The reference cell with a weight, and the joints that the weight turns.
@@ -133,9 +133,11 @@ fn gradients_of_the_others_are_those_of_differences() {
 #[test]
 fn a_plan_for_the_others_is_bounded_and_says_what_it_leaves_out() {
     let (cell, others) = plates();
-    let mut request = PlanRequest::default();
-    (request.index, request.rounds) = (Index::ExpectedError, Some(2));
-    let found = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+    let options = with(|o: &mut SelectOptions| {
+        (o.index, o.rounds) = (Some(Index::ExpectedError), Some(2));
+    });
+    let inputs = SelectInputs::default();
+    let found = plan(&cell, &inputs, &options, &mut |_| {}, Control::default()).unwrap();
     let result = &found.result;
     assert_eq!(result.joints, others.setup.robot.spring_names());
     assert!(result.findings.iter().any(|f| f.code == "joint-left-out"));

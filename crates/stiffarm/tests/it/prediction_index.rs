@@ -5,13 +5,13 @@
 use crate::common::model::{Model, duals, inverse_r};
 use crate::common::prelude::*;
 use num_dual::{Dual64, DualNum};
+use stiffarm::ask::select::{SelectInputs, SelectOptions, plan};
 use stiffarm::internals::elastic_effects;
 use stiffarm::model::cell::Task;
 use stiffarm::model::elastic::{ElasticSizes, ElasticSizing, ElasticSource, KnownElement, beams};
 use stiffarm::model::load::LoadCase;
 use stiffarm::model::observation::{ExtraTerm, Setup};
 use stiffarm::plan::certificate::{CertificateOptions, certify};
-use stiffarm::plan::planned::{PlanRequest, plan};
 use stiffarm::plan::select::{GlobalOptions, select};
 
 const POSTURES: usize = 4;
@@ -585,10 +585,12 @@ fn plans_hold_no_posture_twice_and_keep_their_bound() {
 fn a_plan_is_driven_as_it_was_found() {
     let mut cell = default_cell();
     cell.tasks.clear();
-    let mut request = PlanRequest::default();
-    (request.index, request.rounds, request.postures) = (Index::Prediction, Some(1), 5);
-    (request.certificate, request.angle_step_deg) = (false, None);
-    let planned = plan(&cell, &request, &mut |_| {}, Control::default()).unwrap();
+    let options = with(|o: &mut SelectOptions| {
+        (o.rounds, o.count) = (Some(1), Some(5));
+        (o.no_certificate, o.angle_step_deg) = (true, 0.0);
+    });
+    let inputs = SelectInputs::default();
+    let planned = plan(&cell, &inputs, &options, &mut |_| {}, Control::default()).unwrap();
     let selection = &planned.result.selection;
     let found = selection.improvements.last().unwrap().value.unwrap();
     assert!(

@@ -2,16 +2,15 @@
 //! the field.
 
 use crate::common::prelude::*;
+use stiffarm::ask::map::{LoadSource, MapOptions};
+use stiffarm::ask::path::PathOptions;
+use stiffarm::ask::predict::PredictOptions;
+use stiffarm::ask::region::{Plane, RegionOptions, Steps};
+use stiffarm::ask::register::PairOptions;
+use stiffarm::ask::simulate::{ErrorOptions, SimulateOptions};
+use stiffarm::ask::validate::{Folds, ValidateOptions};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::estimate::simulated;
-use stiffarm::estimate::validated::{self, Folds};
-use stiffarm::measure::registered;
 use stiffarm::plan::poses;
-use stiffarm::work::along::PathOptions;
-use stiffarm::work::mapped::{self, LoadSource};
-use stiffarm::work::placed;
-use stiffarm::work::predicted;
-use stiffarm::work::region::{Plane, RegionRequest, Steps};
 use stiffarm_files::table::read_pairs;
 
 fn key(error: Error) -> (Code, String) {
@@ -34,10 +33,10 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
     let (cell, measured) = (default_cell(), measured());
     let mut saved = Saved::prior(&cell).unwrap();
     let name = measured.postures[1].posture.name.clone();
-    let request = validated::Request {
+    let request = ValidateOptions {
         tolerance_mm: Some(0.1),
         only: vec![name.clone()],
-        ..validated::Request::default()
+        ..ValidateOptions::default()
     };
     saved.postures = vec![name.clone()];
     saved.cell = Some("another".to_string());
@@ -72,13 +71,13 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
         );
     }
 
-    let negative = validated::Request {
+    let negative = ValidateOptions {
         tolerance_mm: Some(-1.0),
         ..request.clone()
     };
     let refused = negative.held_out(&cell, None, &saved, measured.clone());
     assert_eq!(key(refused.unwrap_err()), wrong("tolerance_mm"));
-    let unknown = validated::Request {
+    let unknown = ValidateOptions {
         only: vec!["nobody".to_string()],
         ..request
     };
@@ -90,22 +89,24 @@ fn a_saved_stiffness_is_validated_at_the_postures_asked_for() {
 #[test]
 fn postures_are_predicted_by_the_others() {
     let fit = Fit::new(&default_cell(), measured(), &Default::default()).unwrap();
-    let request = validated::Request::default();
-    let axes = Some(ElasticChoice::Axes);
-    let (found, options) = request.by_folds(&fit, axes, Folds::All).unwrap();
+    let request = ValidateOptions::default();
+    let axes = changed(request.clone(), |own| {
+        own.fit.elastic = Some(ElasticChoice::Axes)
+    });
+    let (found, options) = axes.by_folds(&fit, Folds::All).unwrap();
     let count = group1().len();
     assert_eq!(found.validation, cross_validate(&fit, count, None).unwrap());
     assert_eq!(
         (options.folds, options.elastic),
         (count, ElasticChoice::Axes)
     );
-    let (_, options) = request.by_folds(&fit, None, Folds::Count(2)).unwrap();
+    let (_, options) = request.by_folds(&fit, Folds::Count(2)).unwrap();
     assert_eq!((options.folds, options.elastic), (2, ElasticChoice::Mixed));
-    let exact = validated::Request {
+    let exact = ValidateOptions {
         model: Model::Equilibrium,
         ..request
     };
-    let refused = exact.by_folds(&fit, None, Folds::All).unwrap_err();
+    let refused = exact.by_folds(&fit, Folds::All).unwrap_err();
     assert_eq!(key(refused), (Code::Unsupported, "model".to_string()));
 }
 
@@ -113,7 +114,7 @@ fn postures_are_predicted_by_the_others() {
 fn deflections_at_the_tasks_are_those_of_predict() {
     let cell = default_cell();
     let saved = Saved::prior(&cell).unwrap();
-    let request = predicted::Request::default();
+    let request = PredictOptions::default();
     let control = Control::default();
     let loaded = request
         .loaded(cell.clone(), &saved.predictor, None, control)
@@ -139,7 +140,7 @@ fn deflections_at_the_tasks_are_those_of_predict() {
     let codes = found.prediction.findings.iter().map(|f| f.code.as_str());
     let beyond: Vec<&str> = codes.filter(|code| code.starts_with("beyond-")).collect();
     assert_eq!(beyond, ["beyond-measured", "beyond-load"]);
-    let unknown = predicted::Request {
+    let unknown = PredictOptions {
         cell_load: true,
         load_case: Some("nobody".to_string()),
         ..request
@@ -172,15 +173,15 @@ fn options_of_a_path_name_what_is_wrong() {
 #[test]
 fn a_map_takes_the_force_given_and_the_plane_asked_for() {
     let cell = default_cell();
-    let plane = RegionRequest {
+    let plane = RegionOptions {
         plane: Some(Plane { axis: 2, mm: 800.0 }),
         steps: Some(Steps::Longest(5)),
-        ..RegionRequest::default()
+        ..RegionOptions::default()
     };
-    let request = mapped::Request {
+    let request = MapOptions {
         region: plane,
         force_n: Some([0.0, 2.0, 0.0]),
-        ..mapped::Request::default()
+        ..MapOptions::default()
     };
     let options = request.map_options(&cell).unwrap();
     let source = request.options(&options, &cell).load_from;
@@ -188,20 +189,20 @@ fn a_map_takes_the_force_given_and_the_plane_asked_for() {
     assert_eq!((options.lower[2], options.upper[2]), (0.8, 0.8));
     assert_eq!((options.steps[2], options.direction.y), (1, 1.0));
     assert_eq!(request.options(&options, &cell).rpy_deg, [180.0, 0.0, 0.0]);
-    let nowhere = mapped::Request {
+    let nowhere = MapOptions {
         direction: Some([0.0; 3]),
         ..request
     };
     let refused = nowhere.map_options(&cell).unwrap_err();
     assert_eq!(key(refused), wrong("direction"));
-    let upside_down = RegionRequest {
+    let upside_down = RegionOptions {
         from_mm: Some([0.0, 0.0, 1.0]),
         to_mm: Some([1.0, 1.0, 0.0]),
-        ..RegionRequest::default()
+        ..RegionOptions::default()
     };
-    let request = placed::Request {
+    let request = MapOptions {
         region: upside_down,
-        ..placed::Request::default()
+        ..MapOptions::default()
     };
     let refused = request.place_options(&cell).unwrap_err();
     assert_eq!(key(refused), wrong("from_mm"));
@@ -209,22 +210,22 @@ fn a_map_takes_the_force_given_and_the_plane_asked_for() {
 
 #[test]
 fn a_simulation_is_the_papers_unless_asked_otherwise() {
-    let request = simulated::Request::default();
+    let request = SimulateOptions::default();
     let options = request.simulation_options().unwrap();
     assert_eq!(options, SimulationOptions::default());
-    let errors = simulated::ErrorRequest {
+    let errors = ErrorOptions {
         anchor_error_mm: 2.0,
         ..Default::default()
     };
-    let with_errors = simulated::Request { errors, ..request };
+    let with_errors = SimulateOptions { errors, ..request };
     let options = with_errors.simulation_options().unwrap();
     assert_eq!(options.model_errors.anchor_m, 2e-3);
-    let refused = with_errors.elastic_options(ElasticChoice::Mixed);
-    let told = (Code::Conflict, "errors".to_string());
+    let refused = with_errors.elastic_options();
+    let told = (Code::Conflict, "anchor_error_mm".to_string());
     assert_eq!(key(refused.unwrap_err()), told);
-    let negative = simulated::Request {
+    let negative = SimulateOptions {
         levels: vec![1.0, -1.0],
-        ..simulated::Request::default()
+        ..SimulateOptions::default()
     };
     let refused = negative.simulation_options().unwrap_err();
     assert_eq!(key(refused), wrong("levels"));
@@ -234,7 +235,7 @@ fn a_simulation_is_the_papers_unless_asked_otherwise() {
 fn a_registration_leaves_out_pairs_by_name() {
     let bytes = builtin::bytes("example-pairs").unwrap();
     let pairs = read_pairs(bytes, "pairs").unwrap();
-    let mut options = registered::Options {
+    let mut options = PairOptions {
         exclude: vec!["B".to_string()],
         ..Default::default()
     };

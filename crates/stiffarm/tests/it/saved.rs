@@ -3,7 +3,7 @@
 use crate::common::prelude::*;
 use serde_json::{Value, json};
 use std::sync::LazyLock;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::saved::Saved;
 use stiffarm::work::compensate::{CompensateOptions, compensate};
 use stiffarm_files::envelope::write_result;
@@ -24,8 +24,8 @@ fn fit(cell: &Cell, options: &IdentifyOptions) -> Fit {
 }
 
 fn identified(fit: &Fit, elastic: ElasticChoice) -> Identified {
-    let mut wanted = Wanted::default();
-    wanted.elastic = Some(elastic);
+    let mut wanted = IdentifiedOptions::default();
+    wanted.fit.elastic = Some(elastic);
     Identified::new(fit, &wanted, Control::default()).unwrap()
 }
 

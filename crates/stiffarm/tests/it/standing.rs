@@ -2,8 +2,8 @@
 
 use crate::common::prelude::*;
 use std::sync::LazyLock;
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::forecast::forecast;
-use stiffarm::estimate::identified::{Identified, Wanted};
 use stiffarm::estimate::next_posture::planned_errors;
 use stiffarm::estimate::standing::{SoFar, is_better, standing};
 
@@ -98,7 +98,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// ± of each joint with all errors that `identify` prints.
 fn identified(fit: &Fit) -> Vec<Option<f64>> {
-    let found = Identified::new(fit, &Wanted::default(), Control::default()).unwrap();
+    let found = Identified::new(fit, &IdentifiedOptions::default(), Control::default()).unwrap();
     let systematic = found.systematic_errors.unwrap();
     systematic.uncertainty.iter().map(|own| own.total).collect()
 }

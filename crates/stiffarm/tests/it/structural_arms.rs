@@ -4,7 +4,8 @@
 use crate::common::prelude::*;
 use crate::set_up::days::{structural_at, structure};
 use stiffarm::Control;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
+use stiffarm::ask::predict::{Loaded, PredictOptions};
 use stiffarm::estimate::mixed::MixedFit;
 use stiffarm::estimate::saved::Saved;
 use stiffarm::estimate::systematic::{SystematicSource, mixed_systematic_errors};
@@ -14,7 +15,6 @@ use stiffarm::model::elastic::{ElasticSizing, KnownElement, beams, elastic_effec
 use stiffarm::model::load::LoadCase;
 use stiffarm::model::observation::{ElasticClass, RowPart};
 use stiffarm::plan::select::random_group;
-use stiffarm::work::predicted::{Loaded, Request};
 
 const ARMS: [&str; 3] = ["realistic", "links_half", "arm_0"];
 
@@ -118,7 +118,8 @@ fn other_loads_are_predicted_as_well_as_the_one_measured() {
             right += psi.tr_mul(&bent);
         }
         let truth = information.try_inverse().unwrap() * right;
-        let identified = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+        let identified =
+            Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
         for (joint, h) in identified
             .identification
             .estimates
@@ -293,7 +294,8 @@ fn a_wrong_load_is_named_on_an_arm_that_bends() {
             .iter_mut()
             .for_each(|d| d.value *= 1.5);
         let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
-        let identified = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+        let identified =
+            Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
         let said = identified.diagnosis.unwrap().findings;
         let named: Vec<&str> = said
             .iter()
@@ -308,7 +310,7 @@ fn a_wrong_load_is_named_on_an_arm_that_bends() {
 fn saved(cell: &Cell, arm: &Arm, postures: usize, seed: u64) -> Saved {
     let measured = arm.measured(cell, postures, seed);
     let fit = Fit::new(cell, &measured, &IdentifyOptions::default()).unwrap();
-    let mut wanted = Wanted::default();
+    let mut wanted = IdentifiedOptions::default();
     wanted.brief = true;
     let identified = Identified::new(&fit, &wanted, Control::default()).unwrap();
     Saved::new(identified.sealed.unwrap(), None, "k.json")
@@ -335,9 +337,9 @@ fn said(cell: &Cell, saved: &Saved, own: bool) -> Option<(String, String)> {
         postures: work(cell, own),
         summary: None,
     };
-    let request = Request {
+    let request = PredictOptions {
         cell_load: own,
-        ..Request::default()
+        ..PredictOptions::default()
     };
     let found = request.predict(&loaded, saved, Control::default()).unwrap();
     let findings = found.prediction.findings.into_iter();

@@ -1,6 +1,7 @@
 //! `stiffarm export --compare`: a program against the plan.
 
 use super::Task;
+use crate::answer::Answer;
 use crate::args::ExportArgs;
 use crate::finding::wrapped_line;
 use crate::input::Line;
@@ -49,7 +50,7 @@ pub struct Compared {
 }
 
 /// Reads the program and compares it.
-pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Exit> {
+pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<Answer> {
     let files = files(session, args)?;
     let joints = task.cell.cell.setup.robot.joint_count();
     let found = read_program(&files, task.language, &task.options, joints)?;
@@ -74,11 +75,8 @@ pub(super) fn run(session: &Session, args: &ExportArgs, task: &Task) -> Result<E
     };
     let is_finding = !result.same || !result.violations.is_empty();
     let text = table(task, &result);
-    session.show(
-        &session.envelope("export", None, task.options(args), result),
-        || text,
-    )?;
-    Ok(Exit::finding(is_finding))
+    let envelope = session.envelope("export", None, task.options(args), result);
+    Ok(Answer::table(Exit::finding(is_finding), envelope, text))
 }
 
 /// The postures of the program, to be held against the limits: those that are the plan's as the plan

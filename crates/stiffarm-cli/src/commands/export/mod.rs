@@ -3,8 +3,9 @@
 pub mod compare;
 mod moves;
 
+use crate::answer::Answer;
 use crate::args::{ControllerArgs, ExportArgs};
-use crate::files::{check_folder, write_folder};
+use crate::files::{Files, Said, check_folder};
 use crate::finding::wrapped_line;
 use crate::input::Line;
 use crate::numbers::counted;
@@ -108,7 +109,7 @@ struct Task {
 }
 
 /// Writes the program, or compares one.
-pub fn run(session: &Session, args: &ExportArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &ExportArgs) -> Result<Answer> {
     let task = Task::new(session, args)?;
     match &args.output_dir {
         Some(folder) => export(session, args, &task, folder),
@@ -290,7 +291,7 @@ fn header(
     lines
 }
 
-fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> Result<Exit> {
+fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> Result<Answer> {
     let (files, read) = task.written()?;
     let rounding = rounding_deg(&task.program, &read)?;
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
@@ -337,17 +338,13 @@ fn export(session: &Session, args: &ExportArgs, task: &Task, folder: &Path) -> R
         out += &said(task, &names, folder, rounding);
         out
     };
-    if is_written {
-        let texts = files
-            .iter()
-            .map(|file| (file.name.clone(), file.text.clone()));
-        write_folder(session, folder, texts.collect(), args.force)?;
-    }
-    session.show(
-        &session.envelope("export", None, task.options(args), result),
-        table,
-    )?;
-    Ok(Exit::finding(!is_sound))
+    let table = table();
+    let written = is_written.then(|| {
+        let texts = files.into_iter().map(|file| (file.name, file.text));
+        Files::folder(folder, texts, args.force).said(Said::Nothing)
+    });
+    let envelope = session.envelope("export", None, task.options(args), result);
+    Ok(Answer::table(Exit::finding(!is_sound), envelope, table).with(written))
 }
 
 /// What was written, and what is to be done with it.

@@ -1,10 +1,11 @@
 //! `stiffarm identify --clamped`: joint stiffness with the flange fixed.
 
+use crate::answer::Answer;
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::session::Session;
-use stiffarm::estimate::clamped::{ClampedPosture, Options, identify_clamped, without};
+use stiffarm::estimate::clamped::{ClampedPosture, identify_clamped, without};
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::identify::NoiseSource;
 use stiffarm::findings::Severity;
@@ -14,26 +15,27 @@ use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::read_clamped;
 
 /// Identifies the joint stiffness from clamped postures.
-pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
-    let options = args.fit.options(&named.cell.setup.robot)?;
-    if args.fit.elastic == Some(ElasticChoice::Mixed) {
+    let asked = &args.options;
+    let options = asked.fit.options(&named.cell.setup.robot)?;
+    if asked.fit.elastic == Some(ElasticChoice::Mixed) {
         let message =
             "With the flange fixed only the joint axes can be told: angles show nothing else.";
         return Err(Error::new(Code::Unsupported, message)
             .key("--elastic")
             .hint("leave it out, or measure displacements with the flange free"));
     }
-    if !args.free.is_empty() {
+    if !asked.free.is_empty() {
         let message =
             "With the flange fixed nothing of the set-up is identified beside the stiffness.";
         return Err(Error::new(Code::Unsupported, message)
             .key("--free")
             .hint("leave it out"));
     }
-    let noise = args.angle_noise_deg.map(deg_to_rad);
+    let noise = asked.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {
         let message = "Known noise with --clamped needs the standard deviation of the angles.";
         return Err(Error::new(Code::Usage, message)
@@ -45,10 +47,8 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let complete = result.estimates.is_complete();
     let serious = |f: &stiffarm::findings::Finding| f.severity == Severity::Serious;
     let exit = Exit::finding(!complete || result.findings.iter().any(serious));
-    let options = Options::new(&options, args.angle_noise_deg, &args.exclude);
-    let envelope = session.envelope("identify", None, options, &result);
-    session.deliver_told(target, &envelope, &named, args.details)?;
-    Ok(exit)
+    let envelope = session.envelope("identify", None, asked.clone(), result);
+    Answer::told(exit, envelope, named, args.details).with_object(target)
 }
 
 fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec<ClampedPosture>> {
@@ -70,5 +70,5 @@ fn read(session: &Session, args: &IdentifyArgs, named: &NamedCell) -> Result<Vec
             .file(file)
             .hint("add one row per posture and load state"));
     }
-    without(clamped, &args.exclude)
+    without(clamped, &args.options.exclude)
 }

@@ -2,26 +2,27 @@
 
 mod clamped;
 
+use crate::answer::Answer;
 use crate::args::IdentifyArgs;
 use crate::files::only_target;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
 use stiffarm::Result;
-use stiffarm::estimate::identified::{Identified, Options, Wanted};
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::identify::Fit;
 use stiffarm::measure::prepare;
 use stiffarm_files::source::{read_measurements, read_registration};
 
 /// Identifies the joint stiffness.
-pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
-    if args.clamped {
+pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
+    if args.options.clamped {
         return clamped::run(session, args);
     }
     let target = only_target(session, args.output.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
-    let mut options = args.fit.options(&named.cell.setup.robot)?;
-    options.free.clone_from(&args.free);
+    let asked = &args.options;
+    let options = asked.options(&named.cell.setup.robot)?;
     let measurements = read_measurements(
         session,
         &args.measurements,
@@ -31,19 +32,11 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     let reduce = read_registration(session, args.registration.as_deref())?;
     let mut measured = prepare(&named.cell, measurements, &reduce)?;
     measured
-        .exclude(&args.exclude)
-        .map_err(|e| e.key("--exclude"))?;
+        .exclude(&asked.exclude)
+        .map_err(|e| e.key("exclude"))?;
     let progress = Progress::new(session, "examining the identification");
     let fit = Fit::watched(&named.cell, measured, &options, progress.shared())?;
-    let wanted = {
-        let mut wanted = Wanted::default();
-        wanted.bootstrap = args.bootstrap;
-        wanted.elastic = args.fit.elastic;
-        wanted.seed = args.seed;
-        wanted.brief = args.brief;
-        wanted
-    };
-    let result = progress.watch(|control| Identified::new(&fit, &wanted, control))?;
+    let result = progress.watch(|control| Identified::new(&fit, asked, control))?;
     drop(progress);
 
     let exit = if result.not_computed.is_empty() {
@@ -51,8 +44,6 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Exit> {
     } else {
         Exit::Interrupted
     };
-    let described = Options::new(&options, &wanted, &args.exclude);
-    let envelope = session.envelope("identify", Some(args.seed), described, &result);
-    session.deliver_told(target, &envelope, &named, args.details)?;
-    Ok(exit)
+    let envelope = session.envelope("identify", Some(asked.seed), asked.clone(), result);
+    Answer::told(exit, envelope, named, args.details).with_object(target)
 }

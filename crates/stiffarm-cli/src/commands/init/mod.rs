@@ -4,12 +4,12 @@ mod robot;
 mod shapes;
 mod xacro;
 
+use crate::answer::Answer;
 use crate::args::InitArgs;
-use crate::files::{make_folder, write_all};
+use crate::files::{Files, check_folder};
 use crate::finding::wrapped_line;
 use crate::output::Exit;
 use crate::session::Session;
-use crate::target::Target;
 use robot::{Chain, Options, start};
 use serde::Serialize;
 use stiffarm::Result;
@@ -32,7 +32,7 @@ struct Written {
 }
 
 /// Writes the three files.
-pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &InitArgs) -> Result<Answer> {
     let start = start(session, args)?;
     let (text, line) = (start.text, start.line);
     let cell = parse_cell(&text, "cell.toml")?;
@@ -58,12 +58,10 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
         ("measurements.csv", measurements_template(&cell)),
     ];
     let names: Vec<&'static str> = files.iter().map(|(name, _)| *name).collect();
-    make_folder(&args.output_dir)?;
-    let targets = files
-        .into_iter()
-        .map(|(name, text)| Ok((Target::file(&args.output_dir.join(name), args.force)?, text)))
-        .collect::<Result<Vec<_>>>()?;
-    write_all(session, &targets)?;
+    let folder = &args.output_dir;
+    check_folder(session, folder, names.iter().copied(), args.force)?;
+    let files = files.map(|(name, text)| (name.to_string(), text));
+    let files = Files::folder(folder, files, args.force);
     let shown = |name: &str| {
         let path = args.output_dir.join(name);
         path.strip_prefix(".")
@@ -71,26 +69,21 @@ pub fn run(session: &Session, args: &InitArgs) -> Result<Exit> {
             .display()
             .to_string()
     };
-    let table = || {
-        let files: Vec<String> = names
-            .iter()
-            .map(|name| format!("  {}\n", shown(name)))
-            .collect();
-        let doubts: String = findings.iter().map(|f| wrapped_line(f) + "\n").collect();
-        format!(
-            "cell of {robot} to start from:\n{}\
-             {line}{doubts}Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
-            files.concat(),
-            shown("cell.toml")
-        )
-    };
+    let lines = names.iter().map(|name| format!("  {}\n", shown(name)));
+    let lines: String = lines.collect();
+    let doubts: String = findings.iter().map(|f| wrapped_line(f) + "\n").collect();
+    let table = format!(
+        "cell of {robot} to start from:\n{lines}\
+         {line}{doubts}Edit what cell.toml marks EDIT, then run `stiffarm check {}`.\n",
+        shown("cell.toml")
+    );
     let options = Options::of(args);
     let result = Written {
-        robot: robot.clone(),
-        files: names.clone(),
+        robot,
+        files: names,
         chain: start.chain,
-        findings: findings.clone(),
+        findings,
     };
-    session.show(&session.envelope("init", None, options, result), table)?;
-    Ok(Exit::Done)
+    let envelope = session.envelope("init", None, options, result);
+    Ok(Answer::table(Exit::Done, envelope, table).with(files))
 }

@@ -43,21 +43,21 @@ pub struct Chain {
 
 /// The options that name the robot.
 #[derive(Serialize)]
-pub struct Options<'a> {
-    robot: Option<&'a str>,
-    urdf: Option<&'a str>,
-    dh: Option<&'a str>,
+pub struct Options {
+    robot: Option<String>,
+    urdf: Option<String>,
+    dh: Option<String>,
     dh_convention: Option<DhConvention>,
 }
 
-impl<'a> Options<'a> {
+impl Options {
     /// Those of the command.
-    pub fn of(args: &'a InitArgs) -> Self {
+    pub fn of(args: &InitArgs) -> Self {
         let own = args.urdf.is_some() || args.dh.is_some();
         Options {
-            robot: (!own).then_some(args.robot.as_str()),
-            urdf: args.urdf.as_deref(),
-            dh: args.dh.as_deref(),
+            robot: (!own).then(|| args.robot.clone()),
+            urdf: args.urdf.clone(),
+            dh: args.dh.clone(),
             dh_convention: args.dh.as_ref().map(|_| args.dh_convention),
         }
     }

@@ -3,16 +3,17 @@
 
 pub mod place;
 
+use crate::answer::Answer;
 use crate::args::MapArgs;
-use crate::files::{check_folder, shown, write_folder};
+use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
+use std::rc::Rc;
 use stiffarm::Result;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::work::map::{MapOptions, stiffness_map};
-use stiffarm::work::mapped::Request;
 use stiffarm_report::{map_figure, map_table, render_svg};
 
 /// Files of the folder.
@@ -21,14 +22,14 @@ const FILES: [&str; 2] = ["map.svg", "map.csv"];
 const MANY: usize = 100_000;
 
 /// Maps, or places.
-pub fn run(session: &Session, args: &MapArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &MapArgs) -> Result<Answer> {
     match &args.place.place {
         Some(path) => place::run(session, args, path),
         None => map(session, args),
     }
 }
 
-fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
+fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     let mut named = session.read_cell(&args.cell)?;
     if let Some(folder) = &args.output_dir {
         check_folder(session, folder, FILES, args.force)?;
@@ -36,14 +37,7 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let saved = read_stiffness(session, &args.stiffness, &named.cell)?;
     let (cell, _) = with_length(named.cell);
     named.cell = cell;
-    let request = Request {
-        region: args.region.request(),
-        rpy_deg: args.tool.rpy_deg,
-        free_turn: args.tool.free_turn,
-        force_n: args.tool.force_n,
-        moment_nm: args.tool.moment_nm,
-        direction: args.tool.direction,
-    };
+    let request = &args.options;
     let options = request.map_options(&named.cell)?;
     let nodes: usize = options.steps.iter().fold(1, |n, s| n.saturating_mul(*s));
     // A larger grid is refused at once.
@@ -60,34 +54,26 @@ fn map(session: &Session, args: &MapArgs) -> Result<Exit> {
     let result = result?;
     let said = request.options(&options, &named.cell);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
-    write_pictures(session, args, FILES, pictures)?;
-    let exit = session.deliver_at_work(
-        &session.envelope("map", None, said, &result),
-        &result.findings,
-        (&named, &saved),
-        args.details,
-    )?;
-    Ok(if result.interrupted {
-        Exit::Interrupted
-    } else {
-        exit
-    })
+    let pictures = pictures_of(args, FILES, pictures);
+    let (interrupted, findings) = (result.interrupted, result.findings.clone());
+    let envelope = Rc::new(session.envelope("map", None, said, result));
+    let made_with = (named, &saved);
+    let answer = Answer::at_work(envelope, &findings, made_with, args.details);
+    let mut answer = answer.with(pictures);
+    if interrupted {
+        answer.exit = Exit::Interrupted;
+    }
+    Ok(answer)
 }
 
-/// Writes picture and table to the folder, where one is asked for.
-fn write_pictures(
-    session: &Session,
+/// Picture and table in the folder, where one is asked for.
+fn pictures_of(
     args: &MapArgs,
     names: [&str; 2],
     texts: impl FnOnce() -> [String; 2],
-) -> Result<()> {
-    let Some(folder) = &args.output_dir else {
-        return Ok(());
-    };
-    let files = names.map(String::from).into_iter().zip(texts()).collect();
-    write_folder(session, folder, files, args.force)?;
-    if !session.has_failed() {
-        session.has_written(format!("{} to {}", names.join(" and "), shown(folder)));
-    }
-    Ok(())
+) -> Option<Files> {
+    let folder = args.output_dir.as_ref()?;
+    let files = names.map(String::from).into_iter().zip(texts());
+    let said = format!("{} to {}", names.join(" and "), shown(folder));
+    Some(Files::folder(folder, files, args.force).said(Said::As(said)))
 }

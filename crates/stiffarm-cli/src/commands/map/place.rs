@@ -1,15 +1,16 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
-use super::{MANY, write_pictures};
+use super::{MANY, pictures_of};
+use crate::answer::Answer;
 use crate::args::MapArgs;
 use crate::files::check_folder;
 use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
+use std::rc::Rc;
 use stiffarm::Result;
 use stiffarm::work::map::{MapOptions, place};
-use stiffarm::work::placed::Request;
 use stiffarm_files::source::{NamedPath, read_path};
 use stiffarm_report::{placement_figure, placement_table, render_svg};
 
@@ -19,14 +20,9 @@ const FILES: [&str; 2] = ["placement.svg", "placement.csv"];
 const SEARCHED: usize = 200;
 
 /// Searches the best place.
-pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
-    let request = Request {
-        region: args.region.request(),
-        yaw_deg: args.place.yaw_deg.clone(),
-        refine: args.place.refine,
-        free_turn: args.tool.free_turn,
-    };
-    request.check()?;
+pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
+    let request = &args.options;
+    request.check_places()?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     if let Some(folder) = &args.output_dir {
@@ -63,23 +59,21 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Exit> {
         None => e,
     })?;
     result.findings.extend(findings);
-    let said = request.options(&options);
+    let said = request.of_places(&options);
     let pictures = || {
         [
             render_svg(&placement_figure(&result)),
             placement_table(&result).csv(),
         ]
     };
-    write_pictures(session, args, FILES, pictures)?;
-    let exit = session.deliver_at_work(
-        &session.envelope("map", None, said, &result),
-        &result.findings,
-        (&named, &saved),
-        args.details,
-    )?;
-    Ok(if result.interrupted {
-        Exit::Interrupted
-    } else {
-        exit
-    })
+    let pictures = pictures_of(args, FILES, pictures);
+    let (interrupted, findings) = (result.interrupted, result.findings.clone());
+    let envelope = Rc::new(session.envelope("map", None, said, result));
+    let made_with = (named, &saved);
+    let answer = Answer::at_work(envelope, &findings, made_with, args.details);
+    let mut answer = answer.with(pictures);
+    if interrupted {
+        answer.exit = Exit::Interrupted;
+    }
+    Ok(answer)
 }

@@ -2,19 +2,20 @@
 
 mod watch;
 
-use crate::args::{Goal, MeasureArgs};
+use crate::answer::Answer;
+use crate::args::MeasureArgs;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
+use stiffarm::ask::measure::{Goal, Judgement, judge};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::work::judged::{Judgement, Options, judge};
-use stiffarm::work::predicted::tasks;
+use stiffarm::work::tasks::tasks;
 use stiffarm::{Code, Control, Error, Result};
 use stiffarm_files::source::{read_growing_measurements, read_postures, read_registration};
 
 /// Judges what is there, once or again and again.
-pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &MeasureArgs) -> Result<Answer> {
     if !args.once {
         if session.json {
             let message = "One JSON object cannot tell a whole day.";
@@ -22,29 +23,25 @@ pub fn run(session: &Session, args: &MeasureArgs) -> Result<Exit> {
                 .key("--json")
                 .hint("add --once for the judgement of what is there"));
         }
-        return watch::watch(session, args);
+        return watch::watch(session, args).map(Answer::ended);
     }
     let named = session.read_cell(&args.cell)?;
     let plan = read_postures(session, "plan", &args.plan, &named.cell.setup.robot)?;
     check_goal(&named.cell, args)?;
     let found = Progress::new(session, "judging the readings")
         .watch(|control| look(session, (&named.cell, &plan), args, control))?;
-    let envelope = session.envelope("measure", Some(args.seed), options(args), &found);
-    session.deliver_told(None, &envelope, &named, true)?;
-    Ok(if session.stopped() {
+    let exit = if session.stopped() {
         Exit::Interrupted
     } else {
         Exit::finding(found.is_serious() || found.is_missed())
-    })
-}
-
-/// What is asked for, as the library takes it.
-fn options(args: &MeasureArgs) -> Options {
-    Options {
-        until_stiffness: args.until.and_then(Goal::stiffness),
-        until_deflection_m: args.until.and_then(Goal::deflection),
-        search: !args.no_search,
-    }
+    };
+    let envelope = session.envelope(
+        "measure",
+        Some(args.options.seed),
+        args.options.clone(),
+        found,
+    );
+    Ok(Answer::told(exit, envelope, named, true))
 }
 
 /// Looks at the files once.
@@ -56,18 +53,12 @@ fn look(
 ) -> Result<Judgement> {
     let reduce = read_registration(session, args.registration.as_deref())?;
     let read = read_growing_measurements(session, &args.readings, Some(&args.plan), cell);
-    judge(
-        (cell, plan),
-        read,
-        &reduce,
-        (&options(args), args.seed),
-        control,
-    )
+    judge((cell, plan), read, &reduce, &args.options, control)
 }
 
 /// Refuses a goal at tasks that the cell does not have.
 fn check_goal(cell: &Cell, args: &MeasureArgs) -> Result<()> {
-    match args.until {
+    match args.options.until {
         Some(Goal::Deflection(_)) => tasks(cell).map(|_| ()).map_err(|error| {
             let hint =
                 "add [[task]] to the cell, or give a percentage of the stiffness, such as 2%";

@@ -1,7 +1,7 @@
 //! Waits for readings and says what each change of the files brings. The files are the only memory: what is begun again
 //! reads them from the start, so nothing is lost when it is stopped.
 
-use super::{check_goal, look, options};
+use super::{check_goal, look};
 use crate::args::MeasureArgs;
 use crate::input::Line;
 use crate::interrupt;
@@ -12,10 +12,10 @@ use crate::table::green;
 use crate::text;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
+use stiffarm::ask::measure::Judgement;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::Posture;
-use stiffarm::work::judged::Judgement;
 use stiffarm::{Code, Control, Error, Result};
 use stiffarm_files::source::read_postures;
 
@@ -151,7 +151,12 @@ impl Day {
             let sound = green("sound");
             out += &format!("posture {}: readings {sound}\n", list(&postures));
         }
-        let envelope = session.envelope("measure", Some(args.seed), options(args), found);
+        let envelope = session.envelope(
+            "measure",
+            Some(args.options.seed),
+            args.options.clone(),
+            found,
+        );
         let mut told = told(&envelope, Some(cell))?;
         // What is still to settle is said again.
         told.findings

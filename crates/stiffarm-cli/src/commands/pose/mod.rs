@@ -2,8 +2,9 @@
 
 mod table;
 
+use crate::answer::Answer;
 use crate::args::PoseArgs;
-use crate::files::{only_target, write_all};
+use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::session::Session;
 use crate::target::Target;
@@ -23,7 +24,7 @@ struct Job<'a> {
 }
 
 /// Poses of postures, or postures of poses.
-pub fn run(session: &Session, args: &PoseArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &PoseArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let request = Request {
         frame: args.frame,
@@ -51,7 +52,7 @@ impl Job<'_> {
         &self.named.cell
     }
 
-    fn poses_of(&self, from: &str) -> Result<Exit> {
+    fn poses_of(&self, from: &str) -> Result<Answer> {
         let (session, cell) = (self.session, self.cell());
         let postures = read_postures(session, "postures", from, &cell.setup.robot)?;
         let target = only_target(session, self.args.output.as_deref(), self.args.force)?;
@@ -60,11 +61,11 @@ impl Job<'_> {
             let written = self.request.named_poses(cell, &postures);
             write_poses(&written, self.request.convention)
         };
-        self.finish(target, text, &result, || self.table_of_poses(&result))?;
-        Ok(Exit::Done)
+        let table = self.table_of_poses(&result);
+        Ok(self.answer(Exit::Done, target, text, result, table))
     }
 
-    fn postures_of(&self, from: &str) -> Result<Exit> {
+    fn postures_of(&self, from: &str) -> Result<Answer> {
         let (session, cell) = (self.session, self.cell());
         let (file, bytes) = session.read("poses", from)?;
         let poses = read_poses(&bytes, &file, self.request.convention)?;
@@ -72,28 +73,22 @@ impl Job<'_> {
         let (result, all) = self.request.postures_of(cell, &poses)?;
         let exit = Exit::finding(result.poses.iter().any(|pose| pose.postures.is_empty()));
         let text = || write_postures(&all);
-        self.finish(target, text, &result, || self.table_of_postures(&result))?;
-        Ok(exit)
+        let table = self.table_of_postures(&result);
+        Ok(self.answer(exit, target, text, result, table))
     }
 
-    /// Writes the file that was asked for, and shows the result.
-    fn finish<R: Serialize>(
+    /// The result, with the file that was asked for.
+    fn answer<R: Serialize + 'static>(
         &self,
+        exit: Exit,
         target: Option<Target>,
         text: impl FnOnce() -> String,
-        result: &R,
-        table: impl FnOnce() -> String,
-    ) -> Result<()> {
+        result: R,
+        table: String,
+    ) -> Answer {
         let options = self.request.options();
         let envelope = self.session.envelope("pose", None, options, result);
-        let is_stdout = target.as_ref().is_some_and(Target::is_stdout);
-        if let Some(target) = target {
-            write_all(self.session, &[(target, text())])?;
-        }
-        if is_stdout {
-            self.session.remark(&table());
-            return Ok(());
-        }
-        self.session.show(&envelope, table)
+        let file = target.map(|target| Files::one(target, text()));
+        Answer::table(exit, envelope, table).with(file)
     }
 }

@@ -2,6 +2,7 @@
 
 mod describe;
 
+use crate::answer::Answer;
 use crate::args::RobotsArgs;
 use crate::numbers::{NONE, significant, stiffness};
 use crate::output::Exit;
@@ -15,8 +16,8 @@ use stiffarm::model::robot::DhConvention;
 use stiffarm::model::robot::{CatalogueEntry, catalogue, find_in_catalogue};
 
 #[derive(Serialize)]
-struct Options<'a> {
-    name: Option<&'a str>,
+struct Options {
+    name: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -25,7 +26,7 @@ struct Robots {
 }
 
 /// Lists the catalogue, or one robot in full.
-pub fn run(session: &Session, args: &RobotsArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &RobotsArgs) -> Result<Answer> {
     let entries: Vec<&CatalogueEntry> = match &args.name {
         Some(name) => vec![entry_of(session, name)?],
         None => by_brand(),
@@ -34,19 +35,15 @@ pub fn run(session: &Session, args: &RobotsArgs) -> Result<Exit> {
         .iter()
         .map(|entry| describe(entry))
         .collect::<Result<Vec<_>>>()?;
-    let table = || match (&args.name, robots.first()) {
+    let text = match (&args.name, robots.first()) {
         (Some(_), Some(robot)) => one(robot),
         _ => all(&robots),
     };
-    let text = if session.json { String::new() } else { table() };
     let options = Options {
-        name: args.name.as_deref(),
+        name: args.name.clone(),
     };
-    session.show(
-        &session.envelope("robots", None, options, Robots { robots }),
-        || text,
-    )?;
-    Ok(Exit::Done)
+    let envelope = session.envelope("robots", None, options, Robots { robots });
+    Ok(Answer::table(Exit::Done, envelope, text))
 }
 
 /// The entry of this name; a word where it is not the one that the catalogue lists.

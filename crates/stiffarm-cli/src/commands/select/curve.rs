@@ -1,33 +1,24 @@
 //! `--curve`: the best value for each number of postures, and what one more gains.
 
 use super::job::Job;
-use crate::numbers::to_usize;
+use crate::answer::Answer;
 use crate::output::Exit;
 use crate::progress::Progress;
 use stiffarm::Result;
+use stiffarm::ask::select::{Curve, plan_curve};
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Curve, CurveRequest, plan_curve};
 
 /// Selects groups of every size up to the largest, and bounds them all.
-pub(super) fn run(job: &Job<'_>) -> Result<Exit> {
-    let budget = &job.args.budget;
-    let mut request = CurveRequest::default();
-    request.index = job.index;
-    request.postures = job.args.count.map_or(request.postures, to_usize);
-    request.rounds = budget.rounds;
-    request.time_limit = budget.time_limit;
-    request.seed = budget.seed.unwrap_or(request.seed);
-    request.certificate = !job.args.no_certificate;
-    request.repeats = job.args.repeats;
+pub(super) fn run(job: &Job<'_>) -> Result<Answer> {
     let progress = Progress::new(job.session, "selecting postures");
     let planned = progress.watch(|control| {
         let mut watch = |stage| job.tell(&progress, stage);
-        plan_curve(job.cell(), &request, &mut watch, control)
+        plan_curve(job.cell(), &job.args.options, &mut watch, control)
     })?;
     drop(progress);
-    job.outputs
-        .write_text(job.session, || csv(&planned.result))?;
-    job.show(&planned, &planned.result.findings)
+    let table = job.outputs.text(|| csv(&planned.result));
+    let exit = Exit::of_findings(&planned.result.findings);
+    Ok(job.told(planned, exit).with(table))
 }
 
 /// The curve as CSV: fractions as in JSON, the task index in metres.

@@ -1,11 +1,11 @@
 //! `--drop`: which given postures are least worth their measuring time.
 
 use super::job::Job;
-use crate::numbers::to_usize;
+use crate::answer::Answer;
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use stiffarm::Result;
-use stiffarm::plan::planned::{DropRequest, plan_drop};
+use stiffarm::ask::select::plan_drop;
 use stiffarm::plan::select::drop_evaluations;
 use stiffarm_files::source::read_postures;
 
@@ -13,17 +13,15 @@ use stiffarm_files::source::read_postures;
 const EVALUATIONS: usize = 10_000;
 
 /// Compares the ways to leave postures out and writes those that stay.
-pub(super) fn run(job: &Job<'_>, given: &str, count: u64) -> Result<Exit> {
+pub(super) fn run(job: &Job<'_>, given: &str, count: usize) -> Result<Answer> {
     let robot = &job.cell().setup.robot;
     let given = read_postures(job.session, "given", given, robot)?;
-    let mut request = DropRequest::default();
-    request.index = job.index;
-    request.drop = to_usize(count);
-    if request.drop < given.len() {
-        let groups = drop_evaluations(given.len(), request.drop);
+    if count < given.len() {
+        let groups = drop_evaluations(given.len(), count);
         announce(job.session, groups, EVALUATIONS, "groups to evaluate");
     }
     let planned = Progress::new(job.session, "leaving postures out")
-        .watch(|control| plan_drop(job.cell(), &given, &request, control))?;
-    job.deliver(&planned, &planned.result.findings)
+        .watch(|control| plan_drop(job.cell(), &given, &job.args.options, control))?;
+    let exit = Exit::of_findings(&planned.result.findings);
+    job.answer(planned, exit)
 }

@@ -1,7 +1,8 @@
 //! What every way to work needs: the question, the cell, and where results go.
 
+use crate::answer::Answer;
 use crate::args::{OutputArgs, SelectArgs, SheetChoice};
-use crate::files::{Contents, check_targets, write_all};
+use crate::files::{Contents, Files, check_targets};
 use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::picture::check_picture_name;
@@ -10,12 +11,10 @@ use crate::session::Session;
 use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
-use stiffarm::findings::Finding;
+use stiffarm::ask::select::{Asked, Planned, Stage};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
-use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Planned, Stage};
 use stiffarm::plan::select::RoundReport;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::check_name;
@@ -30,7 +29,6 @@ use stiffarm_report::{Full, cell_drawing, plan_page, render_drawing};
 pub(super) struct Job<'a> {
     pub session: &'a Session,
     pub args: &'a SelectArgs,
-    pub index: Index,
     pub named: NamedCell,
     pub outputs: Outputs,
 }
@@ -40,33 +38,26 @@ impl Job<'_> {
         &self.named.cell
     }
 
-    /// Steps that angles are rounded to \[deg\], where they are.
-    pub fn angle_step(&self) -> Option<f64> {
-        let step = self.args.output.angle_step_deg;
-        (step > 0.0).then_some(step)
+    /// The result, with its postures as plan, sheet and pictures where these are wanted.
+    pub fn answer<R: Serialize + Telling<Asked> + 'static>(
+        &self,
+        planned: Planned<R>,
+        exit: Exit,
+    ) -> Result<Answer> {
+        let files = self.outputs.postures(&planned.cell, &planned.postures)?;
+        Ok(self.told(planned, exit).with(files))
     }
 
-    /// Writes the postures as plan, sheet and pictures where these are wanted, and tells the result.
-    pub fn deliver<R: Serialize + Telling<O>, O: Serialize + Clone>(
+    /// The result alone.
+    pub fn told<R: Serialize + Telling<Asked> + 'static>(
         &self,
-        planned: &Planned<R, O>,
-        findings: &[Finding],
-    ) -> Result<Exit> {
-        self.outputs
-            .write_postures(self.session, &planned.cell, &planned.postures)?;
-        self.show(planned, findings)
-    }
-
-    /// Tells the result, and how the command ends by its findings.
-    pub fn show<R: Serialize + Telling<O>, O: Serialize + Clone>(
-        &self,
-        planned: &Planned<R, O>,
-        findings: &[Finding],
-    ) -> Result<Exit> {
-        let (session, seed) = (self.session, planned.seed);
-        let envelope = session.envelope("select", seed, planned.options.clone(), &planned.result);
-        session.deliver_told(None, &envelope, &self.named, self.args.details)?;
-        Ok(Exit::of_findings(findings))
+        planned: Planned<R>,
+        exit: Exit,
+    ) -> Answer {
+        let (options, result) = (planned.options, planned.result);
+        let session = self.session;
+        let envelope = session.envelope("select", planned.seed, options, result);
+        Answer::told(exit, envelope, self.named.clone(), self.args.details)
     }
 
     /// Shows what the work is at.
@@ -80,11 +71,12 @@ impl Job<'_> {
     /// Shows how a search stands after a round.
     fn report(&self, progress: &Progress, round: &RoundReport) {
         let best = round.value.map_or_else(String::new, |value| {
-            let number = Number::computed(value).of(index_quantity(self.index));
+            let index = self.args.options.index();
+            let number = Number::computed(value).of(index_quantity(index));
             let number = number.text().replace('\u{a0}', " ");
-            format!(", best {} {number}", self.index.as_str())
+            format!(", best {} {number}", index.as_str())
         });
-        match self.args.budget.rounds {
+        match self.args.options.rounds {
             Some(of) => progress.report(
                 &format!("selecting{best}"),
                 to_usize(round.rounds),
@@ -192,13 +184,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Writes postures as plan, as sheet and as picture of `cell`, where these are wanted.
-    pub fn write_postures(
-        &self,
-        session: &Session,
-        cell: &Cell,
-        postures: &[Posture],
-    ) -> Result<()> {
+    /// Postures as plan, as sheet and as picture of `cell`, where these are wanted.
+    pub fn postures(&self, cell: &Cell, postures: &[Posture]) -> Result<Files> {
         let mut files: Vec<(Target, Box<dyn Contents>)> = Vec::new();
         if let Some(figure) = &self.figure {
             let drawing = cell_drawing(cell, postures, Full::Tightest)?;
@@ -226,14 +213,12 @@ impl Outputs {
             };
             files.push((target.clone(), contents));
         }
-        write_all(session, &files)
+        Ok(Files::new(files))
     }
 
-    /// Writes text as the main output, where one is wanted.
-    pub fn write_text(&self, session: &Session, text: impl FnOnce() -> String) -> Result<()> {
-        match &self.main {
-            Some(target) => write_all(session, &[(target.clone(), text())]),
-            None => Ok(()),
-        }
+    /// Text as the main output, where one is wanted.
+    pub fn text(&self, text: impl FnOnce() -> String) -> Option<Files> {
+        let target = self.main.as_ref()?;
+        Some(Files::one(target.clone(), text()))
     }
 }

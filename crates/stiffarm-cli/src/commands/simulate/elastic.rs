@@ -1,67 +1,38 @@
 //! `stiffarm simulate --elastic`: identifications of an arm that gives way beyond its
 //! joint axes, with the axes alone and with the mixed model.
 
+use crate::answer::Answer;
 use crate::args::SimulateArgs;
-use crate::files::{check_targets, write_all};
+use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
-use crate::target::Target;
 use stiffarm::estimate::simulate::{simulate_elastic, simulate_elastic_measurements};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::read_groups;
 use stiffarm_files::table::write_simulated;
 
 /// Runs the simulation.
-pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Exit> {
-    refuse(args)?;
-    let target = args.measurements.as_deref();
-    let target = target
-        .map(|path| Target::new(path, args.force))
-        .transpose()?;
-    check_targets(session, &[target.as_ref()])?;
-    let options = args.request().elastic_options(args.elastic())?;
+pub(super) fn run(session: &Session, args: &SimulateArgs) -> Result<Answer> {
+    let options = args.options.elastic_options()?;
+    if args.readings.is_some() {
+        let message =
+            "Raw readings are simulated only for an arm of which the joint axes alone give way.";
+        let error = Error::new(Code::Conflict, message).key("--readings");
+        return Err(error.hint("write displacements with --measurements, or leave --elastic out"));
+    }
+    let target = only_target(session, args.measurements.as_deref(), args.force)?;
     let named = session.read_cell(&args.cell)?;
     let cell = &named.cell;
     let groups = read_groups(session, &args.postures, &cell.setup.robot)?;
     let result = Progress::new(session, "simulating")
         .watch(|control| simulate_elastic(cell, &groups, &options, control))?;
+    let mut files = None;
     if let Some(target) = target {
-        let measured = simulate_elastic_measurements(cell, &groups[0].postures, args.seed)?;
-        write_all(session, &[(target, write_simulated(measured, cell))])?;
+        let measured = simulate_elastic_measurements(cell, &groups[0].postures, args.options.seed)?;
+        files = Some(Files::one(target, write_simulated(measured, cell)));
     }
-    let envelope = session.envelope("simulate", Some(args.seed), options, &result);
-    session.deliver_told(None, &envelope, &named, args.details)?;
-    Ok(if result.interrupted {
-        Exit::Interrupted
-    } else {
-        Exit::of_findings(&result.findings)
-    })
-}
-
-/// Refuses options that only the paper's simulation has.
-fn refuse(args: &SimulateArgs) -> Result<()> {
-    let refused = match (args.errors.given(), &args.readings) {
-        (Some(option), _) => Some((
-            option,
-            "Errors of the model are drawn only for an arm of which the joint axes alone give way.",
-        )),
-        (None, Some(_)) => Some((
-            "--readings",
-            "Raw readings are simulated only for an arm of which the joint axes alone give way.",
-        )),
-        (None, None) => None,
-    };
-    match refused {
-        Some((option, message)) => {
-            let hint = match option {
-                "--readings" => {
-                    "write displacements with --measurements, or leave --elastic out".into()
-                }
-                _ => format!("leave {option} out, or --elastic"),
-            };
-            Err(Error::new(Code::Conflict, message).key(option).hint(hint))
-        }
-        None => Ok(()),
-    }
+    let exit = Exit::so_far(result.interrupted, &result.findings);
+    let envelope = session.envelope("simulate", Some(args.options.seed), options, result);
+    Ok(Answer::told(exit, envelope, named, args.details).with(files))
 }

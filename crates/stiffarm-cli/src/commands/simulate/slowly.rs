@@ -1,6 +1,6 @@
 //! A rehearsal: the readings of a day come one load state after the other.
 
-use crate::files::write_all;
+use crate::files::place;
 use crate::interrupt;
 use crate::session::Session;
 use crate::target::Target;
@@ -10,50 +10,53 @@ use stiffarm::{Code, Error, Result};
 /// Longest time without a look at whether the user stopped.
 const NAP: Duration = Duration::from_millis(50);
 
-/// Writes a table of readings to `target`, first its heading alone, then with the rows of one more state of a
-/// posture after each pause. Each time the file is there as a whole, so who reads it never sees half a row.
-/// A stop leaves what has come so far.
+/// Refuses readings that come one after the other to anything but a file.
 ///
 /// # Errors
-/// The file cannot be written, or is none.
+/// A pause, and no file.
+pub(super) fn check_slowly(pause: Option<Duration>, readings: Option<&Target>) -> Result<()> {
+    if pause.is_none() || matches!(readings, Some(Target::File { .. })) {
+        return Ok(());
+    }
+    let message = "Readings that come one after the other need a file.";
+    Err(Error::new(Code::Usage, message)
+        .key("--slowly")
+        .hint("give --readings the name of a file"))
+}
+
+/// Writes a table of readings, first its heading alone, then with the rows of one more state of a posture after each
+/// pause. Each time the file is there as a whole, so who reads it never sees half a row. What is left to write comes
+/// back: the whole table; nothing where the user stops, who keeps what has come so far.
 pub(super) fn write_slowly(
     session: &Session,
-    target: &Target,
-    table: &str,
+    mut target: Target,
+    table: String,
     pause: Duration,
-) -> Result<()> {
-    if !matches!(target, Target::File { .. }) {
-        let message = "Readings that come one after the other need a file.";
-        return Err(Error::new(Code::Usage, message)
-            .key("--slowly")
-            .hint("give --readings the name of a file"));
-    }
+) -> Option<(Target, String)> {
     interrupt::look_out();
     let mut lines = table.split_inclusive('\n');
     let mut so_far = lines.next().unwrap_or_default().to_string();
-    let (mut last, mut target) = (None, target.clone());
+    let mut last = None;
     for line in lines {
         // The rows of a state stand together; its name is behind the posture's.
         let state: Vec<&str> = line.splitn(3, ',').take(2).collect();
         if last.as_ref() != Some(&state) {
-            let once = session.afresh();
-            write_all(&once, &[(target.clone(), so_far.clone())])?;
-            if let Some(error) = once.failure() {
-                session.fail(error);
-                return Ok(());
+            // What cannot be written now is told at the end.
+            if place(&[(target.clone(), so_far.clone())]).is_err() {
+                break;
             }
             if let Target::File { force, .. } = &mut target {
                 *force = true;
             }
             wait(session, pause);
             if session.stopped() {
-                return Ok(());
+                return None;
             }
             last = Some(state);
         }
         so_far += line;
     }
-    write_all(session, &[(target, so_far)])
+    Some((target, table))
 }
 
 fn wait(session: &Session, pause: Duration) {

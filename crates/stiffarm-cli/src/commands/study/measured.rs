@@ -1,6 +1,7 @@
 //! `stiffarm study --measured`: which postures and which model predict a measured robot.
 
-use super::{REPORT, RESULT, finish};
+use super::{REPORT, RESULT, answer};
+use crate::answer::Answer;
 use crate::args::StudyArgs;
 use crate::files::check_folder;
 use crate::numbers::to_usize;
@@ -46,7 +47,7 @@ impl Telling<Options> for Written {
 }
 
 /// Runs the study and writes its folder.
-pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exit> {
+pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let mut options = options(args)?;
     if args.splits.indices.is_empty() && named.cell.setup.load.has_cases() {
@@ -68,19 +69,16 @@ pub(super) fn run(session: &Session, args: &StudyArgs, from: &str) -> Result<Exi
         study,
     };
     let study = &written.study;
-    let options = Options { measured: true };
-    let envelope = session.envelope("study", Some(args.seed), options, &written);
     let texts = [
         render_svg(&measured_figure(study)),
         measured_table(study).csv(),
     ];
     let files = FILES.map(String::from).into_iter().zip(texts).collect();
-    finish(session, args, (&envelope, &written.files), &named, files)?;
-    Ok(if interrupted {
-        Exit::Interrupted
-    } else {
-        Exit::Done
-    })
+    let names = written.files.clone();
+    let options = Options { measured: true };
+    let envelope = session.envelope("study", Some(args.seed), options, written);
+    let exit = Exit::so_far(interrupted, &[]);
+    answer(args, exit, (envelope, names), named, files)
 }
 
 fn options(args: &StudyArgs) -> Result<MeasuredStudyOptions> {

@@ -3,8 +3,9 @@
 pub mod measured;
 
 use super::earlier::Earlier;
+use crate::answer::Answer;
 use crate::args::StudyArgs;
-use crate::files::{check_folder, write_folder};
+use crate::files::{Files, Said, check_folder};
 use crate::output::Exit;
 use crate::page::page_of;
 use crate::progress::Progress;
@@ -62,7 +63,7 @@ impl Telling<Options> for Written {
 }
 
 /// Runs the study and writes its folder.
-pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
+pub fn run(session: &Session, args: &StudyArgs) -> Result<Answer> {
     if let Some(from) = &args.measured {
         return measured::run(session, args, from);
     }
@@ -106,6 +107,8 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
         files: names.chain([REPORT]).map(String::from).collect(),
         study: result,
     };
+    let exit = Exit::so_far(result.study.interrupted, &result.study.findings);
+    let names = result.files.clone();
     let envelope = session.envelope(
         "study",
         Some(args.seed),
@@ -113,43 +116,35 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Exit> {
             initial: origin,
             study: options,
         },
-        &result,
+        result,
     );
-    finish(session, args, (&envelope, &result.files), &named, files)?;
-    let result = &result.study;
-    Ok(if result.interrupted {
-        Exit::Interrupted
-    } else {
-        Exit::of_findings(&result.findings)
-    })
+    answer(args, exit, (envelope, names), named, files)
 }
 
-/// Writes the folder of a study, the result first and its page last, and says what the study says.
-fn finish<O: Serialize, R: Serialize + Telling<O>>(
-    session: &Session,
+/// The folder of a study, the result first and its page last, and what the study says.
+fn answer<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
     args: &StudyArgs,
-    (envelope, names): (&Envelope<O, R>, &[String]),
-    named: &NamedCell,
+    exit: Exit,
+    (envelope, names): (Envelope<O, R>, Vec<String>),
+    named: NamedCell,
     pictures: Vec<(String, String)>,
-) -> Result<()> {
-    let mut files = vec![(RESULT.to_string(), write_result(envelope)?)];
+) -> Result<Answer> {
+    let mut files = vec![(RESULT.to_string(), write_result(&envelope)?)];
     files.extend(pictures);
-    files.push((REPORT.to_string(), page_of(envelope, Some(&named.cell))?));
-    let (folder, count) = (&args.output_dir, files.len());
-    let earlier = Earlier::of(folder);
-    write_folder(session, folder, files, args.force)?;
-    if !session.has_failed() {
-        let page = folder.join(REPORT);
-        let (folder_name, page) = (folder.display(), page.display());
-        session.has_written(format!(
-            "{count} files to {folder_name} (start with {page})"
-        ));
-        let removed = earlier.remove_all_but(folder, names);
-        if !removed.is_empty() {
-            session.remark(removed.trim_end());
-        }
-    }
-    session.deliver_told(None, envelope, named, args.details)
+    files.push((REPORT.to_string(), page_of(&envelope, Some(&named.cell))?));
+    let folder = args.output_dir.clone();
+    let page = folder.join(REPORT);
+    let (count, shown, page) = (files.len(), folder.display(), page.display());
+    let said = format!("{count} files to {shown} (start with {page})");
+    let earlier = Earlier::of(&folder);
+    let files = Files::folder(&folder, files, args.force).said(Said::As(said));
+    let files = files.then(move || {
+        earlier
+            .remove_all_but(&folder, &names)
+            .trim_end()
+            .to_string()
+    });
+    Ok(Answer::told(exit, envelope, named, args.details).with(files))
 }
 
 /// Group 1: given, the shipped one where it fits the cell, or drawn with small

@@ -4,7 +4,7 @@ use super::findings::is_noted;
 use super::shown;
 use crate::order::in_order;
 use crate::tell::{Block, Form, Given, Number, Quantity, Section, Text};
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::identify::{Estimates, Estimator};
 use stiffarm::estimate::systematic::SystematicSource;
 use stiffarm::findings::list;

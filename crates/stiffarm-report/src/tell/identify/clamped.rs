@@ -10,12 +10,13 @@ use crate::tell::{
     Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
 };
 use stiffarm::Result;
-use stiffarm::estimate::clamped::{ClampedIdentification, Options};
+use stiffarm::ask::identify::IdentifiedOptions;
+use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 
-impl Telling<Options> for ClampedIdentification {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+impl Telling<IdentifiedOptions> for ClampedIdentification {
+    fn told(&self, options: &IdentifiedOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
         let own = &found.estimates;
         let joints = Joints {

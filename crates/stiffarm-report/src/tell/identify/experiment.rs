@@ -5,8 +5,8 @@ use super::story::angles;
 use super::{counted, shown};
 use crate::identified::{influence_figure, load_states_figure};
 use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
+use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::diagnose::PooledStates;
-use stiffarm::estimate::identified::Identified;
 use stiffarm::estimate::next_posture::NextPosture;
 use stiffarm::findings::{list, visible};
 

@@ -2,7 +2,7 @@
 
 use super::{counted, shown};
 use crate::tell::{Block, Section, Text};
-use stiffarm::estimate::identified::{Identified, Options};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::identify::Estimates;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::is_of_table;
@@ -16,7 +16,7 @@ pub(super) struct Findings {
 }
 
 /// The findings of a result.
-pub(super) fn of(options: &Options, found: &Identified) -> Findings {
+pub(super) fn of(options: &IdentifiedOptions, found: &Identified) -> Findings {
     let screening = found.screening();
     let scales: Vec<&Finding> = screening.into_iter().flat_map(|s| s.scales()).collect();
     let of_readings = screening.into_iter().flat_map(|s| &s.findings);
@@ -94,7 +94,7 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
 }
 
 /// What is missing without systematic errors.
-fn no_systematic(options: &Options, found: &Identified) -> Option<Finding> {
+fn no_systematic(options: &IdentifiedOptions, found: &Identified) -> Option<Finding> {
     if found.systematic_errors.is_some() {
         return None;
     }

@@ -5,7 +5,7 @@ use super::counted;
 use crate::identified::{errors_figure, residual_figure};
 use crate::level::level;
 use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
-use stiffarm::estimate::identified::Identified;
+use stiffarm::ask::identify::Identified;
 use stiffarm::findings::visible;
 use stiffarm::model::elastic::ElasticClass;
 

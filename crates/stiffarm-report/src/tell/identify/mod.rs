@@ -15,21 +15,21 @@ pub(super) use story::MORE_THAN_NOISE;
 use super::{Given, Outcome, Telling, Told, WithCell, arrows, counted, of_saved, shown};
 use joints::Joints;
 use stiffarm::Result;
-use stiffarm::estimate::clamped::{self as clamped_options, ClampedIdentification};
-use stiffarm::estimate::identified::{Identified, Options};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
+use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, codes};
 
 /// What a result of `identify` says.
 pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
     // With the flange fixed motors are read.
     if with.saved.json["result"].get("motor_rms_rad").is_some() {
-        return of_saved::<ClampedIdentification, clamped_options::Options>(with);
+        return of_saved::<ClampedIdentification, IdentifiedOptions>(with);
     }
-    of_saved::<Identified, Options>(with)
+    of_saved::<Identified, IdentifiedOptions>(with)
 }
 
-impl Telling<Options> for Identified {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+impl Telling<IdentifiedOptions> for Identified {
+    fn told(&self, options: &IdentifiedOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
         let findings = findings::of(options, found);
         let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;

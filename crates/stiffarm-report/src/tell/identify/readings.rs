@@ -3,7 +3,7 @@
 use super::shown;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
-use stiffarm::estimate::identified::Reduced;
+use stiffarm::ask::identify::Reduced;
 use stiffarm::findings::{Severity, list, visible};
 use stiffarm::measure::reduction::UnloadedRegistration;
 use stiffarm::measure::screening::{Screening, Suspicion};

@@ -7,8 +7,8 @@ use super::readings::shortened;
 use crate::level::level;
 use crate::order::in_order;
 use crate::tell::{Number, Quantity, Text};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
-use stiffarm::estimate::identified::{Identified, Options};
 use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN, Weights};
 use stiffarm::findings::{Finding, Severity, list, visible};
 
@@ -18,7 +18,7 @@ const MOST_NAMED: usize = 2;
 pub(in crate::tell) const MORE_THAN_NOISE: f64 = 1.5;
 
 /// What was done.
-pub(super) fn done(options: &Options, found: &Identified) -> Text {
+pub(super) fn done(options: &IdentifiedOptions, found: &Identified) -> Text {
     let estimates = &found.identification.estimates;
     let names = found
         .identification
@@ -58,7 +58,7 @@ pub(super) fn unusable(first: &Finding, more: usize) -> Text {
 }
 
 /// What came out.
-pub(super) fn came(options: &Options, joints: &Joints<'_>, found: &Identified) -> Text {
+pub(super) fn came(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
     let known = match found.systematic_errors {
         Some(_) => known(joints),
         None => known(joints)
@@ -151,7 +151,7 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
 }
 
 /// Whether the residual is noise.
-fn residual(text: Text, options: &Options, found: &Identified) -> Text {
+fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text {
     let own = &found.identification;
     let mixed = found.mixed().and_then(|elastic| elastic.mixed.as_ref());
     // The test is of what the axes alone leave.
@@ -181,7 +181,7 @@ fn residual(text: Text, options: &Options, found: &Identified) -> Text {
         Some(test) => Number::new(test.ratio),
         None => Number::computed(total_std_m.map(|s| s / own.expected_std_m)),
     };
-    if options.weights == Weights::Tracker {
+    if options.fit.weights == Weights::Tracker {
         // Sizes are in units of what the tracker states, which differ from reading to reading.
         return text
             .words(" What the fit leaves is ")
@@ -227,7 +227,7 @@ fn residual(text: Text, options: &Options, found: &Identified) -> Text {
 }
 
 /// What to do next.
-pub(super) fn next(options: &Options, joints: &Joints<'_>, found: &Identified) -> Text {
+pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
     let fault = found.screening().and_then(|screening| {
         let mut both = screening.suspicions.iter().zip(&screening.findings);
         both.find(|(_, finding)| finding.severity == Severity::Serious)

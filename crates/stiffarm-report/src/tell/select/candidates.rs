@@ -5,13 +5,13 @@ use super::super::worth::{Worth, index_number, worth_sections};
 use crate::tell::{
     Block, DataTable, Given, Number, Section, Telling, Text, Told, counted, with_stopped,
 };
+use stiffarm::ask::select::{Asked, Chosen};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::{Asked, Chosen};
 use stiffarm::{Result, Termination};
 
-impl<R> Telling<Asked<R>> for Chosen {
-    fn told(&self, options: &Asked<R>, context: &Given<'_>) -> Result<Told> {
+impl Telling<Asked> for Chosen {
+    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let mut chosen = self.clone();
         chosen.selection.evaluation.name = "chosen postures".to_string();
         let found = &chosen.selection;

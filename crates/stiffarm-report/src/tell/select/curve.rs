@@ -7,15 +7,15 @@ use crate::tell::{
     with_stopped,
 };
 use stiffarm::Result;
+use stiffarm::ask::select::{Curve, CurveSize};
 use stiffarm::findings::visible;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Asked, Curve, CurveRequest, CurveSize};
 
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;
 
-impl Telling<Asked<CurveRequest>> for Curve {
-    fn told(&self, options: &Asked<CurveRequest>, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for Curve {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let curve = self;
         let (index, sizes) = (curve.index, &curve.sizes);
         let largest = sizes.last().map_or(0, |size| size.point.postures);
@@ -107,7 +107,7 @@ impl Telling<Asked<CurveRequest>> for Curve {
         };
         let sections = vec![Section::new("count", "How many postures", blocks)];
         let verdict = [done, came, next];
-        let is_stopped = sizes.len() < options.request.postures;
+        let is_stopped = sizes.len() < curve.largest;
         let findings = with_stopped(context, curve.findings.clone(), is_stopped, &[]);
         Ok(context.told(
             findings,

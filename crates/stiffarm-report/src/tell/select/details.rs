@@ -5,8 +5,8 @@ use super::super::worth::index_quantity;
 use crate::selection::sensitivity_figure;
 use crate::tell::{Block, DataTable, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
+use stiffarm::ask::select::{Asked, Plan};
 use stiffarm::findings::{list, visible};
-use stiffarm::plan::planned::{Plan, PlanOptions};
 use stiffarm::plan::select::{LimitPrice, Sensitivity, Spread, WORTH_CHANGING};
 
 /// What the bound rests on; `None` where there is none.
@@ -74,16 +74,16 @@ pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
 }
 
 /// The load that was chosen together with the postures, as lines of the cell file.
-pub(super) fn load_section(options: &PlanOptions, plan: &Plan) -> Option<Section> {
+pub(super) fn load_section(options: &Asked, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
-    let asked = options.load.as_ref();
+    let asked = &options.asked;
     // A tenth of a millimetre is finer than anybody rigs a rope.
     let point = |m: [f64; 3]| {
         let digits = m.map(|m| coarse(m).digits());
         digits.join(", ").replace('−', "-")
     };
     let mut lines = Vec::new();
-    if asked.is_none_or(|asked| asked.loading_point_box_m.is_some()) {
+    if asked.loading_point_box_mm.is_some() {
         lines.push("[tool]".to_string());
         lines.push(format!(
             "loading_point_mm = [{}]",
@@ -91,9 +91,9 @@ pub(super) fn load_section(options: &PlanOptions, plan: &Plan) -> Option<Section
         ));
     }
     let newtons = load.magnitude_n;
-    let newtons = newtons.filter(|_| asked.is_none_or(|asked| asked.largest_load_n.is_some()));
+    let newtons = newtons.filter(|_| asked.largest_load_n.is_some());
     let anchor = load.anchor_m;
-    let anchor = anchor.filter(|_| asked.is_none_or(|asked| asked.anchor_box_m.is_some()));
+    let anchor = anchor.filter(|_| asked.anchor_box_mm.is_some());
     if newtons.is_some() || anchor.is_some() {
         lines.push("[load]".to_string());
     }

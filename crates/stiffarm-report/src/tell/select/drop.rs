@@ -7,9 +7,9 @@ use crate::tell::{
     Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, shown,
 };
 use stiffarm::Result;
+use stiffarm::ask::select::DropResult;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::planned::DropResult;
 
 impl<O> Telling<O> for DropResult {
     fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {

@@ -7,15 +7,15 @@ use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, wor
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
 use crate::tell::{Block, Given, Section, Telling, Told, with_stopped};
+use stiffarm::ask::select::{Asked, Plan};
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{Plan, PlanOptions};
 use stiffarm::{Result, Termination};
 
-impl Telling<PlanOptions> for Plan {
-    fn told(&self, options: &PlanOptions, context: &Given<'_>) -> Result<Told> {
+impl Telling<Asked> for Plan {
+    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let mut plan = self.clone();
         plan.evaluation.name = if plan.given_names.is_empty() {
             "the plan".to_string()
@@ -85,10 +85,10 @@ impl Telling<PlanOptions> for Plan {
         let asked = [
             (
                 "sensitivity",
-                options.sensitivity,
+                options.asked.sensitivity,
                 plan.sensitivity.is_some(),
             ),
-            ("prices", options.prices, plan.prices.is_some()),
+            ("prices", options.asked.prices, plan.prices.is_some()),
         ];
         // What was asked for and is not there, with nothing that says why.
         let left_out = asked
@@ -188,7 +188,7 @@ fn search_section(plan: &Plan) -> Option<Section> {
     })
 }
 
-fn limit_section(options: &PlanOptions, context: &Given<'_>, plan: &Plan) -> Option<Section> {
+fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
     let priced = plan.prices.as_ref().filter(|prices| !prices.is_empty());
     if let Some(prices) = priced {
@@ -198,7 +198,7 @@ fn limit_section(options: &PlanOptions, context: &Given<'_>, plan: &Plan) -> Opt
             "Each row is a search of its own; a difference of a few tenths of a per cent may be its luck.".into(),
         ));
     }
-    if plan.prices.is_none() && options.prices {
+    if plan.prices.is_none() && options.asked.prices {
         blocks.push(Block::Text(
             "What each limit costs is not known: the search was stopped before.".into(),
         ));

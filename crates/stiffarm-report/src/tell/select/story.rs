@@ -3,17 +3,17 @@
 use super::super::worth::{index_number, is_beyond_first_order, least_sure};
 use crate::tell::{Given, Number, Text};
 use stiffarm::Termination;
+use stiffarm::ask::select::{Asked, InTime, Mode, Plan};
 use stiffarm::findings::{Severity, codes, minutes, visible};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::plan::index::Index;
-use stiffarm::plan::planned::{InTime, Mode, Plan, PlanOptions};
 use stiffarm::plan::select::different;
 
 /// Below this share of what is possible a longer search is worth its time.
 const WORTH_SEARCHING: f64 = 0.9;
 
 /// What was done, what came out, what to do next.
-pub(super) fn verdict(options: &PlanOptions, context: &Given<'_>, plan: &Plan) -> [Text; 3] {
+pub(super) fn verdict(options: &Asked, context: &Given<'_>, plan: &Plan) -> [Text; 3] {
     [done(options, plan), came(context, plan), next(plan)]
 }
 
@@ -39,7 +39,7 @@ fn on_limits(plan: &Plan) -> String {
     own.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 
-fn done(options: &PlanOptions, plan: &Plan) -> Text {
+fn done(options: &Asked, plan: &Plan) -> Text {
     let count = plan.selection.group.len();
     let were = if count == 1 { "was" } else { "were" };
     if options.mode == Mode::From {

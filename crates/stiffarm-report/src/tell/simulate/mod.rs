@@ -10,8 +10,8 @@ use crate::tell::{
 };
 use serde::de::IgnoredAny;
 use stiffarm::Result;
+use stiffarm::ask::simulate::Options;
 use stiffarm::estimate::simulate::{ElasticSimulation, GroupSimulation, LevelResult, Simulation};
-use stiffarm::estimate::simulated::Options;
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
 

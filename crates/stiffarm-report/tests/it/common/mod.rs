@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::sync::LazyLock;
 use stiffarm::Control;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::identify::{Fit, IdentifyOptions};
 use stiffarm::measure::{Measured, prepare};
 use stiffarm::model::cell::Cell;
@@ -66,7 +66,7 @@ pub fn identified(cell: &Cell, measured: &Measured) -> Value {
         stop: Some(&|| true),
         ..Control::default()
     };
-    let mut found = Identified::new(&fit, &Wanted::default(), control).unwrap();
+    let mut found = Identified::new(&fit, &IdentifiedOptions::default(), control).unwrap();
     (found.profile, found.not_computed) = (None, Vec::new());
     json!(found)
 }

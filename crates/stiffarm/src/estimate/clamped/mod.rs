@@ -34,7 +34,7 @@ mod simulation;
 
 pub use friction::JointFriction;
 pub use identification::{ClampedIdentification, ClampedResidual, StateWeight, identify_clamped};
-pub use options::{Options, without};
+pub use options::without;
 pub use simulation::{ClampedSimulation, MotorMove, simulate_clamped};
 
 use crate::error::{Code, Error, Result};

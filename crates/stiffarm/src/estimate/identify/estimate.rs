@@ -47,7 +47,7 @@ pub enum IntervalHolds {
 }
 
 /// Estimate of one joint. A fit alone knows the scatter of the readings; with the systematic errors, as
-/// [`Identified`](crate::estimate::identified::Identified) has them, ± and interval hold all errors, and
+/// [`Identified`](crate::ask::identify::Identified) has them, ± and interval hold all errors, and
 /// `interval_holds` says so.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -33,3 +33,6 @@ pub use sensitivity::{
     PriorCase, Sensitivity, SensitivityOptions, Spread, WORTH_CHANGING, sensitivity,
 };
 pub use space_filling::{SpaceFilling, joint_distance, smallest_distance, space_filling};
+
+/// Most postures of one plan: more is a slip.
+pub const MOST_POSTURES: usize = 1000;

@@ -171,7 +171,7 @@ pub fn compensate(
 ///
 /// # Errors
 /// As [`compensate`].
-pub(in crate::work) fn compensate_on(
+pub(crate) fn compensate_on(
     (cell, arm): (&Cell, &LoadedArm),
     predictor: &IdentifiedCompliance,
     postures: &[LoadedPosture],

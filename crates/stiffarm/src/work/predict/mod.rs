@@ -9,7 +9,7 @@ mod table;
 pub use band::TipBand;
 pub use cartesian::{CartesianStiffness, PathExtremes, PointStiffness, PrincipalAxis};
 pub use loaded_arm::{Deflection, LoadedArm};
-pub(in crate::work) use points::predict_on;
+pub(crate) use points::predict_on;
 pub use points::{LoadPoint, PointPrediction, PredictOptions, Prediction, predict};
 
 pub(crate) use band::{Bands, with_bands};

@@ -161,7 +161,7 @@ pub fn predict(
 ///
 /// # Errors
 /// As [`predict`].
-pub(in crate::work) fn predict_on(
+pub(crate) fn predict_on(
     (cell, arm): (&Cell, &LoadedArm),
     predictor: &IdentifiedCompliance,
     postures: &[LoadedPosture],

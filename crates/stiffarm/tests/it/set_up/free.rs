@@ -4,7 +4,7 @@ use super::days::{Beyond, Day, Kind, day, displacements};
 use super::{mistake, planted};
 use crate::common::prelude::*;
 use stiffarm::Code;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::internals::{both_ways, quantities};
 
 fn freeing(names: &[&str]) -> IdentifyOptions {
@@ -20,7 +20,7 @@ fn identified(
 ) -> stiffarm::Result<Identified> {
     let measured = prepare(cell, measurements, &Default::default())?;
     let fit = Fit::new(cell, measured, &freeing(names))?;
-    Identified::new(&fit, &Wanted::default(), Control::default())
+    Identified::new(&fit, &IdentifiedOptions::default(), Control::default())
 }
 
 /// With the quantity free, what is stated wrongly is found, the stiffness is the true one, and its ± has the doubt.
@@ -114,7 +114,7 @@ fn what_cannot_be_free_is_refused() {
     said += &format!("{error}\n");
     let measured = prepare(&cell, table, &Default::default()).unwrap();
     let fit = Fit::new(&cell, measured, &freeing(&["anchor"])).unwrap();
-    let brief = changed(Wanted::default(), |wanted| wanted.brief = true);
+    let brief = changed(IdentifiedOptions::default(), |wanted| wanted.brief = true);
     let error = Identified::new(&fit, &brief, Control::default()).unwrap_err();
     assert_eq!(error.code(), Code::Conflict);
     said += &format!("{error}\n");

@@ -8,18 +8,18 @@ use crate::common::prelude::*;
 use days::{Beyond, Day, Kind, day, displacements, move_states};
 use mistakes::{MISTAKES, Mistake, Plant};
 use rayon::prelude::*;
-use stiffarm::estimate::identified::{Identified, Wanted};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
+use stiffarm::ask::measure::{MeasureOptions, judge};
 use stiffarm::estimate::setup::{SetUp, set_up};
 use stiffarm::estimate::standing::SoFar;
 use stiffarm::estimate::systematic::{SystematicErrors, systematic_errors};
 use stiffarm::findings::codes;
 use stiffarm::model::measurement::{Measurements, Role};
-use stiffarm::work::judged::{Options as JudgeOptions, judge};
 
-const QUIET: JudgeOptions = JudgeOptions {
-    until_stiffness: None,
-    until_deflection_m: None,
-    search: false,
+const QUIET: MeasureOptions = MeasureOptions {
+    until: None,
+    no_search: true,
+    seed: 1,
 };
 
 /// The cell as it is stated, and what was read.
@@ -52,7 +52,7 @@ fn said(cell: &Cell, measurements: Measurements) -> Vec<Finding> {
         (cell, &[]),
         Ok(measurements),
         &reduce,
-        (&QUIET, 1),
+        &QUIET,
         Control::default(),
     ) {
         Ok(found) => found.readings,
@@ -168,7 +168,7 @@ fn what_is_doubted_is_in_every_interval() {
         rope_anchor(&mut cell).z -= 0.06;
         let measured = prepare(&cell, table, &Default::default()).unwrap();
         let fit = Fit::new(&cell, measured, &Default::default()).unwrap();
-        let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+        let all = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
         let diagnosis = all.diagnosis.unwrap();
         let doubted = diagnosis.doubted().unwrap();
         assert_eq!(doubted.severity, Severity::Caution);
@@ -322,7 +322,7 @@ fn identify_says_what_measure_says() {
         let by_measure = said(&cell, measurements.clone());
         let measured = prepare(&cell, measurements, &Default::default()).unwrap();
         let fit = Fit::new(&cell, measured, &Default::default()).unwrap();
-        let all = Identified::new(&fit, &Wanted::default(), Control::default()).unwrap();
+        let all = Identified::new(&fit, &IdentifiedOptions::default(), Control::default()).unwrap();
         let rejected = all.rejected().unwrap().clone();
         assert_eq!(&rejected, the(&by_measure, codes::SET_UP));
         assert_eq!(rejected.severity, Severity::Serious);

@@ -1,7 +1,8 @@
 //! Postures that cover the joint space evenly, as a baseline.
 
 use super::driven::driven;
-use super::kinds::{ANGLE_STEP_DEG, Asked, Mode, POSTURES, Planned, SEED, check_count};
+use super::kinds::{Asked, Mode, Planned};
+use super::options::{SelectInputs, SelectOptions};
 use crate::error::Result;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -12,30 +13,6 @@ use crate::plan::index::{GroupEvaluation, evaluate};
 use crate::plan::route::{Route, RouteOptions, route_findings};
 use crate::plan::select::{smallest_distance, smallest_margin, space_filling};
 use serde::{Deserialize, Serialize};
-
-/// What is asked of evenly spread postures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct SpaceFillingRequest {
-    /// Number of postures.
-    pub postures: usize,
-    /// Seed of the random numbers.
-    #[serde(skip)]
-    pub seed: u64,
-    /// Steps that angles are rounded to \[deg\]; without one they stay as they are.
-    pub angle_step_deg: Option<f64>,
-}
-
-impl Default for SpaceFillingRequest {
-    fn default() -> Self {
-        SpaceFillingRequest {
-            postures: POSTURES,
-            seed: SEED,
-            angle_step_deg: Some(ANGLE_STEP_DEG),
-        }
-    }
-}
 
 /// Evenly spread postures with what they are worth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -74,22 +51,27 @@ pub struct SpaceFillingPlan {
 /// As [`space_filling`]; a step of the angles that is not above zero; a cell whose postures cannot be evaluated.
 pub fn plan_space_filling(
     cell: &Cell,
-    request: &SpaceFillingRequest,
+    options: &SelectOptions,
     control: Control<'_>,
-) -> Result<Planned<SpaceFillingPlan, Asked<SpaceFillingRequest>>> {
-    check_count(request.postures)?;
+) -> Result<Planned<SpaceFillingPlan>> {
+    let nothing = SelectInputs::default();
+    let options = &SelectOptions {
+        space_filling: true,
+        ..options.clone()
+    };
+    options.check(&nothing)?;
     let (cell, mut findings) = prepared(cell, true);
-    let found = space_filling(&cell, request.postures, request.seed, control)?;
+    let found = space_filling(&cell, options.postures(&nothing), options.seed(), control)?;
     // A search that was stopped keeps its order.
     let keep = found.termination == Termination::Interrupted;
-    let options = RouteOptions {
+    let driving = RouteOptions {
         keep_order: keep,
         keep_angles: keep,
-        step_deg: request.angle_step_deg,
-        seed: request.seed,
+        step_deg: options.angle_step(),
+        seed: options.seed(),
         ..RouteOptions::default()
     };
-    let (angles, route) = driven(&cell, &found.postures, &options, None)?;
+    let (angles, route) = driven(&cell, &found.postures, &driving, None)?;
     let group = PostureGroup::from_angles("space-filling", angles.iter().cloned());
     let postures = group.postures;
     findings.extend(route_findings(&cell, &postures, &route)?);
@@ -104,11 +86,10 @@ pub fn plan_space_filling(
         route,
         findings,
     };
-    let options = Asked::new(Mode::SpaceFilling, request, &cell);
     Ok(Planned {
         result,
-        options,
-        seed: Some(request.seed),
+        options: Asked::new(Mode::SpaceFilling, options, &cell),
+        seed: Some(options.seed()),
         cell,
         postures,
     })

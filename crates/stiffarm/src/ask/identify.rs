@@ -1,24 +1,27 @@
 //! All that `identify` says of a measurement: estimates, and how far to trust them.
 
+use crate::ask::fit::FitOptions;
+#[cfg(feature = "clap")]
+use crate::ask::values::{above_zero, count, seed};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, open_springs};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
-use crate::estimate::diagnose::{Diagnosis, diagnose_in};
+use crate::estimate::diagnose::Diagnosis;
+use crate::estimate::diagnosed::{diagnosed, is_misread};
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
-    Bootstrap, Estimator, Fit, Identification, IdentifyOptions, NoiseSource, Profile, Weights,
-    bootstrap, implausible_scale, profile,
+    Bootstrap, Fit, Identification, IdentifyOptions, Profile, bootstrap, implausible_scale, profile,
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
 use crate::estimate::setup::{self, Freed};
 use crate::estimate::systematic::{SystematicErrors, systematic_errors_with};
-use crate::findings::{Finding, codes};
+use crate::findings::Finding;
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
 use crate::measure::screening::Screening;
-use crate::model::observation::ExtraTerm;
+use crate::model::robot::Robot;
 use crate::numerics::control::Control;
 use crate::plan::select::GlobalOptions;
 use serde::{Deserialize, Serialize};
@@ -26,76 +29,83 @@ use serde::{Deserialize, Serialize};
 /// Rounds of the search for the next posture: one posture is soon found.
 const ADVICE_ROUNDS: u64 = 2;
 
-/// What is wanted beside the estimates.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What is asked of an identification.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(default)]
 #[non_exhaustive]
-pub struct Wanted {
-    /// Resamples of the bootstrap; none without.
+pub struct IdentifiedOptions {
+    /// Postures to leave out, for example those kept for validation
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "NAME,…", value_delimiter = ',')
+    )]
+    pub exclude: Vec<String>,
+    /// The flange was fixed: the table has the controller's angles and the wrench of the fixture
+    #[cfg_attr(feature = "clap", arg(long))]
+    pub clamped: bool,
+    /// Standard deviation of a difference of two angles, for --clamped [deg]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", requires = "clamped",
+        value_parser = above_zero("noise_deg")))]
+    pub angle_noise_deg: Option<f64>,
+    /// How the stiffness is estimated, and what it rests on.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "clap", command(flatten))]
+    pub fit: FitOptions,
+    /// Quantities of the set-up that are identified beside the stiffness, on purpose: anchor,
+    /// loading-point, gravity, force-beside, common-shift, … (docs/set-up.md)
+    #[cfg_attr(
+        feature = "clap",
+        arg(
+            long,
+            value_name = "NAME,…",
+            value_delimiter = ',',
+            help_heading = "Estimator"
+        )
+    )]
+    pub free: Vec<String>,
+    /// Also resample the postures this often for a bootstrap interval
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = count()))]
     pub bootstrap: Option<u64>,
-    /// Which elastic model predicts; by default the mixed one, unless the options of the fit exclude it.
-    pub elastic: Option<ElasticChoice>,
-    /// Seed of the bootstrap and of the search for the next posture.
+    /// Seed of the resampling and of the search for the next posture
+    #[cfg_attr(feature = "clap", arg(long, default_value_t = 1, value_parser = seed()))]
     pub seed: u64,
-    /// Only estimates and residuals.
+    /// Estimates and residuals only: no leave-one-out, systematic errors,
+    /// extra terms tried or next posture
+    #[cfg_attr(feature = "clap", arg(long))]
     pub brief: bool,
 }
 
-impl Default for Wanted {
+impl Default for IdentifiedOptions {
     fn default() -> Self {
-        Wanted {
+        IdentifiedOptions {
+            exclude: Vec::new(),
+            clamped: false,
+            angle_noise_deg: None,
+            fit: FitOptions::default(),
+            free: Vec::new(),
             bootstrap: None,
-            elastic: None,
             seed: 1,
             brief: false,
         }
     }
 }
 
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// How the stiffness is estimated.
-    pub estimator: Estimator,
-    /// Where the relative weight of single displacements comes from.
-    pub weights: Weights,
-    /// Where the size of the noise comes from.
-    pub noise: NoiseSource,
-    /// Confidence of the intervals.
-    pub confidence: f64,
-    /// Extra terms asked for.
-    pub extra: Vec<ExtraTerm>,
-    /// Quantities of the set-up identified beside the stiffness.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub free: Vec<String>,
-    /// What gives way.
-    pub elastic: ElasticChoice,
-    /// Relative standard deviation of the prior stiffness (fraction).
-    pub prior_std: f64,
-    /// Postures left out.
-    pub exclude: Vec<String>,
-    /// Resamples of the bootstrap.
-    pub bootstrap: Option<u64>,
-    /// Whether only estimates and residuals were wanted.
-    pub brief: bool,
-}
-
-impl Options {
-    /// The options as the result holds them.
-    pub fn new(fit: &IdentifyOptions, wanted: &Wanted, exclude: &[String]) -> Self {
-        Options {
-            estimator: fit.estimator,
-            weights: fit.weights,
-            noise: fit.noise,
-            confidence: fit.confidence,
-            extra: fit.extra.clone(),
-            free: fit.free.clone(),
-            elastic: ElasticChoice::or_default(wanted.elastic, fit),
-            prior_std: fit.prior_std,
-            exclude: exclude.to_vec(),
-            bootstrap: wanted.bootstrap,
-            brief: wanted.brief,
-        }
+impl IdentifiedOptions {
+    /// The options of the fit for this robot.
+    ///
+    /// # Errors
+    /// As [`FitOptions::options`].
+    pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
+        Ok(IdentifyOptions {
+            free: self.free.clone(),
+            ..self.fit.options(robot)?
+        })
     }
 }
 
@@ -211,8 +221,8 @@ impl Identified {
     /// # Errors
     /// As [`Fit::identification`], [`bootstrap`] (key `bootstrap`), [`elastic`] (key `elastic`) and
     /// [`free`](setup::free) (key `free`).
-    pub fn new(fit: &Fit, wanted: &Wanted, control: Control<'_>) -> Result<Self> {
-        let choice = ElasticChoice::or_default(wanted.elastic, fit.options());
+    pub fn new(fit: &Fit, wanted: &IdentifiedOptions, control: Control<'_>) -> Result<Self> {
+        let choice = ElasticChoice::or_default(wanted.fit.elastic, fit.options());
         let without = [
             ("brief", wanted.brief),
             ("bootstrap", wanted.bootstrap.is_some()),
@@ -377,54 +387,6 @@ impl Identified {
             loads: seen.ok()?,
         })
     }
-}
-
-/// What the residuals say. What speaks against the axes alone has its answer in the mixed model, where it predicts; what
-/// follows from a set-up that is rejected is no finding of its own.
-///
-/// # Errors
-/// As [`diagnose`].
-pub(crate) fn diagnosed(fit: &Fit, mixed: Option<&MixedFit>) -> Result<Diagnosis> {
-    let mut out = diagnose_in(fit, mixed)?;
-    let of_axes = [codes::RESIDUALS_ABOVE_NOISE, codes::FURTHER_TERM];
-    out.findings
-        .retain(|finding| !(mixed.is_some() && of_axes.contains(&&*finding.code)));
-    if !setup::is_doubtful(fit.measured()) {
-        let outlying: Vec<String> = (out.outliers.found.iter())
-            .filter_map(|outlier| outlier.posture.clone())
-            .collect();
-        out.set_up = setup::set_up(fit, mixed, &outlying)?;
-    }
-    if out.rejected().is_some() {
-        out.findings.retain(|finding| !setup::follows(finding));
-    }
-    let found = out
-        .set_up
-        .iter()
-        .filter_map(|set_up| set_up.finding.clone());
-    out.findings.splice(0..0, found.collect::<Vec<_>>());
-    Ok(out)
-}
-
-/// What a fit says against its readings: stiffnesses of another scale, residuals. What a wrong scale of the table
-/// explains is no finding of its own.
-///
-/// # Errors
-/// As [`Fit::identification`].
-pub(crate) fn doubts(fit: &Fit, diagnosis: Option<&Diagnosis>) -> Result<Vec<Finding>> {
-    if is_misread(fit) {
-        return Ok(Vec::new());
-    }
-    let implausible = implausible_scale(fit.cell(), fit.identification()?);
-    let diagnosed = diagnosis.iter().flat_map(|own| &own.findings).cloned();
-    Ok(implausible.into_iter().chain(diagnosed).collect())
-}
-
-/// Whether the table has a wrong scale.
-fn is_misread(fit: &Fit) -> bool {
-    let screening = fit.measured().screening.iter();
-    let mut scales = screening.flat_map(Screening::scales);
-    scales.any(Finding::is_serious)
 }
 
 /// Findings about a table of displacements, where there are any.

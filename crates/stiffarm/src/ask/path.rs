@@ -1,5 +1,7 @@
 //! Loads and postures along a path, as predictions and compensations are asked for.
 
+#[cfg(feature = "clap")]
+use crate::ask::values::{AXES, choice, number, triple, within};
 use crate::error::{Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::model::cell::Cell;
@@ -15,27 +17,43 @@ use serde::{Deserialize, Serialize};
 /// Turns about the tool axis that are tried where a path gives the axis alone.
 const TURNS: usize = 72;
 
-/// Options of the result that concern the path.
+/// Loads and postures along a path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(default)]
 pub struct PathOptions {
-    /// Axes of the forces in the path and of the load below.
+    /// Axes of the forces in the path, where it has no column axes, and of --force-n
+    #[cfg_attr(feature = "clap", arg(long, value_name = "AXES", value_parser = choice(AXES)))]
     pub axes: Option<ForceAxes>,
-    /// Force where the path has none \[N\].
+    /// Force on the robot's tip [N] where the path has none [default: the cell's [work]]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X,Y,Z", value_parser = triple("force_n"),
+        allow_hyphen_values = true))]
     pub force_n: Option<[f64; 3]>,
-    /// Moment where the path has none \[N·m\].
+    /// Moment about the tip [N·m], with --force-n
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X,Y,Z", value_parser = triple("moment_nm"),
+        allow_hyphen_values = true, requires = "force_n"))]
     pub moment_nm: Option<[f64; 3]>,
-    /// Standard uncertainty of the load \[%\].
+    /// Standard uncertainty of the load at work [%]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent")))]
     pub load_uncertainty_percent: f64,
-    /// Posture to start near \[deg\].
+    /// Posture that the first one should be near [deg] [default: the branch that bends least]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "Q1,…", value_delimiter = ',', value_parser = number("deg"),
+        allow_hyphen_values = true))]
     pub near_deg: Option<Vec<f64>>,
-    /// Largest change of a joint from point to point \[deg\].
+    /// Largest change of a joint from one point to the next [deg]; more is a jump
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 30.0, value_parser = number("step_deg")))]
     pub max_step_deg: f64,
-    /// Turns about the tool axis that were tried; `null` where it was not freed.
-    pub free_turn: Option<u16>,
-    /// How far a feature of the path may come out beside where it should be \[mm\].
+    /// How far features of the path that have no tolerance in the cell may come out beside where they should be [mm]: says
+    /// of each whether it does
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = number("mm")))]
     pub tolerance_mm: Option<f64>,
+    /// The turn about the tool axis is free: try N of them at each point and take the postures that
+    /// bend least [default: 72]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "72",
+        require_equals = true, value_parser = within::<u16>(1..=3600)))]
+    pub free_turn: Option<u16>,
 }
 
 impl Default for PathOptions {

@@ -1,7 +1,8 @@
 //! The best value for each number of postures, and what one more gains.
 
 use super::bounds::{FEWEST_PREDICTING, kept};
-use super::kinds::{Asked, Mode, Planned, SEED, Stage, check_count, check_repeats};
+use super::kinds::{Asked, Mode, Planned, Stage};
+use super::options::{SelectInputs, SelectOptions};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -10,72 +11,7 @@ use crate::plan::certificate::{CertificateOptions, certify};
 use crate::plan::check::prepared;
 use crate::plan::index::Index;
 use crate::plan::select::{ErrorAtCount, GlobalOptions, error_at_count, error_by_count};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use std::time::Duration;
-
-/// Largest number of postures unless one is given.
-const LARGEST: usize = 12;
-
-/// A time in seconds.
-fn seconds<S: Serializer>(
-    time: &Option<Duration>,
-    serializer: S,
-) -> std::result::Result<S::Ok, S::Error> {
-    time.map(|time| time.as_secs_f64()).serialize(serializer)
-}
-
-/// The same read back.
-fn of_seconds<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> std::result::Result<Option<Duration>, D::Error> {
-    let seconds = Option::<f64>::deserialize(deserializer)?;
-    let time = seconds.map(Duration::try_from_secs_f64).transpose();
-    time.map_err(serde::de::Error::custom)
-}
-
-/// What is asked of a curve.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-#[non_exhaustive]
-pub struct CurveRequest {
-    /// The index to improve.
-    #[serde(skip)]
-    pub index: Index,
-    /// Largest number of postures.
-    pub postures: usize,
-    /// Rounds of each search; without rounds and time limit each ends when nothing improves any more.
-    pub rounds: Option<u64>,
-    /// Time after which no further round is begun, for each number of postures \[s\].
-    #[serde(
-        rename = "time_limit_s",
-        serialize_with = "seconds",
-        deserialize_with = "of_seconds"
-    )]
-    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
-    pub time_limit: Option<Duration>,
-    /// Seed of the random numbers.
-    #[serde(skip)]
-    pub seed: u64,
-    /// Whether to bound how good a group of each size could be.
-    pub certificate: bool,
-    /// Whether the index `prediction` may choose postures within 15° of each other in every joint.
-    pub repeats: bool,
-}
-
-impl Default for CurveRequest {
-    fn default() -> Self {
-        CurveRequest {
-            index: Index::Prediction,
-            postures: LARGEST,
-            rounds: None,
-            time_limit: None,
-            seed: SEED,
-            certificate: true,
-            repeats: false,
-        }
-    }
-}
+use serde::{Deserialize, Serialize};
 
 /// The curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -83,6 +19,8 @@ impl Default for CurveRequest {
 pub struct Curve {
     /// The index.
     pub index: Index,
+    /// Largest number of postures that was asked for.
+    pub largest: usize,
     /// One entry for each number of postures; an interruption leaves out the rest.
     pub sizes: Vec<CurveSize>,
     /// Why there are no bounds, where the index has them; else `null`.
@@ -119,21 +57,19 @@ pub struct CurveSize {
 /// As [`select`](crate::plan::select::select), except where too few postures are the reason.
 pub fn plan_curve(
     cell: &Cell,
-    request: &CurveRequest,
+    options: &SelectOptions,
     watch: &mut dyn FnMut(Stage),
     control: Control<'_>,
-) -> Result<Planned<Curve, Asked<CurveRequest>>> {
-    check_count(request.postures)?;
-    check_repeats(request.repeats, request.index)?;
-    let (cell, findings) = prepared(cell, true);
-    let (index, largest) = (request.index, request.postures);
-    let global = GlobalOptions {
-        seed: request.seed,
-        rounds: request.rounds,
-        time_limit: request.time_limit,
-        repeats: request.repeats,
-        ..GlobalOptions::default()
+) -> Result<Planned<Curve>> {
+    let nothing = SelectInputs::default();
+    let options = &SelectOptions {
+        curve: true,
+        ..options.clone()
     };
+    options.check(&nothing)?;
+    let (cell, findings) = prepared(cell, true);
+    let (index, largest) = (options.index(), options.postures(&nothing));
+    let global = options.global(&nothing);
     let mut points = error_by_count(&cell, index, 1..largest, &global, control)?;
     let mut group = None;
     if points.len() + 1 == largest && !control.stopped() {
@@ -143,23 +79,22 @@ pub fn plan_curve(
     let mut missing = None;
     let mut bound_of_one = None;
     let says_something = index != Index::Prediction || largest >= FEWEST_PREDICTING;
-    if let (Some(group), true) = (&group, request.certificate && says_something) {
+    if let (Some(group), true) = (&group, !options.no_certificate && says_something) {
         watch(Stage::BoundingSizes);
-        let options = CertificateOptions::default();
-        let bound = one_posture_bound(&cell, index, group, &options, control);
+        let bound = one_posture_bound(&cell, index, group, control);
         bound_of_one = kept(bound, control, &mut missing);
     }
     let result = Curve {
         index,
+        largest,
         sizes: sizes(index, largest, points, bound_of_one),
         certificate_missing: missing,
         findings,
     };
-    let options = Asked::new(Mode::Curve, request, &cell);
     Ok(Planned {
         result,
-        options,
-        seed: Some(request.seed),
+        options: Asked::new(Mode::Curve, options, &cell),
+        seed: Some(options.seed()),
         cell,
         postures: Vec::new(),
     })
@@ -191,10 +126,10 @@ fn one_posture_bound(
     cell: &Cell,
     index: Index,
     group: &[Vec<f64>],
-    options: &CertificateOptions,
     control: Control<'_>,
 ) -> Result<f64> {
-    let certificate = certify(cell, index, group, options, control.quiet())?;
+    let options = CertificateOptions::default();
+    let certificate = certify(cell, index, group, &options, control.quiet())?;
     Ok(certificate.bound * (group.len() as f64).sqrt())
 }
 

@@ -1,6 +1,5 @@
 //! How many postures, and under which of the cell's loads, a time beside the robot is spent on.
 
-use super::kinds::MOST_POSTURES;
 use crate::error::{Error, Result};
 use crate::findings::minutes;
 use crate::model::cell::{Cell, MeasuringTime};
@@ -11,10 +10,9 @@ use crate::numerics::order::sort_by_number;
 use crate::plan::check::{both_loads, springs_left_out};
 use crate::plan::index::Index;
 use crate::plan::index::prediction::PredictionModel;
-use crate::plan::select::{GlobalOptions, select};
+use crate::plan::select::{GlobalOptions, MOST_POSTURES, select};
 use crate::units::STANDARD_GRAVITY;
 use serde::{Deserialize, Serialize};
-use std::time::Duration;
 
 /// With more loads than these, each alone and those up to each are weighed, not every choice of some.
 const MOST_LOADS: usize = 3;
@@ -37,7 +35,7 @@ pub struct InTime {
     pub prediction: f64,
 }
 
-/// The cell under the loads that are best in `time`, how many postures there are for them, and what each way gives, the
+/// The cell under the loads that are best in `seconds`, how many postures there are for them, and what each way gives, the
 /// best first. Under another index than prediction all loads are taken, and nothing is weighed.
 ///
 /// # Errors
@@ -45,11 +43,10 @@ pub struct InTime {
 pub(super) fn in_time(
     cell: Cell,
     index: Index,
-    time: Duration,
+    seconds: f64,
     global: &GlobalOptions,
     control: Control<'_>,
 ) -> Result<(Cell, usize, Vec<InTime>)> {
-    let seconds = time.as_secs_f64();
     let within = |load: &Load| cell.time.postures_within(seconds, load);
     let all = within(&cell.setup.load);
     let ways = if index == Index::Prediction {

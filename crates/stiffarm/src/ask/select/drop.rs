@@ -1,36 +1,15 @@
 //! Which given postures are least worth their measuring time.
 
 use super::kinds::{Asked, Mode, Planned};
+use super::options::{SelectInputs, SelectOptions};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::check::prepared;
-use crate::plan::index::Index;
 use crate::plan::select::{Dropped, drop_postures};
 use serde::{Deserialize, Serialize};
-
-/// What is asked of given postures of which some are to be left out.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct DropRequest {
-    /// The index that is to stay best.
-    #[serde(skip)]
-    pub index: Index,
-    /// Number of postures to leave out.
-    pub drop: usize,
-}
-
-impl Default for DropRequest {
-    fn default() -> Self {
-        DropRequest {
-            index: Index::Prediction,
-            drop: 1,
-        }
-    }
-}
 
 /// What each posture is worth, and which ones stay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,11 +35,16 @@ pub struct DropResult {
 pub fn plan_drop(
     cell: &Cell,
     given: &[Posture],
-    request: &DropRequest,
+    options: &SelectOptions,
     control: Control<'_>,
-) -> Result<Planned<DropResult, Asked<DropRequest>>> {
+) -> Result<Planned<DropResult>> {
+    options.check(&SelectInputs {
+        given: given.to_vec(),
+        ..SelectInputs::default()
+    })?;
     let (cell, mut findings) = prepared(cell, true);
-    let dropped = drop_postures(&cell, request.index, given, request.drop, control);
+    let (index, count) = (options.index(), options.drop.unwrap_or(1));
+    let dropped = drop_postures(&cell, index, given, count, control);
     let dropped = dropped.map_err(|error| match (error.code(), given.len()) {
         (Code::TooFewData, 2..) => error.hint(format!("leave out {} at most", given.len() - 1)),
         _ => error,
@@ -73,10 +57,9 @@ pub fn plan_drop(
         dropped,
         findings,
     };
-    let options = Asked::new(Mode::Drop, request, &cell);
     Ok(Planned {
         result,
-        options,
+        options: Asked::new(Mode::Drop, options, &cell),
         seed: None,
         cell,
         postures,

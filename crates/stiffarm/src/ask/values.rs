@@ -1,10 +1,13 @@
 //! Values that several commands read alike. Each number is refused where it cannot be
 //! meant: nothing that is computed from an option is infinite.
 
+use crate::estimate::elastic::ElasticChoice;
+use crate::model::process::ForceAxes;
+use crate::model::stiffness::Model;
+use crate::units::Sense;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use std::ops::RangeInclusive;
 use std::time::Duration;
-use stiffarm::units::Sense;
 
 /// A number of things to make: at least one, and not by a slip a million.
 pub fn count() -> impl Fn(&str) -> Result<u64, String> + Clone {
@@ -137,45 +140,42 @@ pub fn pause() -> impl Fn(&str) -> Result<Duration, String> + Clone {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// How displacements are calculated.
+pub const MODEL: &[Choice<Model>] = &[
+    ("linear", "Linear in the load", Model::Linear),
+    (
+        "equilibrium",
+        "Exact static equilibrium",
+        Model::Equilibrium,
+    ),
+];
 
-    #[test]
-    fn a_whole_number_is_refused_with_its_range() {
-        let percent = within::<u8>(1..=100);
-        assert_eq!(percent("100"), Ok(100));
-        for text in [
-            "0",
-            "101",
-            "-1",
-            "1e1",
-            "2.5",
-            "two",
-            "",
-            "99999999999999999999999",
-        ] {
-            let needed = "a whole number from 1 to 100 is needed";
-            assert_eq!(percent(text), Err(needed.to_string()), "{text}");
-        }
-        assert_eq!(seed()("18446744073709551615"), Ok(u64::MAX));
-        let needed = "a whole number from 0 on is needed";
-        assert_eq!(seed()("-1"), Err(needed.to_string()));
-        assert!(within::<u8>(0..=u64::MAX)("256").is_err());
-    }
+/// What gives way.
+pub const ELASTIC: &[Choice<ElasticChoice>] = &[
+    ("axes", "The joint axes alone", ElasticChoice::Axes),
+    (
+        "mixed",
+        "Joints and base in all directions, as far as the data show",
+        ElasticChoice::Mixed,
+    ),
+];
 
-    #[test]
-    fn what_cannot_be_meant_is_refused_with_its_unit() {
-        assert_eq!(number("mm")(" 12.5 "), Ok(12.5));
-        let error = number("force_n")("1e300").unwrap_err();
-        assert!(error.contains("1e300 N"), "{error}");
-        for text in ["nan", "inf", "-inf", "1,5", "", "1e999"] {
-            assert!(number("mm")(text).is_err(), "{text}");
-        }
-        assert!(above_zero("mm")("0").is_err());
-        assert!(above_zero("mm")("1e-300").is_err());
-        assert_eq!(triple("deg")("180, 0,-1e-9"), Ok([180.0, 0.0, -1e-9]));
-        assert!(triple("deg")("180,0").is_err());
-        assert!(triple("deg")("180,0,1e300").is_err());
-    }
-}
+/// Axes of a path's forces.
+pub const AXES: &[Choice<ForceAxes>] = &[
+    ("base", "The robot's base", ForceAxes::Base),
+    (
+        "tool",
+        "The tip frame; its z is the tool axis",
+        ForceAxes::Tool,
+    ),
+    (
+        "workpiece",
+        "The workpiece frame of the cell",
+        ForceAxes::Workpiece,
+    ),
+    (
+        "path",
+        "The path: z the tool axis, x the feed direction across it",
+        ForceAxes::Path,
+    ),
+];

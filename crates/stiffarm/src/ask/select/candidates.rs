@@ -1,7 +1,9 @@
 //! The best postures out of a list.
 
-use super::kinds::{Asked, Mode, POSTURES, Planned, SEED, check_count};
+use super::kinds::{Asked, Mode, Planned};
+use super::options::{SelectInputs, SelectOptions};
 use crate::error::Result;
+use crate::estimate::forecast::add_forecast;
 use crate::findings::Finding;
 use crate::model::cell::Cell;
 use crate::model::measurement::Candidate;
@@ -9,44 +11,8 @@ use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::check::prepared;
 use crate::plan::feasibility::on_limits;
-use crate::plan::index::Index;
 use crate::plan::select::{CandidateOptions, CandidateSelection, limits_of, select_candidates};
 use serde::{Deserialize, Serialize};
-
-/// What is asked of a choice out of a list.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[non_exhaustive]
-pub struct CandidateRequest {
-    /// The index to improve.
-    #[serde(skip)]
-    pub index: Index,
-    /// Number of postures to choose.
-    pub postures: usize,
-    /// Random groups from which the exchange starts.
-    pub starts: usize,
-    /// Seed of the random numbers.
-    #[serde(skip)]
-    pub seed: u64,
-    /// Whether bounds and limits of the cell count: not for measured postures, which the machine held.
-    #[serde(skip)]
-    pub limits: bool,
-    /// Whether to bound how good any other choice could be.
-    pub certificate: bool,
-}
-
-impl Default for CandidateRequest {
-    fn default() -> Self {
-        CandidateRequest {
-            index: Index::Prediction,
-            postures: POSTURES,
-            starts: CandidateOptions::default().starts,
-            seed: SEED,
-            limits: true,
-            certificate: true,
-        }
-    }
-}
 
 /// The chosen postures and what is known about them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -71,30 +37,32 @@ pub struct Chosen {
     pub findings: Vec<Finding>,
 }
 
-/// Chooses the best postures of a list; a stop of `control` ends it with the best so far.
+/// Chooses the best postures of a list, `within` bounds and limits of the cell (not for measured postures, which the
+/// machine held); a stop of `control` ends it with the best so far.
 ///
 /// # Errors
 /// As [`select_candidates`].
 pub fn plan_candidates(
     cell: &Cell,
     candidates: &[Candidate],
-    request: &CandidateRequest,
+    within: bool,
+    options: &SelectOptions,
     control: Control<'_>,
-) -> Result<Planned<Chosen, Asked<CandidateRequest>>> {
-    check_count(request.postures)?;
+) -> Result<Planned<Chosen>> {
+    let nothing = SelectInputs::default();
+    options.check(&nothing)?;
     let measured = |c: &Candidate| c.wrench.is_some() || c.states.iter().any(|s| s.1.is_some());
     let measured_wrenches = candidates.iter().any(measured);
     // The wrenches of measured postures are not the load of the cell.
     let (cell, mut findings) = prepared(cell, !measured_wrenches);
-    let (index, count) = (request.index, request.postures);
-    let options = CandidateOptions {
-        starts: request.starts,
-        seed: request.seed,
-        limits: request.limits,
-        bound: request.certificate,
+    let (index, count) = (options.index(), options.postures(&nothing));
+    let exchange = CandidateOptions {
+        seed: options.seed(),
+        limits: within,
+        bound: !options.no_certificate,
         ..CandidateOptions::default()
     };
-    let selection = select_candidates(&cell, index, count, candidates, &options, control)?;
+    let mut selection = select_candidates(&cell, index, count, candidates, &exchange, control)?;
     let chosen = selection.chosen.iter().map(|p| Posture {
         name: candidates[*p].name.clone(),
         q: candidates[*p].q.clone(),
@@ -102,6 +70,10 @@ pub fn plan_candidates(
     let postures: Vec<Posture> = chosen.collect();
     let limits = limits_of(&cell, &postures)?;
     findings.extend(on_limits(&cell, &postures, &limits));
+    // Measured wrenches are not the load of the cell.
+    if !measured_wrenches {
+        add_forecast(&cell, &postures, &mut selection.evaluation);
+    }
     let result = Chosen {
         joints: cell.setup.robot.spring_names(),
         candidate_names: candidates.iter().map(|c| c.name.clone()).collect(),
@@ -111,11 +83,10 @@ pub fn plan_candidates(
         findings,
         selection,
     };
-    let options = Asked::new(Mode::Candidates, request, &cell);
     Ok(Planned {
         result,
-        options,
-        seed: Some(request.seed),
+        options: Asked::new(Mode::Candidates, options, &cell),
+        seed: Some(options.seed()),
         cell,
         postures,
     })

@@ -1,7 +1,9 @@
 //! All that `measure` says: what the readings so far are worth, and what to measure next.
 
+#[cfg(feature = "clap")]
+use crate::ask::values::seed;
 use crate::error::{Code, Result};
-use crate::estimate::identified::doubts;
+use crate::estimate::diagnosed::doubts;
 use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
@@ -15,11 +17,16 @@ use crate::model::posture::Posture;
 use crate::numerics::control::Control;
 use crate::plan::route::rounded;
 use crate::plan::select::GlobalOptions;
+#[cfg(feature = "clap")]
+use crate::units::mm_to_m;
 use crate::work::predict::{PredictOptions, predict};
-use crate::work::predicted::tasks;
+use crate::work::tasks::tasks;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
+/// Goals are shares of k; beyond this one says nothing.
+#[cfg(feature = "clap")]
+const WIDEST: f64 = 0.5;
 /// Rounds of the search for a better posture.
 const ROUNDS: u64 = 1;
 /// Findings on what single joints carry and what residuals cannot tell yet: other postures may bring it.
@@ -33,16 +40,66 @@ const MAY_COME: [&str; 5] = [
 /// Steps of the angles of a posture that is proposed \[deg\].
 const STEP_DEG: f64 = 0.01;
 
-/// Options of the result.
+/// What is asked of a day of measuring.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(default)]
+pub struct MeasureOptions {
+    /// Good enough, at 95 % with all errors together: `2%` for every joint's stiffness known to 2 %, or `0.05mm` for
+    /// the deflection at each of the cell's tasks predicted to 0.05 mm
+    #[cfg_attr(feature = "clap", arg(long, value_name = "2%|0.05mm", value_parser = goal))]
+    pub until: Option<Goal>,
+    /// Do not search for a posture that would help more than the next planned one
+    #[cfg_attr(feature = "clap", arg(long))]
+    pub no_search: bool,
+    /// Seed of the search for a better posture
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", default_value_t = 1, value_parser = seed()))]
+    pub seed: u64,
+}
+
+impl Default for MeasureOptions {
+    fn default() -> Self {
+        MeasureOptions {
+            until: None,
+            no_search: false,
+            seed: 1,
+        }
+    }
+}
+
+/// What is good enough.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Half width of every joint's stiffness that is good enough (fraction of k); `null` unless it is the goal.
-    pub until_stiffness: Option<f64>,
-    /// Half width of the deflection at each task that is good enough \[m\]; `null` unless it is the goal.
-    pub until_deflection_m: Option<f64>,
-    /// Whether a better posture was looked for.
-    pub search: bool,
+#[serde(rename_all = "snake_case")]
+pub enum Goal {
+    /// Half width of every joint's stiffness (fraction of k).
+    Stiffness(f64),
+    /// Half width of the deflection at each task \[m\].
+    #[serde(rename = "deflection_m")]
+    Deflection(f64),
+}
+
+impl Goal {
+    /// The share of k, where that is the goal.
+    pub fn stiffness(self) -> Option<f64> {
+        match self {
+            Goal::Stiffness(part) => Some(part),
+            Goal::Deflection(_) => None,
+        }
+    }
+
+    /// The length, where that is the goal \[m\].
+    pub fn deflection(self) -> Option<f64> {
+        match self {
+            Goal::Stiffness(_) => None,
+            Goal::Deflection(length) => Some(length),
+        }
+    }
 }
 
 /// How the day stands.
@@ -140,7 +197,7 @@ impl Judgement {
 }
 
 /// What `measurements` are worth beside a plan; `measurements` are the error of a table in which no posture is complete yet
-/// where there is none. `seed` is that of the search for a better posture.
+/// where there is none.
 ///
 /// # Errors
 /// Readings that cannot be read or hold something wrong, a goal at tasks that the cell does not have, stopped.
@@ -148,7 +205,7 @@ pub fn judge(
     (cell, plan): (&Cell, &[Posture]),
     measurements: Result<Measurements>,
     reduce: &ReduceOptions,
-    (options, seed): (&Options, u64),
+    options: &MeasureOptions,
     control: Control<'_>,
 ) -> Result<Judgement> {
     let begun = measurements.as_ref().map_or_else(|_| Vec::new(), begun);
@@ -187,7 +244,7 @@ pub fn judge(
     };
     let fit = Fit::new(cell, measured, &IdentifyOptions::default())?;
     let found = SoFar::new(&fit).and_then(|so_far| {
-        let found = standing(&so_far, &left, options.until_stiffness)?;
+        let found = standing(&so_far, &left, options.until.and_then(Goal::stiffness))?;
         Ok((found, so_far))
     });
     let so_far = match found {
@@ -205,7 +262,7 @@ pub fn judge(
         out.readings.retain(|finding| !setup::is_explained(finding));
     }
     out.readings.extend(of_fit);
-    if let Some(goal) = options.until_deflection_m {
+    if let Some(goal) = options.until.and_then(Goal::deflection) {
         let mut found = deflection(&fit, &so_far, goal)?;
         found.reached &= so_far.missing_postures(left.len()) == 0;
         out.deflection = Some(found);
@@ -213,8 +270,8 @@ pub fn judge(
             standing.findings.extend(so_far.too_few(left.len()));
         }
     }
-    if options.search && !out.is_serious() && out.reached() != Some(true) {
-        out.better = better(&fit, cell, &left, seed, control)?;
+    if !options.no_search && !out.is_serious() && out.reached() != Some(true) {
+        out.better = better(&fit, cell, &left, options.seed, control)?;
         if let Some(better) = out.better.as_mut().filter(|_| so_far.is_mixed()) {
             better.scale_to(&so_far.joints()?);
         }
@@ -309,5 +366,33 @@ fn begun(measurements: &Measurements) -> Vec<String> {
         Measurements::Displacements(postures) => {
             postures.iter().map(|p| p.posture.name.clone()).collect()
         }
+    }
+}
+
+/// `2%` or `0.05mm`.
+#[cfg(feature = "clap")]
+fn goal(text: &str) -> std::result::Result<Goal, String> {
+    let wrong = || {
+        "give a percentage of the stiffness up to 50, such as 2%, or a length, such as 0.05mm"
+            .to_string()
+    };
+    let number = |text: &str| {
+        text.trim()
+            .parse::<f64>()
+            .ok()
+            .filter(|v| *v > 0.0 && v.is_finite())
+    };
+    let text = text.trim();
+    if let Some(mm) = text.strip_suffix("mm") {
+        let mm = number(mm)
+            .filter(|mm| (1e-6..=1e3).contains(mm))
+            .ok_or_else(wrong)?;
+        return Ok(Goal::Deflection(mm_to_m(mm)));
+    }
+    let percent = text.strip_suffix('%').and_then(number).ok_or_else(wrong)?;
+    if percent <= 100.0 * WIDEST {
+        Ok(Goal::Stiffness(percent / 100.0))
+    } else {
+        Err(wrong())
     }
 }

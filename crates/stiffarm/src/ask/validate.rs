@@ -1,9 +1,12 @@
 //! All that `validate` says: a saved stiffness at postures kept out of its
 //! identification, or each posture predicted by the others.
 
+use crate::ask::fit::FitOptions;
+use crate::ask::identify::Reduced;
+#[cfg(feature = "clap")]
+use crate::ask::values::{MODEL, choice, number};
 use crate::error::{Code, Error, Result};
 use crate::estimate::elastic::{ElasticChoice, carried};
-use crate::estimate::identified::Reduced;
 use crate::estimate::identify::{Estimator, Fit, NoiseSource};
 use crate::estimate::mixed::{MixedFit, WorkRows, never_loaded};
 use crate::estimate::saved::Saved;
@@ -31,13 +34,13 @@ pub struct Options {
     /// Only these postures; all if empty.
     pub only: Vec<String>,
     /// How each fold was identified, with --folds.
-    pub fit: Option<FitOptions>,
+    pub fit: Option<FoldOptions>,
 }
 
 /// Options of the identifications of a cross-validation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct FitOptions {
+pub struct FoldOptions {
     /// Folds of postures.
     pub folds: usize,
     /// How the unknowns are estimated.
@@ -92,29 +95,44 @@ pub enum Folds {
     Count(usize),
 }
 
-/// What is asked of a validation beside its data.
+/// What is asked of a validation: by default the linear model, all postures, no tolerance.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// How displacements are calculated.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+pub struct ValidateOptions {
+    /// How displacements are calculated
+    #[cfg_attr(feature = "clap", arg(long, default_value = "linear", value_parser = choice(MODEL)))]
     pub model: Model,
-    /// Largest deviation allowed \[mm\].
+    /// Largest deviation allowed [mm]; beyond it the exit code is 1
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = number("tolerance_mm")))]
     pub tolerance_mm: Option<f64>,
-    /// Only these postures; all if empty.
+    /// Only these postures
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "NAME,…", value_delimiter = ',')
+    )]
     pub only: Vec<String>,
+    /// Without a stiffness: leave out N folds of postures in turn, and predict each from the
+    /// others; `all` leaves out one posture at a time
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = folds))]
+    pub folds: Option<Folds>,
+    /// Options of the fits.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    pub fit: FitOptions,
 }
 
-impl Default for Request {
-    /// The linear model, all postures, no tolerance.
+impl Default for ValidateOptions {
     fn default() -> Self {
-        Request {
+        ValidateOptions {
             model: Model::Linear,
             tolerance_mm: None,
             only: Vec::new(),
+            folds: None,
+            fit: FitOptions::default(),
         }
     }
 }
 
-impl Request {
+impl ValidateOptions {
     /// Refuses what is wrong without any data.
     ///
     /// # Errors
@@ -142,10 +160,10 @@ impl Request {
     }
 
     /// Validates a saved stiffness; `cell_hash` is the SHA-256 of the cell's file, where
-    /// there is one. Of `measured` those postures count that [`Request::only`] names.
+    /// there is one. Of `measured` those postures count that [`ValidateOptions::only`] names.
     ///
     /// # Errors
-    /// As [`Request::check`], [`Request::keep_only`] and [`validate_with`].
+    /// As [`ValidateOptions::check`], [`ValidateOptions::keep_only`] and [`validate_with`].
     pub fn held_out(
         &self,
         cell: &Cell,
@@ -172,17 +190,12 @@ impl Request {
     }
 
     /// Predicts each posture of `fit` from fits without it, with the elastic model that is
-    /// asked for, by default the mixed one where it can be fitted; [`Request::keep_only`] comes before the fit.
+    /// asked for, by default the mixed one where it can be fitted; [`ValidateOptions::keep_only`] comes before the fit.
     ///
     /// # Errors
-    /// As [`Request::check`]; another model than the linear one (key `model`); an elastic model
+    /// As [`ValidateOptions::check`]; another model than the linear one (key `model`); an elastic model
     /// that the data do not carry (key `elastic`); and as [`cross_validate`].
-    pub fn by_folds(
-        &self,
-        fit: &Fit,
-        asked: Option<ElasticChoice>,
-        folds: Folds,
-    ) -> Result<(Validated, FitOptions)> {
+    pub fn by_folds(&self, fit: &Fit, folds: Folds) -> Result<(Validated, FoldOptions)> {
         self.check()?;
         if self.model != Model::Linear {
             let message = "Fold by fold only the linear model can be used.";
@@ -190,9 +203,9 @@ impl Request {
         }
         let count = folds.count(fit.measured());
         let tolerance = self.tolerance_mm.map(mm_to_m);
-        let (validation, model) = crossed(fit, asked, count, tolerance)?;
+        let (validation, model) = crossed(fit, self.fit.elastic, count, tolerance)?;
         let options = fit.options();
-        let described = FitOptions {
+        let described = FoldOptions {
             folds: count,
             estimator: options.estimator,
             extra: options.extra.clone(),
@@ -208,8 +221,8 @@ impl Request {
         Ok((validated, described))
     }
 
-    /// The options as the result holds them; `fit` as [`Request::by_folds`] gave it.
-    pub fn options(&self, fit: Option<FitOptions>) -> Options {
+    /// The options as the result holds them; `fit` as [`ValidateOptions::by_folds`] gave it.
+    pub fn options(&self, fit: Option<FoldOptions>) -> Options {
         Options {
             model: self.model,
             tolerance_mm: self.tolerance_mm,
@@ -320,4 +333,15 @@ fn seen(saved: &Saved, result: &Validation) -> Option<Finding> {
 /// Whether the same posture was driven to, as far as a controller repeats it.
 fn is_same(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < SAME)
+}
+
+#[cfg(feature = "clap")]
+fn folds(text: &str) -> std::result::Result<Folds, String> {
+    if text.eq_ignore_ascii_case("all") {
+        return Ok(Folds::All);
+    }
+    match text.parse() {
+        Ok(count) if count >= 2 => Ok(Folds::Count(count)),
+        _ => Err("a number from 2, or `all`, is needed".to_string()),
+    }
 }

@@ -1,9 +1,12 @@
 //! The part of the workspace that a map or a search for a place is about.
 
+#[cfg(feature = "clap")]
+use crate::ask::values::{number, triple};
 use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::units::mm_to_m;
+use serde::{Deserialize, Serialize};
 
 /// Nodes along the longest side.
 const LINE: usize = 61;
@@ -15,7 +18,8 @@ const PLANES: usize = 6;
 const ROUND: f64 = 0.1;
 
 /// A plane of the base frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Plane {
     /// 0 to 2 for x, y, z.
     pub axis: usize,
@@ -24,7 +28,9 @@ pub struct Plane {
 }
 
 /// Nodes of a region.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
 pub enum Steps {
     /// Along the longest side; the others in proportion.
     Longest(usize),
@@ -33,16 +39,29 @@ pub enum Steps {
 }
 
 /// The part of the workspace that is asked for.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct RegionRequest {
-    /// A plane; of the box what lies in it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "clap",
+    derive(clap::Args),
+    command(next_help_heading = "Region (base frame)")
+)]
+#[serde(default)]
+pub struct RegionOptions {
+    /// Map a plane: its coordinate, for example z=800 [mm]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "AXIS=MM", value_parser = plane))]
     pub plane: Option<Plane>,
-    /// Lower corner of the box \[mm\]; without both corners the cell's box, else what the arm
-    /// may reach.
+    /// Lower corner [mm] [default: the cell's box, else what the arm may reach]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X,Y,Z", value_parser = triple("mm"),
+        allow_hyphen_values = true, requires = "to_mm"))]
     pub from_mm: Option<[f64; 3]>,
-    /// Upper corner \[mm\].
+    /// Upper corner [mm]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X,Y,Z", value_parser = triple("mm"),
+        allow_hyphen_values = true, requires = "from_mm"))]
     pub to_mm: Option<[f64; 3]>,
-    /// Nodes.
+    /// Nodes along the longest side, or along x, y and z [default: 61; 31 and six planes in z for a
+    /// box; 11 with --place]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N|NX,NY,NZ", value_parser = steps))]
     pub steps: Option<Steps>,
 }
 
@@ -62,7 +81,7 @@ impl Region {
     ///
     /// # Errors
     /// An upside-down box (key `from_mm`), a plane of no axis (key `plane`).
-    pub fn of_map(cell: &Cell, asked: &RegionRequest) -> Result<Self> {
+    pub fn of_map(cell: &Cell, asked: &RegionOptions) -> Result<Self> {
         let (lower, upper) = corners(cell, asked)?;
         let is_box = (0..3).all(|axis| lower[axis] < upper[axis]);
         let steps = match asked.steps {
@@ -85,7 +104,7 @@ impl Region {
     ///
     /// # Errors
     /// An upside-down box (key `from_mm`), a plane of no axis (key `plane`).
-    pub fn of_places(cell: &Cell, asked: &RegionRequest) -> Result<Self> {
+    pub fn of_places(cell: &Cell, asked: &RegionOptions) -> Result<Self> {
         let (mut lower, mut upper) = corners(cell, asked)?;
         if asked.plane.is_none() && asked.from_mm.is_none() {
             let height = cell.work.workpiece.translation.vector.z;
@@ -100,7 +119,7 @@ impl Region {
     }
 }
 
-fn corners(cell: &Cell, asked: &RegionRequest) -> Result<([f64; 3], [f64; 3])> {
+fn corners(cell: &Cell, asked: &RegionOptions) -> Result<([f64; 3], [f64; 3])> {
     let (mut lower, mut upper) = match (asked.from_mm, asked.to_mm) {
         (Some(from), Some(to)) => (from.map(mm_to_m), to.map(mm_to_m)),
         _ => within_reach(cell),
@@ -168,4 +187,36 @@ fn proportional(lower: [f64; 3], upper: [f64; 3], longest: usize) -> [usize; 3] 
             1
         }
     })
+}
+
+#[cfg(feature = "clap")]
+fn plane(text: &str) -> std::result::Result<Plane, String> {
+    let wanted = "x, y or z with a coordinate in mm is needed, as in z=800";
+    let parts = text.split_once('=').and_then(|(axis, mm)| {
+        let axis = ["x", "y", "z"].iter().position(|name| *name == axis.trim());
+        Some((axis?, mm.trim().parse::<f64>().is_ok().then_some(mm)?))
+    });
+    let (axis, mm) = parts.ok_or(wanted)?;
+    Ok(Plane {
+        axis,
+        mm: number("mm")(mm)?,
+    })
+}
+
+#[cfg(feature = "clap")]
+fn steps(text: &str) -> std::result::Result<Steps, String> {
+    let counts: Option<Vec<usize>> = text
+        .split(',')
+        .map(|v| {
+            v.trim()
+                .parse()
+                .ok()
+                .filter(|n| (1..=1_000_000).contains(n))
+        })
+        .collect();
+    match counts.as_deref() {
+        Some([longest]) => Ok(Steps::Longest(*longest)),
+        Some([x, y, z]) => Ok(Steps::Each([*x, *y, *z])),
+        _ => Err("a number from 1, or three with commas between them, is needed".to_string()),
+    }
 }

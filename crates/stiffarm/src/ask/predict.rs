@@ -1,38 +1,26 @@
 //! All that `predict` says: deflections at the cell's tasks, along a path, or under the
 //! load of the identification.
 
+use crate::ask::path::{Followed, PathOptions};
+use crate::ask::rules::NotWith;
+#[cfg(feature = "clap")]
+use crate::ask::values::{MODEL, choice};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::saved::Saved;
 use crate::findings::{Finding, each_once};
 use crate::model::cell::Cell;
-use crate::model::kinematics::Frames;
-use crate::model::load::Axes;
 use crate::model::observation::PostureTerms;
 use crate::model::path::{LoadedPosture, PathPoint, PathTarget};
 use crate::model::stiffness::Model;
 use crate::numerics::control::Control;
 use crate::units::mm_to_m;
-use crate::work::along::{Followed, PathOptions};
 use crate::work::features::{Deviation, Feature, features};
 use crate::work::never_loaded::never_loaded_at_work;
 use crate::work::posture_path::PosturePathSummary;
-use crate::work::predict::{LoadPoint, LoadedArm, PredictOptions, Prediction, predict_on};
-use nalgebra::Isometry3;
+use crate::work::predict::{self, LoadPoint, LoadedArm, Prediction, predict_on};
+use crate::work::tasks::tasks;
 use serde::{Deserialize, Serialize};
-
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// The path, its loads and postures.
-    #[serde(flatten)]
-    pub path: PathOptions,
-    /// How the deflection was calculated.
-    pub model: Model,
-    /// Where the wrenches act.
-    pub load_at: LoadPoint,
-}
 
 /// The deflections and how the postures were found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,21 +44,40 @@ impl Predicted {
     }
 }
 
-/// What is asked of a prediction beside cell and stiffness; by default the equilibrium under the loads at the tip.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Request {
+/// What is asked of a prediction; by default the equilibrium under the loads at the tip.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+#[serde(default)]
+pub struct PredictOptions {
     /// Loads and postures of a path.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "clap", command(flatten))]
     pub path: PathOptions,
-    /// How the deflection is calculated.
-    pub model: Model,
-    /// Whether to give the Cartesian stiffness of each point.
-    pub matrix: bool,
-    /// The cell's own load, acting at its loading point, instead of one at the tip; the
-    /// deflection is that of the tip all the same.
+    /// The cell's own [load], acting at its loading point, instead of a load at the tip; the deflection is that of the
+    /// tip all the same
+    #[cfg_attr(feature = "clap", arg(long))]
     pub cell_load: bool,
-    /// Which of several load cases, with the cell's own load.
+    /// With --cell-load: which of several load cases
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "NAME", requires = "cell_load")
+    )]
     pub load_case: Option<String>,
+    /// How the deflection is calculated
+    #[cfg_attr(feature = "clap", arg(long, default_value = "equilibrium", value_parser = choice(MODEL)))]
+    pub model: Model,
+    /// Also the Cartesian stiffness matrix, with and without K_C, and its principal axes
+    #[cfg_attr(feature = "clap", arg(long))]
+    pub matrix: bool,
 }
+
+/// What is not asked beside what.
+pub const NOT_WITH: NotWith = &[("cell_load", &["force_n", "axes", "free_turn", "log"])];
 
 /// Postures and loads of a prediction.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +90,7 @@ pub struct Loaded {
     pub summary: Option<PosturePathSummary>,
 }
 
-impl Request {
+impl PredictOptions {
     /// The cell under the load case that is asked for.
     ///
     /// # Errors
@@ -108,8 +115,8 @@ impl Request {
     ///
     /// # Errors
     /// As [`PathOptions::load_uncertainty`].
-    pub fn predict_options(&self, saved: &Saved) -> Result<PredictOptions> {
-        Ok(PredictOptions {
+    pub fn at_work(&self, saved: &Saved) -> Result<predict::PredictOptions> {
+        Ok(predict::PredictOptions {
             model: self.model,
             load_uncertainty: self.path.load_uncertainty()?,
             load_at: self.load_at(),
@@ -128,7 +135,7 @@ impl Request {
     }
 
     /// Postures and loads along `points`, without them at the tasks of the cell, which is
-    /// [`Request::under_case`].
+    /// [`PredictOptions::under_case`].
     ///
     /// # Errors
     /// No points and no tasks, or tasks with several tips; poses under the cell's own load; as
@@ -163,17 +170,17 @@ impl Request {
         })
     }
 
-    /// Predicts at postures and loads of [`Request::loaded`].
+    /// Predicts at postures and loads of [`PredictOptions::loaded`].
     ///
     /// # Errors
-    /// As [`Request::predict_options`] and [`predict`](crate::work::predict::predict).
+    /// As [`PredictOptions::at_work`] and [`predict`](crate::work::predict::predict).
     pub fn predict(
         &self,
         loaded: &Loaded,
         saved: &Saved,
         control: Control<'_>,
     ) -> Result<Predicted> {
-        let options = self.predict_options(saved)?;
+        let options = self.at_work(saved)?;
         let mut arm = LoadedArm::new(&loaded.cell, &saved.predictor)?;
         if self.cell_load {
             arm = arm.loaded_by(&loaded.cell);
@@ -207,55 +214,6 @@ impl Request {
             features,
         })
     }
-
-    /// The options as the result holds them.
-    pub fn options(&self) -> Options {
-        Options {
-            path: self.path.clone(),
-            model: self.model,
-            load_at: self.load_at(),
-        }
-    }
-}
-
-/// The tasks of the cell with their tip.
-///
-/// # Errors
-/// A cell without tasks, or with tasks of several tips.
-pub fn tasks(cell: &Cell) -> Result<(Isometry3<f64>, Vec<LoadedPosture>)> {
-    let tasks = cell.require_tasks().map_err(|e| {
-        let hint = "give a path, or add [[task]] to the cell";
-        Error::new(e.code(), "No path is given, and the cell has no tasks.")
-            .key("task")
-            .hint(hint)
-    })?;
-    if let Some(other) = tasks.iter().find(|task| task.tip != tasks[0].tip) {
-        let message = format!(
-            "The tasks \"{}\" and \"{}\" have different tips.",
-            tasks[0].name, other.name
-        );
-        return Err(Error::new(Code::Unsupported, message)
-            .key("task")
-            .hint("give each as a path of its own, with tip_mm in [work]"));
-    }
-    let mut tip = cell.work.tip(&cell.setup.tool);
-    tip.translation = tasks[0].tip.into();
-    let robot = &cell.setup.robot;
-    let postures = tasks.iter().map(|task| {
-        let frames = Frames::new(robot, &task.q);
-        let turn = |v| match task.axes {
-            Axes::Base => v,
-            Axes::Tool => frames.direction(&v),
-        };
-        LoadedPosture {
-            name: task.name.as_str().into(),
-            line: None,
-            feature: None,
-            q: task.q.clone(),
-            wrench: task.wrench.map(|v| turn(*v)),
-        }
-    });
-    Ok((tip, postures.collect()))
 }
 
 /// Postures under the cell's own load.

@@ -1,76 +1,14 @@
 //! What a plan's result holds.
 
 use super::in_time::InTime;
-use super::kinds::Mode;
 use crate::findings::Finding;
 use crate::plan::certificate::{Certificate, JointEfficiency};
 use crate::plan::check::FurtherLoad;
 use crate::plan::evaluated::EvaluatedGroup;
 use crate::plan::index::GroupEvaluation;
 use crate::plan::route::Route;
-use crate::plan::select::{LimitPrice, LoadDesign, Selection, Sensitivity};
+use crate::plan::select::{LimitPrice, Selection, Sensitivity};
 use serde::{Deserialize, Serialize};
-
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(
-    feature = "schema",
-    derive(schemars::JsonSchema),
-    schemars(rename = "Options")
-)]
-pub struct PlanOptions {
-    /// `global`, `from` or `add`.
-    pub mode: Mode,
-    /// Number of postures selected.
-    pub postures: usize,
-    /// Time beside the robot that was given for the plan \[s\]; absent where its number of postures was.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub measuring_time_s: Option<f64>,
-    /// Whether the index `prediction` might choose postures within 15° of each other in every joint.
-    #[serde(default)]
-    pub repeats: bool,
-    /// Iterations of the optimiser from an initial group; `null` without one.
-    pub max_iterations: Option<u64>,
-    /// Rounds asked for; `null` where the search ended by itself.
-    pub rounds: Option<u64>,
-    /// Time after which no further round was begun \[s\]; `null` without one.
-    pub time_limit_s: Option<f64>,
-    /// Steps that angles were rounded to \[deg\]; `null` where they were not.
-    pub angle_step_deg: Option<f64>,
-    /// What of the load might be chosen; `null` where nothing.
-    pub load: Option<LoadOptions>,
-    /// Whether a certificate was wanted.
-    pub certificate: bool,
-    /// Whether the plan's sensitivity was wanted.
-    pub sensitivity: bool,
-    /// Whether the prices of the limits were wanted.
-    pub prices: bool,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
-
-/// What of the load might be chosen.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct LoadOptions {
-    /// Lowest and highest corner for the anchor, base axes \[m\]; `null` where it stays.
-    pub anchor_box_m: Option<[[f64; 3]; 2]>,
-    /// Lowest and highest corner for the loading point, flange axes \[m\]; `null` where it stays.
-    pub loading_point_box_m: Option<[[f64; 3]; 2]>,
-    /// Largest force allowed \[N\]; `null` where the cell's stays.
-    pub largest_load_n: Option<f64>,
-}
-
-impl LoadOptions {
-    /// `None` where nothing may move.
-    pub(super) fn of(design: &LoadDesign) -> Option<Self> {
-        (!design.is_empty()).then(|| LoadOptions {
-            anchor_box_m: design.anchor.map(|corners| corners.map(Into::into)),
-            loading_point_box_m: design.loading_point.map(|corners| corners.map(Into::into)),
-            largest_load_n: design.magnitude,
-        })
-    }
-}
 
 /// The selected postures and what is known about them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,21 +1,34 @@
 //! What is asked of a registration: which pairs, and how well they are known.
 
+#[cfg(feature = "clap")]
+use crate::ask::values::above_zero;
 use crate::error::{Code, Error, Result};
 use crate::measure::registration::{PointPair, RegisterOptions, Registration, register_with};
 use crate::units::mm_to_m;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-/// Options of the result.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Standard deviation of each coordinate of a pair \[mm\]; `null` estimates it from the residuals.
+/// What is asked of a registration.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(rename = "Options")
+)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+pub struct PairOptions {
+    /// Standard deviation of each coordinate of a pair, both frames together [mm] [default: from
+    /// the residuals]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", value_parser = above_zero("std_mm")))]
     pub std_mm: Option<f64>,
-    /// Pairs left out.
+    /// Points to leave out
+    #[cfg_attr(
+        feature = "clap",
+        arg(long, value_name = "NAME,…", value_delimiter = ',')
+    )]
     pub exclude: Vec<String>,
 }
 
-impl Options {
+impl PairOptions {
     /// The pairs but those that are left out.
     ///
     /// # Errors
@@ -39,7 +52,7 @@ impl Options {
         Ok(kept.collect())
     }
 
-    /// Registers pairs of [`Options::kept`].
+    /// Registers pairs of [`PairOptions::kept`].
     ///
     /// # Errors
     /// As [`register_with`].

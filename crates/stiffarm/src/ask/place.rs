@@ -1,10 +1,11 @@
 //! What is asked of the search for the best place of a workpiece.
 
+use crate::ask::map::MapOptions;
+use crate::ask::region::Region;
 use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::units::deg_to_rad;
 use crate::work::map::PlaceOptions;
-use crate::work::region::{Region, RegionRequest};
 use serde::{Deserialize, Serialize};
 
 /// Options of the result.
@@ -25,37 +26,12 @@ pub struct Options {
     pub free_turns: usize,
 }
 
-/// What is asked of the search beside cell, stiffness and path.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// Where the workpiece's origin may lie.
-    pub region: RegionRequest,
-    /// Turns of the workpiece about the base's z to try \[deg\].
-    pub yaw_deg: Vec<f64>,
-    /// Finer grids, each about the best place so far.
-    pub refine: u8,
-    /// Turns about the tool axis to try where the path leaves it free.
-    pub free_turn: Option<usize>,
-}
-
-impl Default for Request {
-    /// The plane through the given place, the workpiece as it stands.
-    fn default() -> Self {
-        Request {
-            region: RegionRequest::default(),
-            yaw_deg: vec![0.0],
-            refine: 2,
-            free_turn: None,
-        }
-    }
-}
-
-impl Request {
-    /// Refuses what is wrong without a cell.
+impl MapOptions {
+    /// Refuses what is wrong with the places without a cell.
     ///
     /// # Errors
     /// A turn that is not finite (key `yaw_deg`).
-    pub fn check(&self) -> Result<()> {
+    pub fn check_places(&self) -> Result<()> {
         match self.yaw_deg.iter().find(|yaw| !yaw.is_finite()) {
             Some(yaw) => {
                 let message = format!("The turn must be a finite number, got {yaw}.");
@@ -68,9 +44,9 @@ impl Request {
     /// Where and how to search.
     ///
     /// # Errors
-    /// As [`Request::check`] and [`Region::of_places`].
+    /// As [`MapOptions::check_places`] and [`Region::of_places`].
     pub fn place_options(&self, cell: &Cell) -> Result<PlaceOptions> {
-        self.check()?;
+        self.check_places()?;
         let region = Region::of_places(cell, &self.region)?;
         let default = PlaceOptions::default();
         Ok(PlaceOptions {
@@ -83,8 +59,8 @@ impl Request {
         })
     }
 
-    /// The options as the result holds them; `options` as [`Request::place_options`] gave them.
-    pub fn options(&self, options: &PlaceOptions) -> Options {
+    /// The options as the result holds them; `options` as [`MapOptions::place_options`] gave them.
+    pub fn of_places(&self, options: &PlaceOptions) -> Options {
         Options {
             lower_m: options.lower,
             upper_m: options.upper,

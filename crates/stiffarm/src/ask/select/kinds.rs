@@ -1,47 +1,11 @@
 //! What all ways to work have in common.
 
-use crate::error::{Code, Error, Result};
+use super::options::SelectOptions;
 use crate::model::cell::Cell;
 use crate::model::posture::Posture;
-use crate::plan::index::Index;
 use crate::plan::select::RoundReport;
 use serde::{Deserialize, Serialize};
 use std::fmt;
-
-/// Postures of a plan unless their number is given.
-pub(super) const POSTURES: usize = 6;
-/// Steps that angles are rounded to unless others are asked for \[deg\].
-pub(super) const ANGLE_STEP_DEG: f64 = 0.01;
-/// Seed unless one is given.
-pub(super) const SEED: u64 = 1;
-
-/// Most postures of one plan: more is a slip.
-pub const MOST_POSTURES: usize = 1000;
-
-/// Refuses numbers of postures that nobody can mean.
-pub(super) fn check_count(postures: usize) -> Result<()> {
-    match postures {
-        1..=MOST_POSTURES => Ok(()),
-        _ => {
-            let message = format!("A plan has 1 to {MOST_POSTURES} postures, not {postures}.");
-            Err(Error::invalid(message).key("postures"))
-        }
-    }
-}
-
-/// Refuses to allow what is allowed in any case.
-pub(super) fn check_repeats(repeats: bool, index: Index) -> Result<()> {
-    if !repeats || index == Index::Prediction {
-        return Ok(());
-    }
-    let message = format!(
-        "Under the index {} a plan may hold a posture twice in any case; only prediction keeps them apart.",
-        index.as_str()
-    );
-    Err(Error::new(Code::Conflict, message)
-        .key("repeats")
-        .hint("leave it out"))
-}
 
 /// What the result holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -71,33 +35,33 @@ pub enum Mode {
     derive(schemars::JsonSchema),
     schemars(rename = "Options")
 )]
-pub struct Asked<R> {
+pub struct Asked {
     /// How it was made.
     pub mode: Mode,
     /// What was asked.
     #[serde(flatten)]
-    pub request: R,
+    pub asked: SelectOptions,
     /// L of Eq. (20) \[m\].
     pub characteristic_length_m: Option<f64>,
 }
 
-impl<R: Clone> Asked<R> {
-    pub(super) fn new(mode: Mode, request: &R, cell: &Cell) -> Self {
+impl Asked {
+    pub(super) fn new(mode: Mode, options: &SelectOptions, cell: &Cell) -> Self {
         Asked {
             mode,
-            request: request.clone(),
+            asked: options.clone(),
             characteristic_length_m: cell.characteristic_length,
         }
     }
 }
 
-/// A result `R` with the options `O` that it depends on, and what to do with it.
+/// A result `R` with the options that it depends on, and what to do with it.
 #[derive(Debug, Clone)]
-pub struct Planned<R, O> {
+pub struct Planned<R> {
     /// The result.
     pub result: R,
     /// Options that the result depends on.
-    pub options: O,
+    pub options: Asked,
     /// Seed of the random numbers, where there are any.
     pub seed: Option<u64>,
     /// The cell that the result holds for: with its characteristic length, where it has one, and with the load

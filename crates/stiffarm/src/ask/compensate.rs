@@ -1,27 +1,18 @@
 //! All that `compensate` says: the commands of a path, and how its postures were found.
 
+use crate::ask::path::{Followed, PathOptions};
 use crate::error::Result;
 use crate::estimate::saved::Saved;
 use crate::findings::{Finding, each_once};
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::units::mm_to_m;
-use crate::work::along::{Followed, PathOptions};
 use crate::work::compensate::{CompensateOptions, Compensation, compensate_on};
 use crate::work::features::{Deviation, Feature, features};
 use crate::work::never_loaded::never_loaded_at_work;
 use crate::work::posture_path::PosturePathSummary;
 use crate::work::predict::LoadedArm;
 use serde::{Deserialize, Serialize};
-
-/// Options of the result.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// The path, its loads and postures.
-    #[serde(flatten)]
-    pub path: PathOptions,
-}
 
 /// The commands and how the postures were found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -49,14 +40,14 @@ impl Compensated {
     }
 }
 
-impl Options {
+impl PathOptions {
     /// How to compensate with the stiffness `saved`.
     ///
     /// # Errors
     /// As [`PathOptions::load_uncertainty`].
     pub fn compensate_options(&self, saved: &Saved) -> Result<CompensateOptions> {
         Ok(CompensateOptions {
-            load_uncertainty: self.path.load_uncertainty()?,
+            load_uncertainty: self.load_uncertainty()?,
             measured_up_to: saved.largest_displacement,
             loaded_up_to: saved.largest_force,
         })
@@ -65,7 +56,7 @@ impl Options {
     /// Compensates a path whose postures [`PathOptions::follow`] found.
     ///
     /// # Errors
-    /// As [`Options::compensate_options`] and [`compensate`](crate::work::compensate::compensate).
+    /// As [`PathOptions::compensate_options`] and [`compensate`](crate::work::compensate::compensate).
     pub fn compensate(
         &self,
         cell: &Cell,
@@ -90,7 +81,7 @@ impl Options {
                 residual_m: Some(point.residual_m),
             }
         };
-        let tolerance = self.path.tolerance_mm.map(mm_to_m);
+        let tolerance = self.tolerance_mm.map(mm_to_m);
         let (features, finding) = features((cell, &arm), &followed.postures, tolerance, deviation)?;
         compensation.findings.extend(finding);
         let points = followed.postures.iter().zip(&compensation.points);

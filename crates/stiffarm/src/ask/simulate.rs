@@ -1,5 +1,7 @@
 //! What is asked of a simulation: levels, runs, and errors of the model.
 
+#[cfg(feature = "clap")]
+use crate::ask::values::{ELASTIC, choice, number, seed, within};
 use crate::error::{Code, Error, Result};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::simulate::{ElasticSimulationOptions, ModelErrors, SimulationOptions};
@@ -20,44 +22,80 @@ pub struct Options {
 
 /// Standard deviations of [`ModelErrors`] in the units of files and screens, all zero in the paper.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct ErrorRequest {
-    /// Scale of the force reading, one error per run \[%\].
+#[cfg_attr(
+    feature = "clap",
+    derive(clap::Args),
+    command(next_help_heading = "Errors of the model (standard deviations, zero in the paper)")
+)]
+pub struct ErrorOptions {
+    /// Scale of the force reading, one error per run [%]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent")))]
     pub force_scale_error_percent: f64,
-    /// Force reading, a fresh error for each posture \[%\].
+    /// Force reading, a fresh error for each posture [%]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("percent")))]
     pub force_error_percent: f64,
-    /// Each joint angle of each posture \[deg\].
+    /// Each joint angle of each posture [deg]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("deg")))]
     pub joint_angle_error_deg: f64,
-    /// Each coordinate of the loading point, one error per run \[mm\].
+    /// Each coordinate of the loading point, one error per run [mm]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm")))]
     pub loading_point_error_mm: f64,
-    /// Each coordinate of the anchor of rope or cylinder, one error per run \[mm\].
+    /// Each coordinate of the anchor of rope or cylinder, one error per run [mm]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "X", default_value_t = 0.0, value_parser = number("mm")))]
     pub anchor_error_mm: f64,
 }
 
-/// What is asked of a simulation beside cell and groups.
+/// What is asked of a simulation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Request {
-    /// Factors on the cell's variance; those of the paper, or 1 for an elastic arm, if empty.
-    pub levels: Vec<f64>,
-    /// Runs per group and level; 200, or 100 for an elastic arm, without.
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+pub struct SimulateOptions {
+    /// Runs per group and noise level [default: 200; 100 where the arm gives way beyond its axes]
+    #[cfg_attr(feature = "clap", arg(long, value_parser = within::<usize>(1..=1_000_000)))]
     pub runs: Option<usize>,
-    /// Seed of the random numbers.
+    /// Noise levels: factors on the cell's variance [default: 0.5,1,1.5,2,2.5,3; 1 where the arm
+    /// gives way beyond its axes]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "F,…", value_delimiter = ',', value_parser = number("levels"),
+        allow_hyphen_values = true))]
+    pub levels: Vec<f64>,
+    /// What gives way: the joint axes alone, or joints and base in all directions, with the
+    /// cell's [elastic] or typical sizes; then each run is identified with the axes alone and
+    /// with the mixed model [default: axes]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "MODEL", value_parser = choice(ELASTIC)))]
+    pub elastic: Option<ElasticChoice>,
+    /// Seed of the random numbers
+    #[cfg_attr(feature = "clap", arg(long, default_value_t = 1, value_parser = seed()))]
     pub seed: u64,
-    /// Errors of the model.
-    pub errors: ErrorRequest,
+    /// Errors of the model behind the readings.
+    #[cfg_attr(feature = "clap", command(flatten))]
+    pub errors: ErrorOptions,
 }
 
-impl Default for Request {
+impl Default for SimulateOptions {
     fn default() -> Self {
-        Request {
-            levels: Vec::new(),
+        SimulateOptions {
             runs: None,
+            levels: Vec::new(),
+            elastic: None,
             seed: 1,
-            errors: ErrorRequest::default(),
+            errors: ErrorOptions::default(),
         }
     }
 }
 
-impl ErrorRequest {
+impl ErrorOptions {
+    /// The first error that is asked for.
+    fn first(&self) -> Option<&'static str> {
+        [
+            ("force_scale_error_percent", self.force_scale_error_percent),
+            ("force_error_percent", self.force_error_percent),
+            ("joint_angle_error_deg", self.joint_angle_error_deg),
+            ("loading_point_error_mm", self.loading_point_error_mm),
+            ("anchor_error_mm", self.anchor_error_mm),
+        ]
+        .into_iter()
+        .find_map(|(name, size)| (size != 0.0).then_some(name))
+    }
+
     /// The errors in SI units.
     ///
     /// # Errors
@@ -81,11 +119,16 @@ impl ErrorRequest {
     }
 }
 
-impl Request {
+impl SimulateOptions {
+    /// What gives way.
+    pub fn elastic(&self) -> ElasticChoice {
+        self.elastic.unwrap_or(ElasticChoice::Axes)
+    }
+
     /// Options of a simulation of an arm of which the joint axes alone give way.
     ///
     /// # Errors
-    /// As [`ErrorRequest::model_errors`]; a negative level, or one that is not finite (key
+    /// As [`ErrorOptions::model_errors`]; a negative level, or one that is not finite (key
     /// `levels`).
     pub fn simulation_options(&self) -> Result<SimulationOptions> {
         let default = SimulationOptions::default();
@@ -99,24 +142,24 @@ impl Request {
     }
 
     /// Options of a simulation of an arm that gives way beyond its joint axes, identified with
-    /// the axes alone and with `elastic`.
+    /// the axes alone and with the mixed model.
     ///
     /// # Errors
-    /// A level as in [`Request::simulation_options`]; errors of the model, which such a
-    /// simulation does not draw (key `errors`).
-    pub fn elastic_options(&self, elastic: ElasticChoice) -> Result<ElasticSimulationOptions> {
-        if self.errors != ErrorRequest::default() {
+    /// A level as in [`SimulateOptions::simulation_options`]; errors of the model, which such a
+    /// simulation does not draw (its field is the key).
+    pub fn elastic_options(&self) -> Result<ElasticSimulationOptions> {
+        if let Some(error) = self.errors.first() {
             let message = "Errors of the model are drawn only for an arm of which the joint axes alone give way.";
             return Err(Error::new(Code::Conflict, message)
-                .key("errors")
-                .hint("leave them out, or the elastic model"));
+                .key(error)
+                .hint(format!("leave `{error}` out, or `elastic`")));
         }
         let default = ElasticSimulationOptions::default();
         Ok(ElasticSimulationOptions {
             variance_factors: self.levels(default.variance_factors.clone())?,
             runs: self.runs.unwrap_or(default.runs),
             seed: self.seed,
-            elastic,
+            elastic: self.elastic(),
             ..default
         })
     }
