@@ -108,8 +108,9 @@ impl Session {
         };
         if is_taken {
             self.print_error(&said);
-            if !notes.is_empty() {
-                self.remark(notes);
+            let rest = written.said() + notes;
+            if !rest.is_empty() {
+                self.remark(rest.trim_end());
             }
         } else if self.json {
             self.print_exact(&said)?;

@@ -7,203 +7,74 @@ use std::ops::Range;
 /// Result with this library's [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Kind of an error; stable names for scripts, listed in `docs/errors.md`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Code {
-    /// A file could not be opened or read.
-    FileRead,
-    /// A file could not be written.
-    FileWrite,
-    /// The output exists and nothing allows overwriting it.
-    FileExists,
-    /// The text is not valid UTF-8.
-    Encoding,
-    /// The text is not valid TOML.
-    TomlSyntax,
-    /// A robot description (URDF) that cannot be read.
-    Urdf,
-    /// A key that the format does not know.
-    UnknownKey,
-    /// A key that must be there and is not.
-    MissingKey,
-    /// A value of the wrong kind (text for a number, …).
-    WrongType,
-    /// A value that is not allowed (negative length, empty range, …).
-    InvalidValue,
-    /// NaN or infinity where a finite number is needed.
-    NotFinite,
-    /// Keys or columns that exclude or contradict each other.
-    Conflict,
-    /// The table's heading lacks a column or has one that nobody knows.
-    TableHeading,
-    /// A row of a table cannot be read.
-    TableRow,
-    /// A comma used as decimal sign in a comma-separated table.
-    DecimalComma,
-    /// The same name or row twice.
-    Duplicate,
-    /// A name that is not defined.
-    UnknownName,
-    /// Lengths of two inputs do not fit.
-    Dimension,
-    /// A joint angle outside the machine's limits.
-    OutsideLimits,
-    /// No posture of the arm holds the flange at the pose.
-    Unreachable,
-    /// The robot or its structure is not supported.
-    Unsupported,
-    /// The JSON result file cannot be used.
-    ResultFile,
-    /// A controller program that cannot be read.
-    Program,
-    /// No postures or no displacements to work with.
-    TooFewData,
-    /// Point pairs that determine no registration.
-    Registration,
-    /// The observation matrix loses rank: joints cannot be determined.
-    NotIdentifiable,
-    /// A numerical routine did not converge.
-    Numerical,
-    /// Interrupted by the user.
-    Interrupted,
-    /// Wrong use of the command line.
-    Usage,
-    /// A fault of the program itself.
-    Internal,
+/// Makes [`Code`] of its rows: the kind, its stable name, and what it means in the words of `docs/errors.md`.
+macro_rules! codes {
+    ($($kind:ident $name:literal $meaning:literal;)*) => {
+        /// Kind of an error; stable names for scripts, listed in `docs/errors.md`.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[non_exhaustive]
+        pub enum Code {
+            $(#[doc = $meaning] $kind,)*
+        }
+
+        impl Code {
+            /// Every code, in the order of the documentation.
+            pub const ALL: [Code; [$($name),*].len()] = [$(Code::$kind),*];
+
+            /// Stable name, as in the `code` of a JSON error.
+            pub fn as_str(self) -> &'static str {
+                match self {
+                    $(Code::$kind => $name,)*
+                }
+            }
+
+            /// One sentence for the documentation.
+            pub fn meaning(self) -> &'static str {
+                match self {
+                    $(Code::$kind => $meaning,)*
+                }
+            }
+        }
+    };
+}
+
+codes! {
+    FileRead "file-read" "A file could not be opened or read.";
+    FileWrite "file-write" "A file could not be written.";
+    FileExists "file-exists" "The output exists, and nothing is overwritten unless asked for.";
+    Encoding "encoding" "The text is not valid UTF-8.";
+    TomlSyntax "toml-syntax" "The cell file is not valid TOML.";
+    Urdf "urdf" "A URDF cannot be read: not XML, or an element is missing or wrong.";
+    UnknownKey "unknown-key" "The cell file has a key the format does not know.";
+    MissingKey "missing-key" "A key that must be there is missing.";
+    WrongType "wrong-type" "A value is of the wrong kind.";
+    InvalidValue "invalid-value" "A value is not allowed.";
+    NotFinite "not-finite" "NaN or infinity where a finite number is needed.";
+    Conflict "conflict" "Keys, columns or options exclude each other.";
+    TableHeading "table-heading" "A table's heading lacks a column or has one nobody knows.";
+    TableRow "table-row" "A row of a table cannot be read.";
+    DecimalComma "decimal-comma" "A decimal comma in a comma-separated table: the columns cannot be told apart.";
+    Duplicate "duplicate" "The same name or row appears twice.";
+    UnknownName "unknown-name" "A name (robot, point, built-in) is not defined.";
+    Dimension "dimension" "Lengths of two inputs do not fit each other.";
+    OutsideLimits "outside-limits" "A joint angle lies outside the machine's limits.";
+    Unreachable "unreachable" "No posture of the arm holds the flange at the pose; the distance is named.";
+    Unsupported "unsupported" "The robot or set-up is not supported by this version.";
+    ResultFile "result-file" "A saved result cannot be used here.";
+    Program "program" "A controller program cannot be read, or holds a move that is no joint move to stated angles.";
+    TooFewData "too-few-data" "Nothing to work with: no postures, no displacements, or all excluded.";
+    Registration "registration" "The point pairs determine no registration: on a line, mirrored, or in different units.";
+    NotIdentifiable "not-identifiable" "The postures and the load cannot determine every joint; the joints are named.";
+    Numerical "numerical" "A numerical routine did not converge on finite input.";
+    Interrupted "interrupted" "Stopped by the user (Ctrl-C).";
+    Usage "usage" "Wrong use of the command line.";
+    Internal "internal" "A fault of the program itself; please report it.";
 }
 
 impl Code {
-    /// Every code, in the order of the documentation.
-    pub const ALL: [Code; 30] = [
-        Code::FileRead,
-        Code::FileWrite,
-        Code::FileExists,
-        Code::Encoding,
-        Code::TomlSyntax,
-        Code::Urdf,
-        Code::UnknownKey,
-        Code::MissingKey,
-        Code::WrongType,
-        Code::InvalidValue,
-        Code::NotFinite,
-        Code::Conflict,
-        Code::TableHeading,
-        Code::TableRow,
-        Code::DecimalComma,
-        Code::Duplicate,
-        Code::UnknownName,
-        Code::Dimension,
-        Code::OutsideLimits,
-        Code::Unreachable,
-        Code::Unsupported,
-        Code::ResultFile,
-        Code::Program,
-        Code::TooFewData,
-        Code::Registration,
-        Code::NotIdentifiable,
-        Code::Numerical,
-        Code::Interrupted,
-        Code::Usage,
-        Code::Internal,
-    ];
-
-    /// Stable name, as in the `code` of a JSON error.
-    pub fn as_str(self) -> &'static str {
-        self.describe().0
-    }
-
-    /// One sentence for the documentation.
-    pub fn meaning(self) -> &'static str {
-        self.describe().1
-    }
-
     /// True where no input can be blamed: the fault is the library's own.
     pub fn is_internal(self) -> bool {
         matches!(self, Code::Internal | Code::Numerical)
-    }
-
-    fn describe(self) -> (&'static str, &'static str) {
-        match self {
-            Code::FileRead => ("file-read", "A file could not be opened or read."),
-            Code::FileWrite => ("file-write", "A file could not be written."),
-            Code::FileExists => (
-                "file-exists",
-                "The output exists, and nothing is overwritten unless asked for.",
-            ),
-            Code::Encoding => ("encoding", "The text is not valid UTF-8."),
-            Code::TomlSyntax => ("toml-syntax", "The cell file is not valid TOML."),
-            Code::Urdf => (
-                "urdf",
-                "A URDF cannot be read: not XML, or an element is missing or wrong.",
-            ),
-            Code::UnknownKey => (
-                "unknown-key",
-                "The cell file has a key the format does not know.",
-            ),
-            Code::MissingKey => ("missing-key", "A key that must be there is missing."),
-            Code::WrongType => ("wrong-type", "A value is of the wrong kind."),
-            Code::InvalidValue => ("invalid-value", "A value is not allowed."),
-            Code::NotFinite => (
-                "not-finite",
-                "NaN or infinity where a finite number is needed.",
-            ),
-            Code::Conflict => ("conflict", "Keys, columns or options exclude each other."),
-            Code::TableHeading => (
-                "table-heading",
-                "A table's heading lacks a column or has one nobody knows.",
-            ),
-            Code::TableRow => ("table-row", "A row of a table cannot be read."),
-            Code::DecimalComma => (
-                "decimal-comma",
-                "A decimal comma in a comma-separated table: the columns cannot be told apart.",
-            ),
-            Code::Duplicate => ("duplicate", "The same name or row appears twice."),
-            Code::UnknownName => (
-                "unknown-name",
-                "A name (robot, point, built-in) is not defined.",
-            ),
-            Code::Dimension => ("dimension", "Lengths of two inputs do not fit each other."),
-            Code::OutsideLimits => (
-                "outside-limits",
-                "A joint angle lies outside the machine's limits.",
-            ),
-            Code::Unreachable => (
-                "unreachable",
-                "No posture of the arm holds the flange at the pose; the distance is named.",
-            ),
-            Code::Unsupported => (
-                "unsupported",
-                "The robot or set-up is not supported by this version.",
-            ),
-            Code::ResultFile => ("result-file", "A saved result cannot be used here."),
-            Code::Program => (
-                "program",
-                "A controller program cannot be read, or holds a move that is no joint move to stated angles.",
-            ),
-            Code::TooFewData => (
-                "too-few-data",
-                "Nothing to work with: no postures, no displacements, or all excluded.",
-            ),
-            Code::Registration => (
-                "registration",
-                "The point pairs determine no registration: on a line, mirrored, or in different units.",
-            ),
-            Code::NotIdentifiable => (
-                "not-identifiable",
-                "The postures and the load cannot determine every joint; the joints are named.",
-            ),
-            Code::Numerical => (
-                "numerical",
-                "A numerical routine did not converge on finite input.",
-            ),
-            Code::Interrupted => ("interrupted", "Stopped by the user (Ctrl-C)."),
-            Code::Usage => ("usage", "Wrong use of the command line."),
-            Code::Internal => (
-                "internal",
-                "A fault of the program itself; please report it.",
-            ),
-        }
     }
 }
 

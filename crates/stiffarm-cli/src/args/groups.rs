@@ -3,7 +3,7 @@
 use crate::screen::{columns, lines};
 use clap::{Arg, Command, ValueHint};
 use stiffarm::ask::rules::NotWith;
-use stiffarm::ask::{map, predict, select};
+use stiffarm::ask::{identify, map, predict, select};
 
 /// Groups of commands, in the order of the work.
 const GROUPS: [(&str, &[&str]); 5] = [
@@ -61,7 +61,8 @@ const EVERYDAY: [(&str, &[&str]); 2] = [
 ];
 
 /// What is not asked beside what, by command.
-const NOT_WITH: [(&str, NotWith); 3] = [
+const NOT_WITH: [(&str, NotWith); 4] = [
+    ("identify", identify::NOT_WITH),
     ("map", map::NOT_WITH),
     ("predict", predict::NOT_WITH),
     ("select", select::NOT_WITH),

@@ -10,14 +10,13 @@ use stiffarm::Result;
 use stiffarm::ask::path::PathOptions;
 use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::select::{self, Asked};
-use stiffarm::ask::{compensate, identify, map, measure, place, predict, simulate, validate};
+use stiffarm::ask::{compensate, identify, map, measure, place, pose, predict, simulate, validate};
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::poses;
 use stiffarm::plan::route::routed;
 use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
 use stiffarm::work::map::{Placement, StiffnessMap};
@@ -52,8 +51,8 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<ZonesOptions, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
         of::<measure::MeasureOptions, measure::Judgement>("measure"),
-        of::<poses::Options, poses::Poses>("pose"),
-        of::<poses::Options, poses::Found>("pose --poses"),
+        of::<pose::Options, pose::Poses>("pose"),
+        of::<pose::Options, pose::Found>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),
         of::<routed::Options, routed::Routed>("route"),
         of::<export::Options, export::Exported>("export"),

@@ -1,4 +1,4 @@
-//! One file per command: read, call the library, write.
+//! One file or folder per command: reads, calls the library, answers.
 
 pub mod capsules;
 pub mod check;

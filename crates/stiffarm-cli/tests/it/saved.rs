@@ -225,8 +225,11 @@ fn what_is_free_is_told_and_what_cannot_be_is_refused() {
         ("--free force-scale", "No reading tells"),
         ("--free lost-motion", "extra term"),
         ("--free sensor-axes", "they do on anchor"),
-        ("--free anchor --brief", "leave --brief out"),
-        ("--free anchor --bootstrap 200", "leave --bootstrap out"),
+        ("--free anchor --brief", "cannot be used with '--brief'"),
+        (
+            "--free anchor --bootstrap 200",
+            "cannot be used with '--bootstrap",
+        ),
     ] {
         let ran = folder.run(&format!("identify builtin:comau r.csv {options}"));
         assert_eq!(ran.code, Some(2), "{options}: {}", ran.out);

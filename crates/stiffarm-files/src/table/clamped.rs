@@ -1,8 +1,9 @@
 //! `posture,state,fx_n,…,mz_nm[,dq1_deg,…][,q1_deg,…][,dx_mm,…,rz_deg]`:
 //! readings with the flange fixed.
 
+use super::beside::Beside;
 use super::grid::{Column, Row, Table};
-use super::heading::{Known, force, moment};
+use super::heading::Known;
 use super::line::line;
 use super::postures::{angle_names, angles};
 use super::quantity::Quantity;
@@ -94,7 +95,13 @@ pub fn write_clamped(clamped: &[ClampedPosture], robot: &Robot) -> String {
     let joints = robot.joint_count();
     let moves = clamped.iter().any(|c| c.fixture_motion.is_some());
     let mut heading: Vec<String> = ["posture", "state"].map(String::from).to_vec();
-    heading.extend(force().iter().chain(&moment()).map(Known::heading));
+    heading.extend(
+        Beside::Force
+            .known()
+            .iter()
+            .chain(&Beside::Moment.known())
+            .map(Known::heading),
+    );
     heading.extend(differences(joints).iter().map(Known::heading));
     if moves {
         heading.extend(shift().iter().chain(&turn()).map(Known::heading));
@@ -136,8 +143,8 @@ impl Columns {
         let joints = cell.setup.robot.joint_count();
         let given: Vec<Known> = Known::angles(joints).collect();
         let mut known = ["posture", "state"].map(Known::name).to_vec();
-        known.extend(force());
-        known.extend(moment());
+        known.extend(Beside::Force.known());
+        known.extend(Beside::Moment.known());
         known.extend(differences(joints));
         known.extend(shift());
         known.extend(turn());
@@ -162,8 +169,8 @@ impl Columns {
         Ok(Columns {
             posture: found.require(&Known::name("posture"), hint)?,
             state: found.require(&Known::name("state"), hint)?,
-            force: found.all(&force(), both)?,
-            moment: found.all(&moment(), both)?,
+            force: found.all(&Beside::Force.known(), both)?,
+            moment: found.all(&Beside::Moment.known(), both)?,
             differences,
             shift: motion.as_ref().map(|columns| columns[..3].to_vec()),
             turn: motion.as_ref().map(|columns| columns[3..].to_vec()),

@@ -1,15 +1,16 @@
 //! The columns that tables of displacements and of readings share.
 
+use super::beside::Beside;
 use super::grid::{Column, Row, Table};
-use super::heading::{Known, force, moment};
+use super::heading::Known;
 use super::postures::angles;
-use super::values::{Values, expanded};
+use super::values::Values;
 use nalgebra::Vector3;
 use std::collections::BTreeMap;
 use stiffarm::error::{Code, Error, Result, did_you_mean};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::{Load, Wrench};
-use stiffarm::model::measurement::{Role, WrenchColumns};
+use stiffarm::model::measurement::{Reading, Role, WrenchColumns};
 use stiffarm::model::posture::Posture;
 
 /// Postures of a posture file, by name.
@@ -21,13 +22,7 @@ pub(super) struct MeasurementColumns {
     pub(super) state: Option<Column>,
     pub(super) point: Column,
     vector: Vec<Column>,
-    force: Option<Vec<Column>>,
-    moment: Option<Vec<Column>>,
-    pub(super) load: Option<Column>,
-    station: Option<Column>,
-    time: Option<Column>,
-    expanded: Option<Vec<Column>>,
-    temperature: Option<Column>,
+    beside: BTreeMap<Beside, Vec<Column>>,
     pub(super) angles: Option<Vec<Column>>,
 }
 
@@ -60,11 +55,17 @@ impl MeasurementColumns {
         };
         let point = found.require(&Known::name("point"), &hint)?;
         let vector = found.all(&values.components(), &hint)?;
-        let hint = "give all three components of the force, or none";
-        let force = found.all_or_none(&force(), hint)?;
-        let hint = "give all three components of the moment, or none";
-        let moment = found.all_or_none(&moment(), hint)?;
-        let load = found.get("load");
+        let mut beside: BTreeMap<Beside, Vec<Column>> = BTreeMap::new();
+        for own in Beside::of(values) {
+            let columns = found.all_or_none(&own.known(), &own.hint())?;
+            beside.extend(columns.map(|columns| (own, columns)));
+        }
+        let first = |own| {
+            beside
+                .get(&own)
+                .and_then(|columns| columns.first().copied())
+        };
+        let force = first(Beside::Force);
         if force.is_none() && cell.setup.load == Load::Measured {
             let message = "The cell's load is measured, but the table has no forces.";
             let hint = match (values, &cell.sensor) {
@@ -80,12 +81,15 @@ impl MeasurementColumns {
             };
             return fault(None, Code::TableHeading, message, hint);
         }
-        if let (None, Some(moment)) = (&force, &moment) {
+        if let (None, Some(moment)) = (force, first(Beside::Moment)) {
             let message = "The table has moments but no forces.";
             let hint = "add fx_n, fy_n, fz_n (zeros where a pure moment acts)";
-            return fault(Some(moment[0]), Code::TableHeading, message, hint);
+            return fault(Some(moment), Code::TableHeading, message, hint);
         }
-        if let (Some(load), false) = (load, cell.setup.load.each().any(|l| l.size().is_some())) {
+        if let (Some(load), false) = (
+            first(Beside::Load),
+            cell.setup.load.each().any(|l| l.size().is_some()),
+        ) {
             let message = "Only a rope, a cylinder with anchor_mm or a weight has one force per state, and the cell's load is none.";
             let hint =
                 "give fx_n, fy_n, fz_n, or set load.kind to \"rope\", \"cylinder\" or \"weight\"";
@@ -106,23 +110,27 @@ impl MeasurementColumns {
             state,
             point,
             vector,
-            force,
-            moment,
-            load,
-            station: found.get("station"),
-            time: found.get("time"),
-            expanded: found.all_or_none(&expanded(), "give all three, or none")?,
-            temperature: found.get("temperature"),
+            beside,
             angles,
         })
     }
 
+    /// The columns of a quantity; none where the table has not got it.
+    fn of_beside(&self, own: Beside) -> &[Column] {
+        self.beside.get(&own).map_or(&[], Vec::as_slice)
+    }
+
+    /// The column of a quantity that has one.
+    pub(super) fn only(&self, own: Beside) -> Option<Column> {
+        self.of_beside(own).first().copied()
+    }
+
     /// Which columns of force there are.
     pub(super) fn wrench_columns(&self) -> WrenchColumns {
-        match (&self.force, &self.moment) {
-            (None, _) => WrenchColumns::None,
-            (Some(_), None) => WrenchColumns::Force,
-            (Some(_), Some(_)) => WrenchColumns::ForceAndMoment,
+        match [Beside::Force, Beside::Moment].map(|own| self.only(own)) {
+            [None, _] => WrenchColumns::None,
+            [Some(_), None] => WrenchColumns::Force,
+            [Some(_), Some(_)] => WrenchColumns::ForceAndMoment,
         }
     }
 
@@ -170,7 +178,7 @@ impl MeasurementColumns {
 
     /// Name of the tracker's station, where the row has one.
     pub(super) fn station(&self, table: &Table<'_>, row: &Row) -> Result<Option<String>> {
-        let column = table.filled(row, self.station);
+        let column = table.filled(row, self.only(Beside::Station));
         let name = column.map(|column| table.name(row, column)).transpose()?;
         Ok(name.map(String::from))
     }
@@ -184,7 +192,7 @@ impl MeasurementColumns {
         of: Option<&str>,
     ) -> Result<()> {
         let (Some(column), [before, own]) = (
-            self.station,
+            self.only(Beside::Station),
             [self.station(table, first)?, self.station(table, row)?],
         ) else {
             return Ok(());
@@ -222,55 +230,51 @@ impl MeasurementColumns {
 
     /// Time \[s\], where the row has one.
     pub(super) fn time(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
-        number(table, row, self.time)
+        let column = table.filled(row, self.only(Beside::Time));
+        column.map(|column| table.number(row, column)).transpose()
     }
 
-    /// Temperature \[°C\], where the row has one.
-    pub(super) fn temperature(&self, table: &Table<'_>, row: &Row) -> Result<Option<f64>> {
-        number(table, row, self.temperature)
-    }
-
-    /// Expanded uncertainty of the coordinates \[m\], where the row has it.
-    pub(super) fn expanded(&self, table: &Table<'_>, row: &Row) -> Result<Option<Vector3<f64>>> {
-        let filled = |column: &Column| !table.is_blank(row, *column);
-        let columns = self.expanded.as_ref();
-        let Some(columns) = columns.filter(|columns| columns.iter().any(filled)) else {
-            return Ok(None);
-        };
-        let expanded = table.vector(row, columns)?;
-        match columns
-            .iter()
-            .zip(&expanded)
-            .find(|(_, value)| **value < 0.0)
-        {
-            Some((column, _)) => {
-                let message = "An uncertainty is not below zero.";
-                Err(table.error(row, column.at, Code::InvalidValue, message))
+    /// Takes what the row says beside its position into `reading`.
+    pub(super) fn complete(
+        &self,
+        table: &Table<'_>,
+        row: &Row,
+        reading: &mut Reading,
+    ) -> Result<()> {
+        for (own, columns) in &self.beside {
+            let is_blank = columns.iter().all(|column| table.is_blank(row, *column));
+            let Some(set) = own.setter().filter(|_| !is_blank) else {
+                continue;
+            };
+            let value = table.vector(row, columns)?;
+            let mut components = columns.iter().zip(&value);
+            let wrong = components.find(|(_, component)| **component < 0.0);
+            if let (Some(size), Some((column, _))) = (own.size(), wrong) {
+                let message = format!("{size} is not below zero.");
+                return Err(table.error(row, column.at, Code::InvalidValue, message));
             }
-            None => Ok(Some(expanded)),
+            set(reading, value);
         }
+        Ok(())
     }
 
     /// Force and moment \[N, N·m\]; a moment without columns is zero.
     pub(super) fn wrench(&self, table: &Table<'_>, row: &Row) -> Result<Option<Wrench>> {
-        let Some(force) = &self.force else {
+        let [force, moment] = [Beside::Force, Beside::Moment].map(|own| self.of_beside(own));
+        if force.is_empty() {
             return Ok(None);
-        };
-        let force = table.vector(row, force)?;
-        let moment = self.moment.as_deref();
-        let moment = moment.map(|moment| table.vector(row, moment)).transpose()?;
+        }
         Ok(Some(Wrench {
-            force,
-            moment: moment.unwrap_or_default(),
+            force: table.vector(row, force)?,
+            moment: table.vector(row, moment)?,
         }))
     }
 
     /// True where all fields of force and moment are empty.
     pub(super) fn has_no_wrench(&self, table: &Table<'_>, row: &Row) -> bool {
-        let columns = [&self.force, &self.moment].into_iter().flatten().flatten();
-        columns
-            .into_iter()
-            .all(|column| table.is_blank(row, *column))
+        let own = [Beside::Force, Beside::Moment].map(|own| self.of_beside(own));
+        let mut columns = own.iter().flat_map(|columns| columns.iter());
+        columns.all(|column| table.is_blank(row, *column))
     }
 
     /// The row's own controller angles \[rad\], inside the machine's limits.
@@ -330,11 +334,12 @@ impl MeasurementColumns {
 
     /// The first column in which two rows of one posture and state differ.
     pub(super) fn contradiction(&self, table: &Table<'_>, first: &Row, row: &Row) -> Error {
-        let given = [&self.angles, &self.force, &self.moment];
-        let given = given.into_iter().flatten().flatten().copied();
+        let angles = self.angles.iter().flatten();
+        let given = [Beside::Force, Beside::Moment, Beside::Load];
+        let given = angles.chain(given.iter().flat_map(|own| self.of_beside(*own)));
         let differs =
             |column: &Column| table.number(first, *column).ok() != table.number(row, *column).ok();
-        let column = given.chain(self.load).find(differs).unwrap_or(self.posture);
+        let column = given.copied().find(differs).unwrap_or(self.posture);
         let shown = |row: &Row| match row.fields[column.at].text.as_str() {
             "" => "An empty field".to_string(),
             text => text.to_string(),
@@ -349,12 +354,6 @@ impl MeasurementColumns {
             "angles and wrench belong to the posture and state: average them, or name another state",
         )
     }
-}
-
-/// The number of a column, where there is one and the row has it.
-fn number(table: &Table<'_>, row: &Row, column: Option<Column>) -> Result<Option<f64>> {
-    let column = table.filled(row, column);
-    column.map(|column| table.number(row, column)).transpose()
 }
 
 /// Says which of the cell's foreign headings the table has not, for hints.

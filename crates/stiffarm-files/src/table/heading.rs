@@ -76,14 +76,6 @@ impl Known {
     }
 }
 
-pub(super) fn force() -> [Known; 3] {
-    ["fx", "fy", "fz"].map(|stem| Known::of(stem, Quantity::Force, "force"))
-}
-
-pub(super) fn moment() -> [Known; 3] {
-    ["mx", "my", "mz"].map(|stem| Known::of(stem, Quantity::Moment, "moment"))
-}
-
 /// The columns of a table, by their names without unit.
 #[derive(Debug)]
 pub(super) struct Found<'t, 'a> {

@@ -1,5 +1,6 @@
 //! Which row of a file is the heading, and units in brackets.
 
+use super::beside::Beside;
 use super::naming::{DATE, NAME, normal};
 use super::place::place_of;
 use super::quantity::Quantity;
@@ -63,15 +64,10 @@ fn quantity(base: &str) -> Option<Quantity> {
     match base {
         "posture" | "state" | "point" => Some(Quantity::Name),
         "x" | "y" | "z" | "dx" | "dy" | "dz" | "along" => Some(Quantity::Length),
-        "u95x" | "u95y" | "u95z" => Some(Quantity::Length),
-        "fx" | "fy" | "fz" | "load" => Some(Quantity::Force),
-        "mx" | "my" | "mz" => Some(Quantity::Moment),
-        "time" => Some(Quantity::Time),
         "feed" => Some(Quantity::Feed),
         "power" => Some(Quantity::Power),
-        "temperature" => Some(Quantity::Temperature),
         _ if joint("q") || joint("dq") => Some(Quantity::Angle),
-        _ => None,
+        _ => Beside::quantity_of(base),
     }
 }
 

@@ -1,7 +1,8 @@
 //! `along_mm` or `time_s`, and `fx_n,fy_n,fz_n[,mx_nm,my_nm,mz_nm]` or `power_w`: a recorded load along a path.
 
+use super::beside::Beside;
 use super::grid::Table;
-use super::heading::{Known, force, moment};
+use super::heading::Known;
 use super::quantity::Quantity;
 use nalgebra::{Vector3, Vector6};
 use stiffarm::error::{Code, Error, Result};
@@ -30,8 +31,8 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         Known::of("time", Quantity::Time, "time"),
         Known::of("power", Quantity::Power, "power"),
     ];
-    known.extend(force());
-    known.extend(moment());
+    known.extend(Beside::Force.known());
+    known.extend(Beside::Moment.known());
     let found = table.check_heading(&known, 0)?;
     let choice = |first: &str, second: &str, columns: [&str; 2]| {
         let (one, other) = (found.get(first), found.get(second));
@@ -64,14 +65,14 @@ fn read(table: &Table<'_>, axes: Option<ForceAxes>) -> Result<LoadLog> {
         }
     };
     let force = if has_forces {
-        found.all(&force(), "give all three components of the force")?
+        found.all(
+            &Beside::Force.known(),
+            "give all three components of the force",
+        )?
     } else {
         Vec::new()
     };
-    let moment = found.all_or_none(
-        &moment(),
-        "give all three components of the moment, or none",
-    )?;
+    let moment = found.all_or_none(&Beside::Moment.known(), &Beside::Moment.hint())?;
     let mut stations: Vec<f64> = Vec::new();
     let mut values = Vec::new();
     for row in table.rows()? {

@@ -25,6 +25,7 @@
 //! Text and workbook become the same rows before anything is read (`grid`), so
 //! both have the same errors.
 
+mod beside;
 mod clamped;
 mod columns;
 mod dh;

@@ -1,5 +1,6 @@
 //! `posture,state,point,x_mm,y_mm,z_mm[,station][,fx_n,…][,mx_nm,…][,load_n][,time_s][,u95x_mm,…][,temperature_c][,q1_deg,…]`.
 
+use super::beside::Beside;
 use super::columns::{MeasurementColumns, Plan};
 use super::grid::{Row, Table};
 use super::loads;
@@ -193,19 +194,15 @@ impl Reader<'_, '_> {
             });
             return Ok(());
         }
+        let mut reading = Reading::new(self.target(row)?, columns.vector(table, row)?);
+        reading.line = row.line;
+        columns.complete(table, row, &mut reading)?;
         let state = StateReadings {
             state: name.to_string(),
             angles: columns.own_angles(table, row, self.cell)?,
             wrench: self.wrench(row, role)?,
             load: self.load(row, role)?,
-            readings: vec![Reading {
-                target: self.target(row)?,
-                position: columns.vector(table, row)?,
-                time: columns.time(table, row)?,
-                expanded: columns.expanded(table, row)?,
-                temperature: columns.temperature(table, row)?,
-                line: row.line,
-            }],
+            readings: vec![reading],
         };
         let same = group.states.iter_mut().find(|(_, s)| s.state == name);
         if let Some((first, before)) = same {
@@ -280,7 +277,7 @@ impl Reader<'_, '_> {
 
     /// Force of rope or weight \[N\], where the row has one.
     fn load(&self, row: &Row, role: Role) -> Result<Option<f64>> {
-        let Some(column) = self.table.filled(row, self.columns.load) else {
+        let Some(column) = self.table.filled(row, self.columns.only(Beside::Load)) else {
             return Ok(None);
         };
         let load = self.table.number(row, column)?;

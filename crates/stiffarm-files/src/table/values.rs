@@ -1,7 +1,8 @@
 //! Which columns tables of measurements may have, and what the headings say that they hold.
 
+use super::beside::Beside;
 use super::grid::Table;
-use super::heading::{Known, find_heading, force, moment, stem};
+use super::heading::{Known, find_heading, stem};
 use super::path::known_paths;
 use super::quantity::Quantity;
 use stiffarm::error::{Code, Result};
@@ -36,20 +37,7 @@ impl Values {
     pub(super) fn known(self, joints: usize) -> Vec<Known> {
         let mut known = ["posture", "state", "point"].map(Known::name).to_vec();
         known.extend(self.components());
-        known.extend(force());
-        known.extend(moment());
-        if self == Values::Positions {
-            known.extend([Known::name("station"), load()]);
-        }
-        known.push(time());
-        if self == Values::Positions {
-            known.extend(expanded());
-            known.push(Known::of(
-                "temperature",
-                Quantity::Temperature,
-                "temperature",
-            ));
-        }
+        known.extend(Beside::of(self).flat_map(Beside::known));
         known.extend(Known::angles(joints));
         known
     }
@@ -123,17 +111,4 @@ pub(crate) fn own_heading(name: &str, joints: usize, also: &str) -> Result<Strin
 pub(crate) fn own_headings(joints: usize) -> Vec<String> {
     let known = known_everywhere(joints);
     known.iter().flat_map(Known::headings).collect()
-}
-
-fn load() -> Known {
-    Known::of("load", Quantity::Force, "load")
-}
-
-fn time() -> Known {
-    Known::of("time", Quantity::Time, "time")
-}
-
-/// Expanded uncertainty of the coordinates, 95 %.
-pub(super) fn expanded() -> [Known; 3] {
-    ["u95x", "u95y", "u95z"].map(|stem| Known::of(stem, Quantity::Length, "uncertainty"))
 }

@@ -1,5 +1,6 @@
 //! Writing of tables.
 
+use super::beside::{Beside, Given, Layout};
 use super::line::line;
 use super::postures::angle_names;
 use super::values::Values;
@@ -7,7 +8,8 @@ use nalgebra::Vector3;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::{
-    MeasuredPosture, Reading, ReadingTable, ReadingTarget, WrenchColumns,
+    MeasuredPosture, PostureReadings, Reading, ReadingTable, ReadingTarget, StateReadings,
+    WrenchColumns,
 };
 use stiffarm::model::observation::PostureTerms;
 use stiffarm::model::posture::Posture;
@@ -41,18 +43,14 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
     let has_moments = moments
         .clone()
         .any(|wrench| wrench.moment != Vector3::zeros());
-    let displacements = measured.iter().flat_map(|group| &group.displacements);
-    let has_times = displacements.clone().any(|d| d.time.is_some());
-    let layout = Layout {
-        values: Values::Displacements,
-        forces: wrenches.is_some(),
-        moments: has_moments,
-        stations: false,
-        loads: false,
-        times: has_times,
-        expanded: false,
-        temperatures: false,
-    };
+    let mut displacements = measured.iter().flat_map(|group| &group.displacements);
+    let has_times = displacements.any(|d| d.time.is_some());
+    let layout = Layout::new(Values::Displacements, |beside| match beside {
+        Beside::Force => wrenches.is_some(),
+        Beside::Moment => has_moments,
+        Beside::Time => has_times,
+        _ => false,
+    });
     let mut text = line(&layout.heading(cell));
     for (g, group) in measured.iter().enumerate() {
         for displacement in &group.displacements {
@@ -69,7 +67,12 @@ pub fn write_displacements(measured: &[MeasuredPosture], cell: &Cell) -> String 
                     .map(|m| m_to_shortest_mm(*m).to_string()),
             );
             let wrench = wrenches.as_ref().and_then(|wrenches| wrenches[g]);
-            fields.extend(layout.optional(wrench, None, displacement.time));
+            let given = Given {
+                wrench,
+                time: displacement.time,
+                ..Given::default()
+            };
+            fields.extend(layout.fields(&given));
             fields.extend(degrees(&group.posture.q));
             text += &line(&fields);
         }
@@ -101,42 +104,24 @@ pub fn write_simulated_readings(mut table: ReadingTable, cell: &Cell) -> String 
 /// yet comes last, as rows without a position.
 pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     let postures = || table.postures.iter().chain(&table.incomplete);
-    let states = || postures().flat_map(|posture| &posture.states);
-    let mut readings = states().flat_map(|state| &state.readings);
-    let layout = Layout {
-        values: Values::Positions,
-        forces: table.wrench_columns != WrenchColumns::None,
-        moments: table.wrench_columns == WrenchColumns::ForceAndMoment,
-        stations: postures().any(|posture| posture.station.is_some())
-            || table.pending.iter().any(|row| row.station.is_some()),
-        loads: states().any(|state| state.load.is_some()),
-        times: readings.clone().any(|reading| reading.time.is_some()),
-        expanded: readings.clone().any(|reading| reading.expanded.is_some()),
-        temperatures: readings.any(|reading| reading.temperature.is_some()),
-    };
+    let rows = || postures().flat_map(rows_of);
+    let layout = Layout::new(Values::Positions, |beside| match beside {
+        Beside::Force => table.wrench_columns != WrenchColumns::None,
+        Beside::Moment => table.wrench_columns == WrenchColumns::ForceAndMoment,
+        Beside::Station if table.pending.iter().any(|row| row.station.is_some()) => true,
+        _ => rows().any(|(_, _, given)| beside.is_in(&given)),
+    });
     let mut text = line(&layout.heading(cell));
     for posture in postures() {
-        for state in &posture.states {
+        for (state, reading, given) in rows_of(posture) {
             let q = state.angles.as_ref().unwrap_or(&posture.posture.q);
-            for reading in &state.readings {
-                let names = [&posture.posture.name, &state.state, target(reading, cell)];
-                let lengths = reading.position.map(m_to_shortest_mm);
-                let mut fields: Vec<String> = names.map(String::clone).into();
-                fields.extend(lengths.iter().map(f64::to_string));
-                if layout.stations {
-                    fields.push(posture.station.clone().unwrap_or_default());
-                }
-                fields.extend(layout.optional(state.wrench, state.load, reading.time));
-                if layout.expanded {
-                    let expanded = reading.expanded.map(|u| u.map(m_to_shortest_mm));
-                    fields.extend(components(expanded));
-                }
-                if layout.temperatures {
-                    fields.push(number(reading.temperature));
-                }
-                fields.extend(degrees(q));
-                text += &line(&fields);
-            }
+            let names = [&posture.posture.name, &state.state, target(reading, cell)];
+            let lengths = reading.position.map(m_to_shortest_mm);
+            let mut fields: Vec<String> = names.map(String::clone).into();
+            fields.extend(lengths.iter().map(f64::to_string));
+            fields.extend(layout.fields(&given));
+            fields.extend(degrees(q));
+            text += &line(&fields);
         }
     }
     // In the order of the postures above, then those of which nothing is measured.
@@ -149,14 +134,33 @@ pub fn write_readings(table: &ReadingTable, cell: &Cell) -> String {
     let others = others.filter(|row| postures().all(|p| p.posture.name != row.posture));
     for row in begun.into_iter().chain(others) {
         let mut fields = vec![row.posture.clone(), row.state.clone(), row.point.clone()];
-        if layout.stations {
-            fields.extend([""; 3].map(String::from));
-            fields.push(row.station.clone().unwrap_or_default());
-        }
+        fields.extend([""; 3].map(String::from));
+        fields.extend(layout.fields(&Given {
+            station: row.station.as_deref(),
+            ..Given::default()
+        }));
         fields.resize(layout.heading(cell).len(), String::new());
         text += &line(&fields);
     }
     text
+}
+
+/// The readings of a posture, each with its state and what its row says beside.
+fn rows_of(
+    posture: &PostureReadings,
+) -> impl Iterator<Item = (&StateReadings, &Reading, Given<'_>)> {
+    posture.states.iter().flat_map(move |state| {
+        state.readings.iter().map(move |reading| {
+            let given = Given {
+                station: posture.station.as_deref(),
+                wrench: state.wrench,
+                load: state.load,
+                time: None,
+                reading: Some(reading),
+            };
+            (state, reading, given)
+        })
+    })
 }
 
 /// What a reading is called.
@@ -171,81 +175,12 @@ fn target<'n>(reading: &'n Reading, cell: &'n Cell) -> &'n String {
     }
 }
 
-/// The columns of a measurement table.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Layout {
-    pub(super) values: Values,
-    pub(super) forces: bool,
-    pub(super) moments: bool,
-    pub(super) stations: bool,
-    pub(super) loads: bool,
-    pub(super) times: bool,
-    pub(super) expanded: bool,
-    pub(super) temperatures: bool,
-}
-
-impl Layout {
-    pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
-        let mut names = vec!["posture", "state", "point"];
-        names.extend(match self.values {
-            Values::Positions => ["x_mm", "y_mm", "z_mm"],
-            Values::Displacements => ["dx_mm", "dy_mm", "dz_mm"],
-        });
-        let optional: [(bool, &[&str]); 7] = [
-            (self.stations, &["station"]),
-            (self.forces, &["fx_n", "fy_n", "fz_n"]),
-            (self.moments, &["mx_nm", "my_nm", "mz_nm"]),
-            (self.loads, &["load_n"]),
-            (self.times, &["time_s"]),
-            (self.expanded, &["u95x_mm", "u95y_mm", "u95z_mm"]),
-            (self.temperatures, &["temperature_c"]),
-        ];
-        for (_, columns) in optional.into_iter().filter(|(wanted, _)| *wanted) {
-            names.extend(columns);
-        }
-        let angles = angle_names(cell.setup.robot.joint_count());
-        names.into_iter().map(String::from).chain(angles).collect()
-    }
-
-    /// The fields between lengths and angles, empty where there is no value.
-    pub(super) fn optional(
-        &self,
-        wrench: Option<Wrench>,
-        load: Option<f64>,
-        time: Option<f64>,
-    ) -> Vec<String> {
-        let mut fields = Vec::new();
-        if self.forces {
-            fields.extend(components(wrench.map(|wrench| wrench.force)));
-        }
-        if self.moments {
-            fields.extend(components(wrench.map(|wrench| wrench.moment)));
-        }
-        if self.loads {
-            fields.push(number(load));
-        }
-        if self.times {
-            fields.push(number(time));
-        }
-        fields
-    }
-}
-
 /// The measured wrench, else that of the cell's load.
 fn wrench(group: &MeasuredPosture, cell: &Cell) -> Option<Wrench> {
     group.wrench.or_else(|| {
         let terms = PostureTerms::new(&cell.setup, &group.posture.q, None);
         terms.ok().map(|terms| *terms.wrench())
     })
-}
-
-fn number(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
-}
-
-fn components(vector: Option<Vector3<f64>>) -> [String; 3] {
-    let text = |i: usize| vector.map_or_else(String::new, |v| v[i].to_string());
-    [text(0), text(1), text(2)]
 }
 
 pub(super) fn degrees(q: &[f64]) -> impl Iterator<Item = String> {

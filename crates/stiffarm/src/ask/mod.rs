@@ -13,6 +13,7 @@ pub mod map;
 pub mod measure;
 pub mod path;
 pub mod place;
+pub mod pose;
 pub mod predict;
 pub mod region;
 pub mod register;

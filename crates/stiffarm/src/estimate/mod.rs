@@ -10,7 +10,6 @@ pub(crate) mod diagnosed;
 pub mod elastic;
 pub mod forecast;
 pub mod freedom;
-// What coverage was counted stands in a table.
 pub mod identify;
 pub mod mixed;
 pub mod next_posture;

@@ -10,7 +10,6 @@ pub mod check;
 pub mod evaluated;
 pub mod feasibility;
 pub mod index;
-pub mod poses;
 pub mod route;
 pub mod select;
 pub mod zones;

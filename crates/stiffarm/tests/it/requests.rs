@@ -4,13 +4,13 @@
 use crate::common::prelude::*;
 use stiffarm::ask::map::{LoadSource, MapOptions};
 use stiffarm::ask::path::PathOptions;
+use stiffarm::ask::pose::{PoseOptions, PosePoint};
 use stiffarm::ask::predict::PredictOptions;
 use stiffarm::ask::region::{Plane, RegionOptions, Steps};
 use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::simulate::{ErrorOptions, SimulateOptions};
 use stiffarm::ask::validate::{Folds, ValidateOptions};
 use stiffarm::estimate::saved::Saved;
-use stiffarm::plan::poses;
 use stiffarm_files::table::read_pairs;
 
 fn key(error: Error) -> (Code, String) {
@@ -252,10 +252,11 @@ fn a_registration_leaves_out_pairs_by_name() {
 fn postures_come_back_from_their_poses() {
     let cell = default_cell();
     let postures = numbered(group1());
-    let request = poses::Request {
-        point: poses::PosePoint::Tip,
-        ..poses::Request::new(&cell, None).unwrap()
+    let options = PoseOptions {
+        point: PosePoint::Tip,
+        ..PoseOptions::default()
     };
+    let request = options.of(&cell).unwrap();
     let listed = request.poses_of(&cell, &postures);
     assert_eq!(listed.postures.len(), postures.len());
     let named = request.named_poses(&cell, &postures);

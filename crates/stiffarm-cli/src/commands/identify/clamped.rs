@@ -20,20 +20,13 @@ pub fn run(session: &Session, args: &IdentifyArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
     let clamped = read(session, args, &named)?;
     let asked = &args.options;
-    let options = asked.fit.options(&named.cell.setup.robot)?;
+    let options = asked.options(&named.cell.setup.robot)?;
     if asked.fit.elastic == Some(ElasticChoice::Mixed) {
         let message =
             "With the flange fixed only the joint axes can be told: angles show nothing else.";
         return Err(Error::new(Code::Unsupported, message)
             .key("--elastic")
             .hint("leave it out, or measure displacements with the flange free"));
-    }
-    if !asked.free.is_empty() {
-        let message =
-            "With the flange fixed nothing of the set-up is identified beside the stiffness.";
-        return Err(Error::new(Code::Unsupported, message)
-            .key("--free")
-            .hint("leave it out"));
     }
     let noise = asked.angle_noise_deg.map(deg_to_rad);
     if options.noise == NoiseSource::Known && noise.is_none() {

@@ -9,8 +9,8 @@ use crate::output::Exit;
 use crate::session::Session;
 use crate::target::Target;
 use serde::Serialize;
+use stiffarm::ask::pose::PoseKind;
 use stiffarm::model::cell::Cell;
-use stiffarm::plan::poses::Request;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::{NamedCell, Source, read_postures};
 use stiffarm_files::table::{read_poses, write_poses, write_postures};
@@ -20,17 +20,13 @@ struct Job<'a> {
     session: &'a Session,
     args: &'a PoseArgs,
     named: NamedCell,
-    request: Request,
+    request: PoseKind,
 }
 
 /// Poses of postures, or postures of poses.
 pub fn run(session: &Session, args: &PoseArgs) -> Result<Answer> {
     let named = session.read_cell(&args.cell)?;
-    let request = Request {
-        frame: args.frame,
-        point: args.point,
-        ..Request::new(&named.cell, args.convention)?
-    };
+    let request = args.options.of(&named.cell)?;
     let job = Job {
         session,
         args,

@@ -7,9 +7,9 @@ use crate::numbers::coarse_mm;
 use crate::screen::{columns, wrapped};
 use crate::table::{Align, Table, title};
 use nalgebra::Isometry3;
+use stiffarm::ask::pose::{Described, Found, FoundPosture, Pose, PoseFrame, Poses};
 use stiffarm::findings::Finding;
 use stiffarm::model::pose::Convention;
-use stiffarm::plan::poses::{Described, Found, FoundPosture, Pose, PoseFrame, Poses};
 use stiffarm::units::{rad_to_deg, roll_pitch_yaw};
 
 impl Job<'_> {

@@ -1,6 +1,7 @@
 //! What the columns of a path may hold.
 
-use crate::table::heading::{Known, force, moment};
+use crate::table::beside::Beside;
+use crate::table::heading::Known;
 use crate::table::quantity::Quantity;
 
 /// What the rows of a path say of the tip.
@@ -64,9 +65,9 @@ pub(super) fn axis() -> [Known; 3] {
 
 /// The columns that a path may have, with what they hold.
 pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
-    fn numbered<const N: usize>(
+    fn numbered(
         content: fn(usize) -> Content,
-        known: [Known; N],
+        known: impl IntoIterator<Item = Known>,
     ) -> impl Iterator<Item = (Content, Known)> {
         let known = known.into_iter().enumerate();
         known.map(move |(i, known)| (content(i), known))
@@ -77,8 +78,8 @@ pub(super) fn contents(joints: usize) -> Vec<(Content, Known)> {
     all.extend(numbered(Content::Position, position()));
     all.extend(numbered(Content::Turn, turns()));
     all.extend(numbered(Content::Axis, axis()));
-    all.extend(numbered(Content::Force, force()));
-    all.extend(numbered(Content::Moment, moment()));
+    all.extend(numbered(Content::Force, Beside::Force.known()));
+    all.extend(numbered(Content::Moment, Beside::Moment.known()));
     all.push((Content::Axes, Known::name("axes")));
     all.push((Content::Feature, Known::name("feature")));
     all.push((Content::Feed, Known::of("feed", Quantity::Feed, "feed")));

@@ -2,8 +2,9 @@
 
 use super::contents::{Content, PathKind, axis, contents, position, turns};
 use super::format::FormatColumn;
+use crate::table::beside::Beside;
 use crate::table::grid::{Column, Table};
-use crate::table::heading::{Found, Known, force, moment, stem};
+use crate::table::heading::{Found, Known, stem};
 use stiffarm::error::{Code, Error, Result};
 use stiffarm::model::cell::Cell;
 
@@ -67,10 +68,8 @@ impl PathColumns {
                 (Vec::new(), position, all(&orientation, hint)?)
             }
         };
-        let hint = "give all three components of the force, or none";
-        let force = found.all_or_none(&force(), hint)?;
-        let hint = "give all three components of the moment, or none";
-        let moment = found.all_or_none(&moment(), hint)?;
+        let all_or_none = |own: Beside| found.all_or_none(&own.known(), &own.hint());
+        let (force, moment) = (all_or_none(Beside::Force)?, all_or_none(Beside::Moment)?);
         if let (None, Some(moment)) = (&force, &moment) {
             let message = "The table has moments but no forces.";
             let error = table.heading_error(Some(moment[0].at), Code::TableHeading, message);

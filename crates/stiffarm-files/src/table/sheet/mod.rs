@@ -5,11 +5,12 @@ mod workbook;
 
 pub use workbook::write_sheet_workbook;
 
+use super::beside::{Beside, Given, Layout};
 use super::displacements::DEFAULT_STATE;
 use super::line::line;
 use super::loads;
 use super::values::Values;
-use super::write::{Layout, degrees};
+use super::write::degrees;
 use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Load;
 use stiffarm::model::measurement::Role;
@@ -102,7 +103,7 @@ impl Sheet {
         points: &[&str],
         cell: &Cell,
     ) -> Self {
-        let loads = if layout.loads {
+        let loads = if layout.has(Beside::Load) {
             loads::planned(states, &cell.setup.load)
         } else {
             vec![None; states.len()]
@@ -110,7 +111,8 @@ impl Sheet {
         let mut rows = Vec::with_capacity(postures.len() * states.len() * points.len());
         for (number, posture) in postures.iter().enumerate() {
             let mut own: Vec<(&String, &Option<f64>)> = states.iter().zip(&loads).collect();
-            let station = layout.stations.then(|| station_at(cell, posture)).flatten();
+            let station = layout.has(Beside::Station);
+            let station = station.then(|| station_at(cell, posture)).flatten();
             if is_turned(cell, states, number) {
                 own.reverse();
             }
@@ -142,10 +144,11 @@ impl Sheet {
             row.point.clone(),
         ];
         fields.extend([""; 3].map(String::from));
-        if self.layout.stations {
-            fields.push(row.station.clone().unwrap_or_default());
-        }
-        fields.extend(self.layout.optional(None, row.load, None));
+        fields.extend(self.layout.fields(&Given {
+            station: row.station.as_deref(),
+            load: row.load,
+            ..Given::default()
+        }));
         fields.extend(degrees(&row.posture.q));
         fields
     }
@@ -208,19 +211,15 @@ impl Sheet {
 pub fn reading_sheet(postures: &[Posture], options: &SheetOptions, cell: &Cell) -> Sheet {
     let states = options.all_states(cell);
     let forces = asks_for_forces(cell) || cell.sensor.is_some();
-    let layout = Layout {
-        values: Values::Positions,
-        forces,
-        moments: cell.sensor.is_some(),
-        stations: cell
-            .scene
-            .sight()
-            .is_some_and(|sight| sight.stations.len() > 1),
-        loads: !forces && cell.setup.load.each().any(|load| load.size().is_some()),
-        times: true,
-        expanded: false,
-        temperatures: false,
-    };
+    let sight = cell.scene.sight();
+    let layout = Layout::new(Values::Positions, |beside| match beside {
+        Beside::Station => sight.is_some_and(|sight| sight.stations.len() > 1),
+        Beside::Force => forces,
+        Beside::Moment => cell.sensor.is_some(),
+        Beside::Load => !forces && cell.setup.load.each().any(|load| load.size().is_some()),
+        Beside::Time => true,
+        _ => false,
+    });
     let points = cell.setup.tool.measuring_points.iter();
     let mut points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     if options.base_reflector {
@@ -237,16 +236,9 @@ pub fn displacement_sheet(postures: &[Posture], states: &[&str], cell: &Cell) ->
         [] => default_states(cell),
         _ => states.iter().map(|state| (*state).to_string()).collect(),
     };
-    let layout = Layout {
-        values: Values::Displacements,
-        forces: asks_for_forces(cell),
-        moments: false,
-        stations: false,
-        loads: false,
-        times: false,
-        expanded: false,
-        temperatures: false,
-    };
+    let forces = asks_for_forces(cell);
+    let is_asked = |beside| beside == Beside::Force && forces;
+    let layout = Layout::new(Values::Displacements, is_asked);
     let points = cell.setup.tool.measuring_points.iter();
     let points: Vec<&str> = points.map(|point| point.name.as_str()).collect();
     Sheet::new(layout, postures, &states, &points, cell)

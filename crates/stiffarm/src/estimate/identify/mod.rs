@@ -177,6 +177,20 @@ pub struct Identification {
     pub weights: Vec<DisplacementWeight>,
 }
 
+impl Identification {
+    /// The same with other joints: those of a model beside the axes alone.
+    pub(crate) fn with_joints(&self, joints: Vec<JointEstimate>) -> Self {
+        let estimates = Estimates {
+            joints,
+            ..self.estimates.clone()
+        };
+        Identification {
+            estimates,
+            ..self.clone()
+        }
+    }
+}
+
 /// Identifies the joint stiffness from measured displacements.
 ///
 /// # Errors

@@ -52,12 +52,8 @@ impl SimulatedTracker<'_> {
         let time = (self.options.seconds_per_reading > 0.0).then_some(self.time);
         self.time += self.options.seconds_per_reading;
         Ok(Reading {
-            target,
-            position,
             time,
-            expanded: None,
-            temperature: None,
-            line: 0,
+            ..Reading::new(target, position)
         })
     }
 }

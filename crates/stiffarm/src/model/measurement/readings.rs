@@ -40,6 +40,20 @@ pub struct Reading {
     pub line: usize,
 }
 
+impl Reading {
+    /// A position of a reflector, of which nothing else is known.
+    pub fn new(target: ReadingTarget, position: Vector3<f64>) -> Self {
+        Reading {
+            target,
+            position,
+            time: None,
+            expanded: None,
+            temperature: None,
+            line: 0,
+        }
+    }
+}
+
 /// What a load state is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {

@@ -188,3 +188,23 @@ fn a_heading_of_two_rows_is_told_with_the_row_to_write() {
         );
     }
 }
+
+/// A column that is read is on the page about readings; the error about an unknown one lists them all.
+#[test]
+fn every_column_is_on_the_page() {
+    let page = include_str!("../../../../../docs/readings.md");
+    let with_unknown = ROPE_LOADS.replacen("posture,state", "posture,nonsense", 1);
+    let error = readings(&with_unknown, &rope_cell()).unwrap_err();
+    let hint = error.hint_text().unwrap_or_default();
+    let listed = hint
+        .split_once("known columns: ")
+        .map_or("", |(_, all)| all);
+    let listed = listed.split_once(';').map_or("", |(all, _)| all);
+    // The page speaks of angles by that of the first joint.
+    let columns = listed.split(", ").filter(|name| *name != "q2_deg");
+    let columns: Vec<&str> = columns.collect();
+    assert!(columns.len() >= 20, "{hint}");
+    for name in columns {
+        assert!(page.contains(&format!("`{name}`")), "{name}");
+    }
+}

@@ -1,5 +1,7 @@
 //! Poses as pendants show them, and the postures of a pose, as `pose` gives them.
 
+#[cfg(feature = "clap")]
+use crate::ask::values::{Choice, choice};
 use crate::error::{Code, Result};
 use crate::findings::Finding;
 use crate::model::cell::Cell;
@@ -140,9 +142,24 @@ pub struct Found {
     pub findings: Vec<Finding>,
 }
 
-/// How poses are meant.
+/// How poses are meant, as it is asked.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "clap", derive(clap::Args))]
+pub struct PoseOptions {
+    /// How orientations are written [default: as the controller that the cell names does, else matrix]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "NAME", value_parser = choice(CONVENTION)))]
+    pub convention: Option<Convention>,
+    /// Frame that poses are given in
+    #[cfg_attr(feature = "clap", arg(long, value_name = "FRAME", default_value = "controller", value_parser = choice(FRAME)))]
+    pub frame: PoseFrame,
+    /// What the poses that are read and written are of
+    #[cfg_attr(feature = "clap", arg(long, value_name = "POINT", default_value = "flange", value_parser = choice(POINT)))]
+    pub point: PosePoint,
+}
+
+/// How the poses of a cell are meant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request {
+pub struct PoseKind {
     /// How orientations are written.
     pub convention: Convention,
     /// Frame of the poses.
@@ -151,24 +168,30 @@ pub struct Request {
     pub point: PosePoint,
 }
 
-impl Request {
-    /// Poses of the flange in the controller's frame; without a convention that of the robot's
-    /// controller, else matrices.
+impl PoseOptions {
+    /// How the poses of this cell are meant; without a convention by that of the robot's controller, else by matrices.
     ///
     /// # Errors
     /// A maker's convention, where nothing says that the cell's angles are a controller's.
-    pub fn new(cell: &Cell, convention: Option<Convention>) -> Result<Self> {
+    pub fn of(&self, cell: &Cell) -> Result<PoseKind> {
         let robot = &cell.setup.robot;
-        if convention.is_some_and(|asked| asked != Convention::Matrix) {
+        if self
+            .convention
+            .is_some_and(|asked| asked != Convention::Matrix)
+        {
             robot.known_controller()?;
         }
-        Ok(Request {
-            convention: convention.unwrap_or_else(|| Convention::of(robot.controller())),
-            frame: PoseFrame::default(),
-            point: PosePoint::default(),
+        Ok(PoseKind {
+            convention: self
+                .convention
+                .unwrap_or_else(|| Convention::of(robot.controller())),
+            frame: self.frame,
+            point: self.point,
         })
     }
+}
 
+impl PoseKind {
     /// The options as the result holds them.
     pub fn options(&self) -> Options {
         Options {
@@ -344,3 +367,62 @@ fn describe(cell: &Cell, name: String, q: &[f64]) -> Described {
         kuka_turn: is_kuka.then(|| kuka_turn(q)),
     }
 }
+
+/// Conventions of orientations.
+#[cfg(feature = "clap")]
+const CONVENTION: &[Choice<Convention>] = &[
+    (
+        "kuka",
+        "A, B, C: turns about z, then y', then x'' (deg)",
+        Convention::Kuka,
+    ),
+    (
+        "abb",
+        "Quaternion q1 to q4, the scalar first",
+        Convention::Abb,
+    ),
+    (
+        "fanuc",
+        "W, P, R: turns about fixed x, then y, then z (deg)",
+        Convention::Fanuc,
+    ),
+    (
+        "comau",
+        "A, E, R: turns about z, then y', then z'' (deg)",
+        Convention::Comau,
+    ),
+    (
+        "yaskawa",
+        "Rx, Ry, Rz: turns about fixed x, then y, then z (deg)",
+        Convention::Yaskawa,
+    ),
+    (
+        "staubli",
+        "Rx, Ry, Rz: turns about x, then y', then z'' (deg)",
+        Convention::Staubli,
+    ),
+    ("ur", "Rotation vector (rad)", Convention::Ur),
+    ("matrix", "Rotation matrix", Convention::Matrix),
+];
+
+/// Frames that poses are given in.
+#[cfg(feature = "clap")]
+const FRAME: &[Choice<PoseFrame>] = &[
+    (
+        "controller",
+        "The base frame of the robot's controller, as the pendant counts",
+        PoseFrame::Controller,
+    ),
+    ("cell", "The cell's base frame", PoseFrame::Cell),
+];
+
+/// What a pose is of.
+#[cfg(feature = "clap")]
+const POINT: &[Choice<PosePoint>] = &[
+    ("flange", "The flange", PosePoint::Flange),
+    (
+        "tip",
+        "The tip of [work], else the first measuring point in the flange's axes",
+        PosePoint::Tip,
+    ),
+];

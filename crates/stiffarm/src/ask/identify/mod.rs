@@ -1,22 +1,25 @@
 //! All that `identify` says of a measurement: estimates, and how far to trust them.
 
+mod examined;
+
 use crate::ask::fit::FitOptions;
+use crate::ask::rules::{NotWith, given, refuse};
 #[cfg(feature = "clap")]
 use crate::ask::values::{above_zero, count, seed};
-use crate::error::{Code, Error, Result};
+use crate::error::{Code, Result};
 use crate::estimate::compliance::{IdentifiedCompliance, open_springs};
 use crate::estimate::coverage::{Intervals, MeasuredCoverage, measured as measured_coverage};
 use crate::estimate::diagnose::Diagnosis;
-use crate::estimate::diagnosed::{diagnosed, is_misread};
+use crate::estimate::diagnosed::is_misread;
 use crate::estimate::elastic::{Elastic, ElasticChoice, elastic};
 use crate::estimate::identify::{
-    Bootstrap, Fit, Identification, IdentifyOptions, Profile, bootstrap, implausible_scale, profile,
+    Bootstrap, Fit, Identification, IdentifyOptions, Profile, bootstrap, implausible_scale,
 };
 use crate::estimate::mixed::MixedFit;
 use crate::estimate::next_posture::{NextPosture, next_posture};
 use crate::estimate::saved::{Sealed, SeenLoad, flange_of, once};
 use crate::estimate::setup::{self, Freed};
-use crate::estimate::systematic::{SystematicErrors, systematic_errors_with};
+use crate::estimate::systematic::SystematicErrors;
 use crate::findings::Finding;
 use crate::measure::Measured;
 use crate::measure::reduction::Reduction;
@@ -24,6 +27,7 @@ use crate::measure::screening::Screening;
 use crate::model::robot::Robot;
 use crate::numerics::control::Control;
 use crate::plan::select::GlobalOptions;
+use examined::{Examined, unless_stopped, widened};
 use serde::{Deserialize, Serialize};
 
 /// Rounds of the search for the next posture: one posture is soon found.
@@ -100,14 +104,18 @@ impl IdentifiedOptions {
     /// The options of the fit for this robot.
     ///
     /// # Errors
-    /// As [`FitOptions::options`].
+    /// Options that exclude each other; as [`FitOptions::options`].
     pub fn options(&self, robot: &Robot) -> Result<IdentifyOptions> {
+        refuse(NOT_WITH, &given(self)?)?;
         Ok(IdentifyOptions {
             free: self.free.clone(),
             ..self.fit.options(robot)?
         })
     }
 }
+
+/// What is not asked beside what: how surely a freed quantity is known is among the systematic errors.
+pub const NOT_WITH: NotWith = &[("free", &["brief", "bootstrap", "clamped"])];
 
 /// What became of raw readings on their way to displacements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -133,7 +141,8 @@ impl Reduced {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified {
-    /// The estimates. `joints` are those of the elastic model that predicts, everything else is of the joint axes alone; ±,
+    /// The estimates. `joints` are those of the elastic model that predicts (the axes' own stand in `elastic.axes`), everything
+    /// else is of the joint axes alone; ±,
     /// intervals and verdicts hold all errors where `systematic_errors` are known, else the scatter of the readings alone.
     #[serde(flatten)]
     pub identification: Identification,
@@ -221,106 +230,93 @@ impl Identified {
     /// # Errors
     /// As [`Fit::identification`], [`bootstrap`] (key `bootstrap`), [`elastic`] (key `elastic`) and
     /// [`free`](setup::free) (key `free`).
-    pub fn new(fit: &Fit, wanted: &IdentifiedOptions, control: Control<'_>) -> Result<Self> {
-        let choice = ElasticChoice::or_default(wanted.fit.elastic, fit.options());
-        let without = [
-            ("brief", wanted.brief),
-            ("bootstrap", wanted.bootstrap.is_some()),
-        ];
-        let without = without.iter().find(|(_, is_wanted)| *is_wanted);
-        if let (Some((other, _)), false) = (without, fit.options().free.is_empty()) {
-            let message = format!(
-                "How surely the set-up is known beside the stiffness is among the systematic errors, which `{other}` has not."
-            );
-            let error = Error::new(Code::Conflict, message).key("free");
-            return Err(error.hint(format!("leave `{other}` out")));
-        }
+    pub fn new(fit: &Fit, options: &IdentifiedOptions, control: Control<'_>) -> Result<Self> {
+        let choice = ElasticChoice::or_default(options.fit.elastic, fit.options());
+        let mut asked = given(options)?;
+        asked.extend((!fit.options().free.is_empty()).then(|| "free".to_string()));
+        refuse(NOT_WITH, &asked)?;
         let (own, freed) = setup::free(fit, choice)?.unzip();
-        let fit = own.as_ref().unwrap_or(fit);
-        let identification = fit.identification()?.clone();
+        let (fit, freed) = (own.as_ref().unwrap_or(fit), freed.unwrap_or_default());
+        let axes = fit.identification()?;
+        let mut left_out = Vec::new();
+        let (elastic, mixed) = match choice {
+            ElasticChoice::Axes => (None, None),
+            ElasticChoice::Mixed => {
+                let found = elastic(fit, !options.brief).map_err(|e| e.key("elastic"));
+                unless_stopped("elastic", &mut left_out, found)?.unzip()
+            }
+        };
+        let mixed = mixed.flatten();
+        // By the scatter of the readings alone.
+        let joints = match &mixed {
+            Some(mixed) => mixed.joints()?,
+            None => axes.estimates.joints.clone(),
+        };
+        let implausible = match is_misread(fit) {
+            true => None,
+            false => implausible_scale(fit.cell(), &axes.with_joints(joints.clone())),
+        };
+        let bootstrap = match options.bootstrap {
+            Some(resamples) => {
+                let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
+                let found = bootstrap(fit, resamples, options.seed, fit.options().confidence);
+                let found = found.map_err(|e| e.key("bootstrap"));
+                unless_stopped("bootstrap", &mut left_out, found)?
+            }
+            None => None,
+        };
+        let examined = match options.brief {
+            true => Examined::default(),
+            false => Examined::new(fit, mixed.as_ref(), freed.is_empty(), &mut left_out)?,
+        };
+        let of_axes = mixed.is_some().then(|| {
+            let own = axes.estimates.joints.clone();
+            widened(own, examined.of_axes.as_ref())
+        });
+        let joints = widened(joints, examined.systematic_errors.as_ref());
+        let rejected = examined.diagnosis.as_ref().and_then(Diagnosis::rejected);
+        let explained = |mut screening: Screening| {
+            if rejected.is_some() {
+                setup::leave_out_explained(&mut screening);
+            }
+            screening
+        };
         let mut out = Identified {
-            freed: freed.unwrap_or_default(),
-            readings: Reduced::of(fit.measured()),
-            screening: screening(fit.measured()),
-            implausible: None,
-            profile: None,
-            bootstrap: None,
-            systematic_errors: None,
-            elastic: None,
-            diagnosis: None,
+            readings: Reduced::of(fit.measured()).map(|own| Reduced {
+                screening: explained(own.screening),
+                ..own
+            }),
+            screening: screening(fit.measured()).map(explained),
+            identification: axes.with_joints(joints),
+            elastic: elastic.map(|own| Elastic {
+                axes: of_axes.unwrap_or_default(),
+                ..own
+            }),
+            freed,
+            implausible,
+            bootstrap,
+            profile: examined.profile,
+            systematic_errors: examined.systematic_errors,
+            diagnosis: examined.diagnosis,
             next_posture: None,
             next_posture_missing: None,
-            not_computed: Vec::new(),
-            measured_coverage: identification
-                .estimates
-                .interval_degrees_of_freedom
-                .zip(Intervals::of(identification.estimates.estimator))
+            not_computed: left_out,
+            measured_coverage: (axes.estimates.interval_degrees_of_freedom)
+                .zip(Intervals::of(axes.estimates.estimator))
                 .and_then(|(dof, kind)| measured_coverage(kind, dof)),
             sealed: None,
-            identification,
         };
-        let mut left_out = Vec::new();
-        let mut mixed = None;
-        if choice == ElasticChoice::Mixed {
-            let found = elastic(fit, !wanted.brief).map_err(|e| e.key("elastic"));
-            let found = unless_stopped("elastic", &mut left_out, found)?;
-            (out.elastic, mixed) = found.unzip();
-        }
-        let mixed = mixed.flatten();
-        if let (Some(mixed), Some(elastic)) = (&mixed, &mut out.elastic) {
-            let joints = &mut out.identification.estimates.joints;
-            elastic.axes = std::mem::replace(joints, mixed.joints()?);
-        }
-        if !is_misread(fit) {
-            out.implausible = implausible_scale(fit.cell(), &out.identification);
-        }
-        if let Some(resamples) = wanted.bootstrap {
-            let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
-            let found = bootstrap(fit, resamples, wanted.seed, fit.options().confidence);
-            let found = found.map_err(|e| e.key("bootstrap"));
-            out.bootstrap = unless_stopped("bootstrap", &mut left_out, found)?;
-        }
-        if wanted.brief {
-            out.not_computed = left_out;
-            out.sealed = out.seal(fit, mixed.as_ref());
-            return Ok(out);
-        }
-        // A profile holds the set-up still.
-        if out.freed.is_empty() {
-            out.profile = unless_stopped("profile", &mut left_out, profile(fit))?.flatten();
-        }
-        // Before the diagnosis, which takes long and may be stopped; again where that finds a quantity of the set-up off.
-        let found = systematic_errors_with(fit, mixed.as_ref(), None);
-        out.systematic_errors = unless_stopped("systematic_errors", &mut left_out, found)?;
-        let diagnosis = diagnosed(fit, mixed.as_ref());
-        out.diagnosis = unless_stopped("diagnosis", &mut left_out, diagnosis)?;
-        let off = out.diagnosis.as_ref().and_then(Diagnosis::off);
-        let errors_of = |mixed: Option<&MixedFit>| {
-            let found = systematic_errors_with(fit, mixed, off);
-            // What a stop leaves out is named already, or stands in `interval_holds` of the axes.
-            unless_stopped("systematic_errors", &mut Vec::new(), found)
-        };
-        if off.is_some()
-            && let Some(found) = errors_of(mixed.as_ref())?
-        {
-            out.systematic_errors = Some(found);
-        }
-        if let Some(systematic) = &out.systematic_errors {
-            systematic.widen(&mut out.identification.estimates.joints);
-        }
-        if let Some(elastic) = out.elastic.as_mut().filter(|e| e.mixed.is_some()) {
-            let of_axes = errors_of(None)?;
-            of_axes.iter().for_each(|own| own.widen(&mut elastic.axes));
-        }
-        if out.rejected().is_some() {
-            let readings = out.readings.as_mut().map(|own| &mut own.screening);
-            let screening = readings.or(out.screening.as_mut());
-            screening.into_iter().for_each(setup::leave_out_explained);
-        }
-        out.not_computed = left_out.clone();
         out.sealed = out.seal(fit, mixed.as_ref());
+        if !options.brief {
+            out.advise(fit, mixed.is_some(), options.seed, control)?;
+        }
+        Ok(out)
+    }
+
+    /// Adds the next posture, or why there is none.
+    fn advise(&mut self, fit: &Fit, scaled: bool, seed: u64, control: Control<'_>) -> Result<()> {
         let search = GlobalOptions {
-            seed: wanted.seed,
+            seed,
             rounds: Some(ADVICE_ROUNDS),
             ..GlobalOptions::default()
         };
@@ -330,15 +326,16 @@ impl Identified {
         };
         match advice {
             Err(error) if error.code() != Code::Interrupted => {
-                out.next_posture_missing = Some(error.message().to_string());
+                self.next_posture_missing = Some(error.message().to_string());
             }
-            found => out.next_posture = unless_stopped("next_posture", &mut left_out, found)?,
+            found => {
+                self.next_posture = unless_stopped("next_posture", &mut self.not_computed, found)?;
+            }
         }
-        if let (Some(_), Some(advice)) = (&mixed, &mut out.next_posture) {
-            advice.scale_to(&out.identification.estimates.joints);
+        if let Some(advice) = self.next_posture.as_mut().filter(|_| scaled) {
+            advice.scale_to(&self.identification.estimates.joints);
         }
-        out.not_computed = left_out;
-        Ok(out)
+        Ok(())
     }
 
     /// What predicts, by the `mixed` model where there is one, with all that was found wrong.
@@ -393,19 +390,4 @@ impl Identified {
 fn screening(measured: &Measured) -> Option<Screening> {
     let screening = measured.screening.clone();
     screening.filter(|s| measured.reduction.is_none() && !s.findings.is_empty())
-}
-
-/// What was found; `None`, with its name in `left_out`, where the user stopped it.
-fn unless_stopped<T>(
-    name: &str,
-    left_out: &mut Vec<String>,
-    found: Result<T>,
-) -> Result<Option<T>> {
-    match found {
-        Err(error) if error.code() == Code::Interrupted => {
-            left_out.push(name.to_string());
-            Ok(None)
-        }
-        found => found.map(Some),
-    }
 }

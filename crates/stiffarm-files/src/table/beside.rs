@@ -1,0 +1,225 @@
+//! What may stand in a row of measurements beside its names, lengths and angles: a row of facts each. Readers, writers and
+//! sheets go by it, and so do errors and the keys of `[columns]`.
+
+use super::heading::Known;
+use super::postures::angle_names;
+use super::quantity::Quantity;
+use super::values::Values;
+use nalgebra::Vector3;
+use stiffarm::model::cell::Cell;
+use stiffarm::model::load::Wrench;
+use stiffarm::model::measurement::Reading;
+
+/// A quantity of a row, in the order in which they are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Beside {
+    /// From where the tracker read.
+    Station,
+    /// Force of the state.
+    Force,
+    /// Its moment.
+    Moment,
+    /// Force of rope, cylinder or weight in the state.
+    Load,
+    /// When it was read.
+    Time,
+    /// Expanded uncertainty of the coordinates, 95 %.
+    Expanded,
+    /// Temperature of the air.
+    Temperature,
+}
+
+/// What a row has to say.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Given<'a> {
+    pub(super) station: Option<&'a str>,
+    pub(super) wrench: Option<Wrench>,
+    pub(super) load: Option<f64>,
+    /// Time of a displacement; a reading has its own.
+    pub(super) time: Option<f64>,
+    pub(super) reading: Option<&'a Reading>,
+}
+
+/// What stands in the fields of a quantity: a name, or as many numbers as it has columns, in SI units.
+enum Field<'a> {
+    Name(&'a str),
+    Numbers(Vector3<f64>),
+}
+
+/// All that is said of one of them.
+struct Facts {
+    /// Names of its columns without unit.
+    stems: &'static [&'static str],
+    quantity: Quantity,
+    /// Its components together.
+    group: &'static str,
+    /// Whether displacements may have it, as readings may.
+    of_displacements: bool,
+    /// What its numbers are called where they are never below zero.
+    size: Option<&'static str>,
+    get: for<'a> fn(&Given<'a>) -> Option<Field<'a>>,
+    /// Takes it into a reading; `None` for what belongs to a posture or a state.
+    set: Option<fn(&mut Reading, Vector3<f64>)>,
+}
+
+/// A single number.
+fn one(value: f64) -> Field<'static> {
+    Field::Numbers(Vector3::new(value, 0.0, 0.0))
+}
+
+impl Beside {
+    pub(super) const ALL: [Beside; 7] = [
+        Beside::Station,
+        Beside::Force,
+        Beside::Moment,
+        Beside::Load,
+        Beside::Time,
+        Beside::Expanded,
+        Beside::Temperature,
+    ];
+
+    fn facts(self) -> Facts {
+        let facts = |stems, quantity, group| Facts {
+            stems,
+            quantity,
+            group,
+            of_displacements: false,
+            size: None,
+            get: |_| None,
+            set: None,
+        };
+        match self {
+            Beside::Station => Facts {
+                get: |given| given.station.map(Field::Name),
+                ..facts(&["station"], Quantity::Name, "station")
+            },
+            Beside::Force => Facts {
+                of_displacements: true,
+                get: |given| given.wrench.map(|wrench| Field::Numbers(wrench.force)),
+                ..facts(&["fx", "fy", "fz"], Quantity::Force, "force")
+            },
+            Beside::Moment => Facts {
+                of_displacements: true,
+                get: |given| given.wrench.map(|wrench| Field::Numbers(wrench.moment)),
+                ..facts(&["mx", "my", "mz"], Quantity::Moment, "moment")
+            },
+            Beside::Load => Facts {
+                get: |given| given.load.map(one),
+                ..facts(&["load"], Quantity::Force, "load")
+            },
+            Beside::Time => Facts {
+                of_displacements: true,
+                get: |given| given.time.or_else(|| given.reading?.time).map(one),
+                set: Some(|reading, value| reading.time = Some(value.x)),
+                ..facts(&["time"], Quantity::Time, "time")
+            },
+            Beside::Expanded => Facts {
+                size: Some("An uncertainty"),
+                get: |given| given.reading?.expanded.map(Field::Numbers),
+                set: Some(|reading, value| reading.expanded = Some(value)),
+                ..facts(&["u95x", "u95y", "u95z"], Quantity::Length, "uncertainty")
+            },
+            Beside::Temperature => Facts {
+                get: |given| given.reading?.temperature.map(one),
+                set: Some(|reading, value| reading.temperature = Some(value.x)),
+                ..facts(&["temperature"], Quantity::Temperature, "temperature")
+            },
+        }
+    }
+
+    /// Those that a table of these values may have.
+    pub(super) fn of(values: Values) -> impl Iterator<Item = Beside> {
+        let is_of =
+            move |beside: &Beside| values == Values::Positions || beside.facts().of_displacements;
+        Beside::ALL.into_iter().filter(is_of)
+    }
+
+    /// Its columns.
+    pub(super) fn known(self) -> Vec<Known> {
+        let facts = self.facts();
+        let stems = facts.stems.iter();
+        stems
+            .map(|stem| Known::of(*stem, facts.quantity, facts.group))
+            .collect()
+    }
+
+    /// What a column of this name without unit holds.
+    pub(super) fn quantity_of(stem: &str) -> Option<Quantity> {
+        let mut all = Beside::ALL.into_iter().map(Beside::facts);
+        let found = all.find(|facts| facts.stems.contains(&stem));
+        found.map(|facts| facts.quantity)
+    }
+
+    /// What to do where some of its columns are missing.
+    pub(super) fn hint(self) -> String {
+        let group = self.facts().group;
+        format!("give all three components of the {group}, or none")
+    }
+
+    /// What its numbers are called where they are never below zero.
+    pub(super) fn size(self) -> Option<&'static str> {
+        self.facts().size
+    }
+
+    /// How a reading takes what its row says of it; `None` for what belongs to a posture or a state.
+    pub(super) fn setter(self) -> Option<fn(&mut Reading, Vector3<f64>)> {
+        self.facts().set
+    }
+
+    /// Whether a row says something of it.
+    pub(super) fn is_in(self, given: &Given<'_>) -> bool {
+        (self.facts().get)(given).is_some()
+    }
+
+    /// What stands in its fields, empty where there is no value.
+    fn texts(self, given: &Given<'_>) -> Vec<String> {
+        let facts = self.facts();
+        let unit = facts.quantity.units().first();
+        let text = |value: f64| unit.map_or(value, |unit| unit.shortest(value)).to_string();
+        match (facts.get)(given) {
+            None => vec![String::new(); facts.stems.len()],
+            Some(Field::Name(name)) => vec![name.to_string()],
+            Some(Field::Numbers(all)) => {
+                let own = all.iter().take(facts.stems.len());
+                own.map(|value| text(*value)).collect()
+            }
+        }
+    }
+}
+
+/// The columns of a measurement table that is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Layout {
+    values: Values,
+    beside: Vec<Beside>,
+}
+
+impl Layout {
+    /// With what is `wanted` beside names, lengths and angles.
+    pub(super) fn new(values: Values, wanted: impl Fn(Beside) -> bool) -> Self {
+        let beside = Beside::of(values).filter(|beside| wanted(*beside));
+        Layout {
+            values,
+            beside: beside.collect(),
+        }
+    }
+
+    /// Whether it has these columns.
+    pub(super) fn has(&self, beside: Beside) -> bool {
+        self.beside.contains(&beside)
+    }
+
+    pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
+        let names = ["posture", "state", "point"].map(Known::name);
+        let lengths = self.values.components();
+        let beside = self.beside.iter().flat_map(|beside| beside.known());
+        let known = names.into_iter().chain(lengths).chain(beside);
+        let angles = angle_names(cell.setup.robot.joint_count());
+        known.map(|known| known.heading()).chain(angles).collect()
+    }
+
+    /// The fields between lengths and angles, empty where there is no value.
+    pub(super) fn fields(&self, given: &Given<'_>) -> impl Iterator<Item = String> {
+        self.beside.iter().flat_map(|beside| beside.texts(given))
+    }
+}
