@@ -23,8 +23,11 @@ const IS_SMALL: f64 = 1e-4;
 /// Controller angles, from degrees.
 const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
 
+/// A part of a range.
+type End = fn(&MapRange) -> f64;
+
 /// The columns of a range.
-pub(super) const RANGE: [(&str, fn(&MapRange) -> f64); 3] = [
+pub(super) const RANGE: [(&str, End); 3] = [
     ("smallest", |range| range.smallest),
     ("median", |range| range.median),
     ("largest", |range| range.largest),
