@@ -16,6 +16,7 @@ mod order;
 pub(crate) mod places;
 mod remarks;
 mod rounding;
+pub mod routed;
 mod search;
 mod tour;
 mod way;
