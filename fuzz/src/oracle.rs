@@ -209,6 +209,21 @@ fn takes(value: &Value, schema: &Value) -> bool {
     }
 }
 
+/// Whether a result holds a serious finding, wherever it stands; what is sealed says again what stands elsewhere.
+pub fn holds_serious(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().any(holds_serious),
+        Value::Object(map) => {
+            let own = map.iter().filter(|(key, _)| *key != "sealed");
+            let mut own = own.map(|(_, item)| item);
+            map.get("severity")
+                .is_some_and(|weight| weight == "serious")
+                || own.any(holds_serious)
+        }
+        _ => false,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -236,5 +251,14 @@ mod tests {
         assert!(no_null_number(&json!({"list": [null, {"x": 1.0, "y": null}]}), &schema).is_ok());
         let fault = no_null_number(&json!({"list": [{"x": null}]}), &schema).unwrap_err();
         assert_eq!(fault, "not finite: .list[].x is null");
+    }
+
+    #[test]
+    fn what_is_serious_is_found_wherever_it_stands() {
+        let finding = json!({"severity": "serious", "sentence": "One."});
+        assert!(holds_serious(&json!({"x": [{"finding": finding}]})));
+        assert!(!holds_serious(
+            &json!({"sealed": {"doubts": [finding]}, "x": 1})
+        ));
     }
 }

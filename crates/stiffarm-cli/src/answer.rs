@@ -13,12 +13,11 @@ use serde::Serialize;
 use std::rc::Rc;
 use stiffarm::Result;
 use stiffarm::estimate::saved::Saved;
-use stiffarm::findings::{Finding, Severity};
+use stiffarm::findings::Finding;
 use stiffarm::model::cell::Cell;
 use stiffarm_files::envelope::{Envelope, write_result};
-use stiffarm_files::result::SavedResult;
 use stiffarm_files::source::NamedCell;
-use stiffarm_report::tell::{Given, Telling};
+use stiffarm_report::tell::Telling;
 
 /// What came out of a command.
 pub struct Answer {
@@ -114,7 +113,7 @@ impl Answer {
     }
 
     /// A result that tells itself, made with `cell` where it has one.
-    pub fn told<O: Serialize + 'static, R: Serialize + Telling + 'static>(
+    pub fn told<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
         exit: Exit,
         envelope: Envelope<O, R>,
         cell: impl Into<Option<NamedCell>>,
@@ -125,6 +124,25 @@ impl Answer {
             let told = told(envelope, named.as_ref().map(|named| &named.cell))?;
             Ok(text::told(&told, details) + &named.as_ref().map_or_else(String::new, Line::line))
         })
+    }
+
+    /// A result at work, made with this cell and stiffness: the command ends as its `findings` say. Where a table of
+    /// points goes to standard output, only what is serious is said.
+    pub fn at_work<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
+        envelope: Rc<Envelope<O, R>>,
+        findings: &[Finding],
+        (named, stiffness): (NamedCell, &Saved),
+        details: bool,
+    ) -> Answer {
+        let serious = findings.iter().filter(|f| f.is_serious());
+        let beside = Some(serious.map(finding_line).collect());
+        let lines = named.line() + &stiffness.line();
+        let exit = Exit::of_findings(findings);
+        let answer = Answer::made(exit, envelope, move |envelope| {
+            let told = told(envelope, Some(&named.cell))?;
+            Ok(text::told(&told, details) + &lines)
+        });
+        Answer { beside, ..answer }
     }
 
     /// With further files; nothing where there are none.
@@ -145,46 +163,5 @@ impl Answer {
             }
             _ => Ok(self),
         }
-    }
-}
-
-/// A result at work: what is made of JSON holds none of its points, of which there can be hundred thousands. Where a
-/// table of them goes to standard output, only what is serious is said.
-pub struct AtWork<O, R> {
-    /// The result with what made it.
-    pub envelope: Rc<Envelope<O, R>>,
-    /// The same without its points.
-    saved: SavedResult,
-}
-
-impl<O: Serialize + 'static, R: Serialize + Telling + 'static> AtWork<O, R> {
-    /// The result of `envelope`, with its `points`.
-    ///
-    /// # Errors
-    /// A value that JSON cannot hold.
-    pub fn new<P>(mut envelope: Envelope<O, R>, points: fn(&mut R) -> &mut Vec<P>) -> Result<Self> {
-        let all = std::mem::take(points(&mut envelope.result));
-        let saved = SavedResult::of(&envelope, "result")?;
-        *points(&mut envelope.result) = all;
-        Ok(AtWork {
-            envelope: Rc::new(envelope),
-            saved,
-        })
-    }
-
-    /// The answer of a command that made it of this cell and stiffness: it ends as the findings say.
-    pub fn answer(self, named: NamedCell, stiffness: &Saved, details: bool) -> Answer {
-        let AtWork { envelope, saved } = self;
-        let findings = saved.findings();
-        let is_serious = |f: &&Finding| f.severity == Severity::Serious;
-        let serious = findings.iter().filter(is_serious).map(finding_line);
-        let beside = Some(serious.collect());
-        let lines = named.line() + &stiffness.line();
-        let exit = Exit::of_findings(&findings);
-        let answer = Answer::made(exit, envelope, move |envelope| {
-            let given = Given::new(&saved, Some(&named.cell)).in_words();
-            Ok(text::told(&envelope.result.told(&given)?, details) + &lines)
-        });
-        Answer { beside, ..answer }
     }
 }

@@ -8,7 +8,6 @@ use stiffarm::findings::{Finding, Severity, codes};
 use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::envelope::Envelope;
-use stiffarm_files::result::SavedResult;
 use stiffarm_report::tell::{Given, Telling, Told};
 
 /// How a command ended, where it ended without an error.
@@ -123,11 +122,13 @@ impl Session {
 /// What a result that was just made says, without pictures of its cell.
 ///
 /// # Errors
-/// A result that JSON cannot hold.
-pub fn told<O: Serialize, R: Serialize + Telling>(
-    envelope: &Envelope<O, R>,
-    cell: Option<&Cell>,
-) -> Result<Told> {
-    let saved = SavedResult::of(envelope, "result")?;
-    envelope.result.told(&Given::new(&saved, cell).in_words())
+/// A cell that cannot take its postures.
+pub fn told<O, R: Telling<O>>(envelope: &Envelope<O, R>, cell: Option<&Cell>) -> Result<Told> {
+    let given = Given {
+        command: &envelope.command,
+        name: "result",
+        cell,
+        pictures: false,
+    };
+    envelope.result.told(&envelope.options, &given)
 }

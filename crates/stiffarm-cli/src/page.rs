@@ -9,7 +9,7 @@ use stiffarm::model::cell::Cell;
 use stiffarm::{Code, Error};
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::render_page;
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 
 /// Refuses a page whose name says that it is something else: no browser would open it by a double click.
 ///
@@ -51,5 +51,5 @@ pub fn page_of(envelope: &impl Serialize, cell: Option<&Cell>) -> Result<String>
 /// # Errors
 /// As [`page_of`].
 pub fn page_of_saved(saved: &SavedResult, cell: Option<&Cell>) -> Result<String> {
-    Ok(render_page(&report(&[Given::new(saved, cell)])?))
+    Ok(render_page(&report(&[WithCell::new(saved, cell)])?))
 }

@@ -7,7 +7,7 @@ use stiffarm::Result;
 use stiffarm::model::cell::Cell;
 use stiffarm_files::result::read_result;
 use stiffarm_report::page::render_told;
-use stiffarm_report::tell::{Given, tell};
+use stiffarm_report::tell::{WithCell, tell};
 
 /// How much of a result is told.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +28,7 @@ pub enum Telling {
 /// A text that holds no result, or one that is not told.
 pub fn told(json: &str, cell: Option<&Cell>, how: Telling) -> Result<String> {
     let saved = read_result(json.as_bytes(), "result")?;
-    let told = tell(&Given::new(&saved, cell).in_words())?;
+    let told = tell(&WithCell::new(&saved, cell).in_words())?;
     Ok(match how {
         Telling::Verdict => plain(&text::verdict(&told)),
         Telling::Summary => plain(&text::told(&told, false)),

@@ -1,11 +1,10 @@
 //! Any saved result: what a command printed with `--json`, or wrote with `--output`.
 
 use super::{json, seal};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use stiffarm::error::{Code, Error, Result};
-use stiffarm::findings::Finding;
 
 /// A result with what made it.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,27 +88,29 @@ impl SavedResult {
     /// # Errors
     /// A result of another command, or of a version whose results look different.
     pub fn result<T: DeserializeOwned>(&self) -> Result<T> {
-        T::deserialize(&self.json["result"]).map_err(|e| {
-            let message = format!("The result of `{}` cannot be read: {e}.", self.command);
+        self.section("result", "The result")
+    }
+
+    /// The options that it was made with, as the type that was written.
+    ///
+    /// # Errors
+    /// As [`SavedResult::result`].
+    pub fn options<T: DeserializeOwned>(&self) -> Result<T> {
+        self.section("options", "The options")
+    }
+
+    fn section<T: DeserializeOwned>(&self, key: &str, what: &str) -> Result<T> {
+        T::deserialize(&self.json[key]).map_err(|e| {
+            let message = format!("{what} of `{}` cannot be read: {e}.", self.command);
             let hint = format!(
                 "it was written by version {}; make it again with this version",
                 self.version
             );
             Error::new(Code::ResultFile, message)
                 .file(&self.name)
-                .key("result")
+                .key(key)
                 .hint(hint)
         })
-    }
-
-    /// The number at a JSON Pointer of the file; `None` for `null` and where there is none.
-    pub fn number(&self, pointer: &str) -> Option<f64> {
-        self.json.pointer(pointer).and_then(Value::as_f64)
-    }
-
-    /// The text at a JSON Pointer of the file.
-    pub fn text(&self, pointer: &str) -> Option<&str> {
-        self.json.pointer(pointer).and_then(Value::as_str)
     }
 
     /// The hash of the input of a role.
@@ -117,13 +118,6 @@ impl SavedResult {
         let mut inputs = self.inputs.iter();
         let found = inputs.find(|(own, _)| own == role);
         found.map(|(_, hash)| hash.as_str())
-    }
-
-    /// Every finding of the result, wherever it stands, each once, in the file's order.
-    pub fn findings(&self) -> Vec<Finding> {
-        let mut found = Vec::new();
-        collect_findings(&self.json["result"], &mut found);
-        found
     }
 }
 
@@ -135,26 +129,6 @@ pub(super) fn sealed_result(json: Value, file_name: &str) -> Result<SavedResult>
     let mut saved = SavedResult::from_json(json, file_name)?;
     seal::unseal(&mut saved.json).map_err(|e| e.file(file_name))?;
     Ok(saved)
-}
-
-/// Every finding in `value`, each once, in the order in which they stand.
-fn collect_findings(value: &Value, found: &mut Vec<Finding>) {
-    match value {
-        Value::Array(items) => items.iter().for_each(|item| collect_findings(item, found)),
-        Value::Object(map) if map.contains_key("severity") && map.contains_key("sentence") => {
-            if let Ok(finding) = Finding::deserialize(value)
-                && !found.contains(&finding)
-            {
-                found.push(finding);
-            }
-        }
-        Value::Object(map) => {
-            // What is sealed says again what stands elsewhere.
-            let own = map.iter().filter(|(key, _)| *key != "sealed");
-            own.for_each(|(_, item)| collect_findings(item, found));
-        }
-        _ => {}
-    }
 }
 
 /// Reads a saved result; `file_name` is for messages.

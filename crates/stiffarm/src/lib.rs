@@ -99,7 +99,7 @@ pub mod internals {
     pub use crate::plan::index::kernel::lanes::{Lanes, WIDTH, sin_cos};
     pub use crate::plan::index::kernel::{Kernel, Wanted};
     pub use crate::plan::index::minimax::Minimax;
-    pub use crate::plan::route::order::Places;
+    pub use crate::plan::route::places::Places;
 
     /// Optimal continuous designs over any space of points.
     pub mod design {

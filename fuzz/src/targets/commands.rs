@@ -10,10 +10,8 @@ use crate::seeds::{self, Kind, Scratch};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::HashMap;
-use stiffarm::findings::Finding;
 use stiffarm_files::cell::parse_cell_bytes;
 use stiffarm_files::registration::read_registration;
-use stiffarm_files::result::SavedResult;
 use stiffarm_files::stiffness::read_stiffness;
 use stiffarm_files::table::{read_measurements, read_path, read_postures, write_postures};
 
@@ -315,9 +313,7 @@ fn judged(scratch: &Scratch, words: &[String], files: &[(String, String)]) -> Ve
         if let Some(schema) = schema(words) {
             oracle::no_null_number(&value, &schema)?;
         }
-        let saved = SavedResult::of(&value, "result");
-        let serious = saved.is_ok_and(|saved| saved.findings().iter().any(Finding::is_serious));
-        if serious && ran.code == 0 {
+        if oracle::holds_serious(&value["result"]) && ran.code == 0 {
             return Err("a serious finding, and the exit code says that all is well".to_string());
         }
     } else {

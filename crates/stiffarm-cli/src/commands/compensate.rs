@@ -1,13 +1,14 @@
 //! `stiffarm compensate`: the path to command so that the loaded tool follows
 //! the nominal one.
 
-use crate::answer::{Answer, AtWork};
+use crate::answer::Answer;
 use crate::args::{CompensateArgs, WriteChoice};
 use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
 use std::path::Path;
+use std::rc::Rc;
 use stiffarm::ask::compensate::Compensated;
 use stiffarm::estimate::compliance::IdentifiedCompliance;
 use stiffarm::findings::Severity;
@@ -92,9 +93,10 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
         files = Some(outputs.files(tables, figure)?);
         result.postures.findings.extend(left);
     }
-    let envelope = session.envelope("compensate", None, options.clone(), result);
-    let made = AtWork::new(envelope, |result| &mut result.compensation.points)?;
-    let mut answer = made.answer(named, &saved, args.details).with(files);
+    let findings = result.every_finding();
+    let envelope = Rc::new(session.envelope("compensate", None, options.clone(), result));
+    let made_with = (named, &saved);
+    let mut answer = Answer::at_work(envelope, &findings, made_with, args.details).with(files);
     if withheld {
         answer.exit = Exit::Finding;
         answer.warning = WITHHELD;

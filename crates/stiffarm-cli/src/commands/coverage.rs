@@ -6,24 +6,9 @@ use crate::numbers::to_usize;
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
-use serde::Serialize;
-use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, coverage};
+use stiffarm::estimate::coverage::{CoverageCase, ErrorModel, Options, coverage};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::source::read_postures;
-
-/// What was counted.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Simulated experiments.
-    pub runs: u64,
-    /// Confidence of the intervals.
-    pub confidence: f64,
-    /// Estimator.
-    pub estimator: &'static str,
-    /// Resamples of each experiment, where the intervals are those of a bootstrap.
-    pub bootstrap: Option<u64>,
-}
 
 /// Counts.
 pub fn run(session: &Session, args: &CoverageArgs) -> Result<Answer> {
@@ -39,7 +24,7 @@ pub fn run(session: &Session, args: &CoverageArgs) -> Result<Answer> {
     let described = Options {
         runs: args.runs,
         confidence: options.confidence,
-        estimator: options.estimator.as_str(),
+        estimator: options.estimator.as_str().to_string(),
         bootstrap: args.bootstrap,
     };
     let case = CoverageCase {

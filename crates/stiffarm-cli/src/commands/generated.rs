@@ -1,6 +1,6 @@
 //! JSON Schemas of the types, for the files that `stiffarm schema` prints.
 
-use super::{capsules, check, coverage, export, route, study, zones};
+use super::{capsules, check, export, study};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use schemars::{JsonSchema, Schema};
@@ -12,12 +12,13 @@ use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::select::{self, Asked};
 use stiffarm::ask::{compensate, identify, map, measure, place, pose, predict, simulate, validate};
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::estimate::coverage::Coverage;
+use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::zones::Zones;
+use stiffarm::plan::route::routed;
+use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm_files::cell::cell_schema;
 use stiffarm_files::envelope::{Written, to_json};
@@ -38,7 +39,7 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<Asked, select::Chosen>("select --candidates"),
         of::<simulate::Options, Simulation>("simulate"),
         of::<ElasticSimulationOptions, ElasticSimulation>("simulate --elastic"),
-        of::<coverage::Options, Coverage>("coverage"),
+        of::<CoverageOptions, Coverage>("coverage"),
         of::<PairOptions, RegistrationRecord>("register"),
         of::<identify::IdentifiedOptions, identify::Identified>("identify"),
         of::<identify::IdentifiedOptions, ClampedIdentification>("identify --clamped"),
@@ -47,13 +48,13 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<PathOptions, compensate::Compensated>("compensate"),
         of::<map::Options, StiffnessMap>("map"),
         of::<place::Options, Placement>("map --place"),
-        of::<zones::Options, Zones>("zones"),
+        of::<ZonesOptions, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
         of::<measure::MeasureOptions, measure::Judgement>("measure"),
         of::<pose::Options, pose::Poses>("pose"),
         of::<pose::Options, pose::Found>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),
-        of::<route::Options, route::Routed>("route"),
+        of::<routed::Options, routed::Routed>("route"),
         of::<export::Options, export::Exported>("export"),
         of::<export::Options, export::compare::Compared>("export --compare"),
         of::<study::measured::Options, study::measured::Written>("study --measured"),

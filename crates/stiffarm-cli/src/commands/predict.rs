@@ -1,6 +1,6 @@
 //! `stiffarm predict`: how far the loaded tool bends away, and how sure that is.
 
-use crate::answer::{Answer, AtWork};
+use crate::answer::Answer;
 use crate::args::PredictArgs;
 use crate::files::Rows;
 use crate::path::{Outputs, read_stiffness};
@@ -57,15 +57,16 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     if let (Some(summary), Some(path)) = (&mut result.postures, &path) {
         summary.findings.extend(path.findings.iter().cloned());
     }
-    let envelope = session.envelope("predict", None, request.clone(), result);
-    let made = AtWork::new(envelope, |result| &mut result.prediction.points)?;
-    let result = &made.envelope.result;
+    let envelope = Rc::new(session.envelope("predict", None, request.clone(), result));
+    let result = &envelope.result;
     let workpiece = result.postures.as_ref().map(|_| &named.cell.work.workpiece);
-    let table = Rc::clone(&made.envelope);
+    let table = Rc::clone(&envelope);
     let rows = move |out: &mut dyn Write| table.result.prediction.write_csv(out);
     let files = outputs.files(
         || Ok(vec![Rows(rows)]),
         || render_svg(&prediction_figure(&result.prediction, workpiece)),
     )?;
-    Ok(made.answer(named, &saved, args.details).with(files))
+    let findings = result.every_finding();
+    let made_with = (named, &saved);
+    Ok(Answer::at_work(envelope, &findings, made_with, args.details).with(files))
 }

@@ -15,7 +15,7 @@ use stiffarm_files::source::{NamedCell, Source};
 use stiffarm_files::table::sha256_hex;
 use stiffarm_report::page::{Page, pictures, render_page};
 use stiffarm_report::paper::{paper_files, paper_names};
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 
 /// The page where nothing else is asked for.
 const PAGE: &str = "report.html";
@@ -44,7 +44,7 @@ pub struct Shown {
 }
 
 /// A result in words.
-fn line(one: &Given<'_>) -> String {
+fn line(one: &WithCell<'_>) -> String {
     let cell = match (one.cell, one.saved.input("cell")) {
         (Some(cell), _) => format!("cell {}", cell.name),
         (None, Some(_)) => "no cell: give it with --cell for the pictures in 3D".to_string(),
@@ -73,12 +73,12 @@ pub fn run(session: &Session, args: &ReportArgs) -> Result<Answer> {
         results.push(read_result(&bytes, &name)?);
     }
     let cells = cells(session, args, &results)?;
-    let given: Vec<Given<'_>> = results
+    let given: Vec<WithCell<'_>> = results
         .iter()
         .map(|saved| {
             let hash = saved.input("cell");
             let known = cells.iter().find(|known| Some(known.hash.as_str()) == hash);
-            Given::new(saved, known.map(|known| &known.named.cell))
+            WithCell::new(saved, known.map(|known| &known.named.cell))
         })
         .collect();
     let page = report(&given)?;

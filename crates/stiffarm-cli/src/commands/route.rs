@@ -6,50 +6,16 @@ use crate::files::{Files, only_target};
 use crate::output::Exit;
 use crate::progress::Progress;
 use crate::session::Session;
-use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::findings::{Finding, codes};
 use stiffarm::model::cell::{Cell, LimitKind};
 use stiffarm::model::posture::Posture;
 use stiffarm::plan::check::robot_doubts;
 use stiffarm::plan::feasibility::forbidden;
+use stiffarm::plan::route::routed::{Options, Routed};
 use stiffarm::plan::route::{Route, RouteOptions, rounded, route, route_findings};
 use stiffarm_files::source::read_postures;
 use stiffarm_files::table::write_postures;
-use stiffarm_report::tell::{Given, Telling, Told, told_route};
-
-/// Options of the result.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Whether the plan's order was kept.
-    pub keep_order: bool,
-    /// Whether equivalent postures could stand in.
-    pub equivalents: bool,
-    /// Whether these had the wrist of the plan.
-    pub keep_wrist: bool,
-    /// Steps that angles were rounded to \[deg\]; `null` where they were not.
-    pub angle_step_deg: Option<f64>,
-}
-
-/// The route with the names of its stops.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Routed {
-    /// Names of the stops.
-    pub posture_names: Vec<String>,
-    /// The route.
-    #[serde(flatten)]
-    pub route: Route,
-    /// What to know before driving it.
-    pub findings: Vec<Finding>,
-}
-
-impl Telling for Routed {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
-        told_route(&self.posture_names, &self.route, given)
-    }
-}
 
 /// Finds the route of a plan.
 pub fn run(session: &Session, args: &RouteArgs) -> Result<Answer> {

@@ -6,10 +6,9 @@ use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
-use serde::Serialize;
 use stiffarm::Result;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::zones::{ZoneOptions, zones};
+use stiffarm::plan::zones::{Options, ZoneOptions, zones};
 use stiffarm::units::deg_to_rad;
 use stiffarm_report::{render_svg, zones_figure, zones_table};
 
@@ -18,16 +17,6 @@ const FILES: [&str; 2] = ["zones.svg", "zones.csv"];
 
 /// From so many postures on, their number is said before.
 const MANY: usize = 100_000;
-
-/// Options of the result.
-#[derive(Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Angles per axis of the map.
-    pub steps: usize,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
 
 /// Maps the zones.
 pub fn run(session: &Session, args: &ZonesArgs) -> Result<Answer> {

@@ -5,10 +5,10 @@
 
 mod compare;
 
-pub use crate::tell::Given;
+pub use crate::tell::WithCell;
 
 use crate::page::{Block, Page, Part, Provenance, Section};
-use crate::tell::{plain, quoted, tell};
+use crate::tell::{cell_line, quoted, tell};
 use serde_json::Value;
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, visible};
@@ -19,14 +19,17 @@ use stiffarm_files::result::SavedResult;
 /// # Errors
 /// A result of a command that has no page, one that another version wrote and that looks different, or
 /// postures that the cell cannot take.
-pub fn report(given: &[Given<'_>]) -> Result<Page> {
+pub fn report(given: &[WithCell<'_>]) -> Result<Page> {
     let parts = given.iter().map(part);
     let parts = parts.collect::<Result<Vec<Part>>>()?;
     let title = match parts.as_slice() {
         [one] => one.heading.clone(),
         parts => format!("{} results of stiffarm", parts.len()),
     };
-    let cells: Vec<String> = given.iter().filter_map(Given::cell_line).collect();
+    let cells: Vec<String> = given
+        .iter()
+        .filter_map(|one| one.cell.map(cell_line))
+        .collect();
     let subtitle = match cells.split_first() {
         Some((first, rest)) if rest.iter().all(|other| other == first) => first.clone(),
         _ => cells.join("; "),
@@ -40,7 +43,7 @@ pub fn report(given: &[Given<'_>]) -> Result<Page> {
 }
 
 /// The part of a page for what a result says.
-fn part(given: &Given<'_>) -> Result<Part> {
+fn part(given: &WithCell<'_>) -> Result<Part> {
     let told = tell(given)?;
     let is_note = |finding: &Finding| finding.severity == Severity::Note;
     let (notes, warnings): (Vec<Finding>, Vec<Finding>) =
@@ -104,5 +107,13 @@ fn flatten(path: &str, value: &Value, out: &mut Vec<(String, String)>) {
             out.push((path.to_string(), items.join(", ")));
         }
         other => out.push((path.to_string(), other.to_string())),
+    }
+}
+
+/// A value of a list.
+fn plain(value: &Value) -> String {
+    match value {
+        Value::String(text) => visible(text).into_owned(),
+        other => other.to_string(),
     }
 }

@@ -14,8 +14,8 @@ use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::units::rad_to_shortest_deg;
 
-impl Telling for CellCheck {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for CellCheck {
+    fn told(&self, _options: &O, given: &Given<'_>) -> Result<Told> {
         let check = self;
         let done = Text::new("The cell was looked at in ")
             .number(Number::count(check.postures_sampled))
@@ -90,7 +90,13 @@ impl Telling for CellCheck {
         }
         let key = joints(given, check);
         let heading = "The cell before measuring".to_string();
-        let mut told = given.told(heading, [done, came, next], Some(key), sections);
+        let mut told = given.told(
+            check.findings.clone(),
+            heading,
+            [done, came, next],
+            Some(key),
+            sections,
+        );
         // They stand in a section of their own.
         told.findings
             .retain(|found| found.severity != Severity::Note);

@@ -14,8 +14,8 @@ use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::compensate::Compensation;
 
-impl Telling for Compensated {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for Compensated {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let result = &self.compensation;
         let count = result.points.len();
         let done = Text::new(format!(
@@ -46,7 +46,13 @@ impl Telling for Compensated {
             count,
             |caption, rows| corrections(result, caption, rows),
         ));
-        Ok(context.told("Compensated path", verdict, Some(key), sections))
+        Ok(context.told(
+            self.every_finding(),
+            "Compensated path",
+            verdict,
+            Some(key),
+            sections,
+        ))
     }
 }
 

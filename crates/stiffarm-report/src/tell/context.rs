@@ -3,12 +3,11 @@
 use super::{Block, DataTable, Given, Outcome, Section, Text, Told};
 use crate::cell::{Full, cell_drawing};
 use crate::scene::{Scene, SceneGroup, SceneOptions, scene};
-use serde_json::Value;
 use std::cmp::Reverse;
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, codes, list, visible};
+use stiffarm::model::cell::Cell;
 use stiffarm::model::posture::{Posture, PostureGroup};
-use stiffarm_files::result::SavedResult;
 
 /// Commands whose numbers come after what forbids to use them.
 const AT_WORK: [&str; 4] = ["validate", "predict", "compensate", "map"];
@@ -19,26 +18,25 @@ const NOWHERE: [&str; 2] = [codes::NOTHING_REACHABLE, codes::NOWHERE];
 /// Codes of findings that a command was stopped.
 const STOPPED: [&str; 2] = ["interrupted", "stopped"];
 
-impl<'a> Given<'a> {
-    /// Cell and robot in words.
-    pub(crate) fn cell_line(&self) -> Option<String> {
-        let cell = self.cell?;
-        Some(format!(
-            "{} · robot {}",
-            visible(&cell.name),
-            visible(cell.setup.robot.name())
-        ))
-    }
+/// Cell and robot in words.
+pub(crate) fn cell_line(cell: &Cell) -> String {
+    format!(
+        "{} · robot {}",
+        visible(&cell.name),
+        visible(cell.setup.robot.name())
+    )
+}
 
-    /// What all results say, around what is their own.
+impl Given<'_> {
+    /// What all results say, around what is their own; `findings` in the order in which they were found.
     pub(super) fn told(
         &self,
+        mut findings: Vec<Finding>,
         heading: impl Into<String>,
         verdict: [Text; 3],
         key: Option<DataTable>,
         sections: Vec<Section>,
     ) -> Told {
-        let mut findings = self.saved.findings();
         let serious = |f: &&Finding| f.severity == Severity::Serious;
         let doubtful = |f: &Finding| f.code == codes::STIFFNESS_DOUBTFUL;
         let [done, came, next] = verdict;
@@ -51,7 +49,7 @@ impl<'a> Given<'a> {
             next
         };
         let serious = findings.iter().find(serious);
-        let came = match serious.filter(|_| AT_WORK.contains(&self.saved.command.as_str())) {
+        let came = match serious.filter(|_| AT_WORK.contains(&self.command)) {
             Some(serious) => {
                 let text = Text::default().strong(serious.sentence.clone());
                 if NOWHERE.contains(&serious.code.as_str()) {
@@ -62,7 +60,6 @@ impl<'a> Given<'a> {
             }
             None => came,
         };
-        findings.extend(stopped(self.saved));
         findings.sort_by_key(|finding| Reverse(finding.severity));
         let outcome = Outcome::of(&findings);
         // What rules the ± belongs to what came out.
@@ -141,66 +138,30 @@ impl<'a> Given<'a> {
 
     /// The name of the result's file as one types it.
     fn file(&self) -> String {
-        quoted(&self.saved.name)
+        quoted(self.name)
     }
 }
 
-/// Says of a result whose command was stopped that a part of it is missing, where nothing else says so.
-fn stopped(saved: &SavedResult) -> Option<Finding> {
-    let (result, options) = (&saved.json["result"], &saved.json["options"]);
-    let left_out = result["not_computed"].as_array();
-    let mut left_out: Vec<String> = left_out.into_iter().flatten().map(plain).collect();
-    // What was asked for and is not there, with nothing that says why.
-    let asked = ["sensitivity", "prices"].into_iter();
-    left_out.extend(
-        asked
-            .filter(|key| options[*key] == true && result[*key].is_null())
-            .map(String::from),
-    );
-    let sizes = result["sizes"].as_array().map(|sizes| sizes.len() as u64);
-    let counts = [
-        (sizes, &result["largest"]),
-        (result["split_count"].as_u64(), &result["options"]["splits"]),
-    ];
-    let shorter = counts
-        .iter()
-        .any(|(done, asked)| done.is_some_and(|done| asked.as_u64() > Some(done)));
-    if left_out.is_empty() && !shorter && !is_interrupted(result) {
-        return None;
-    }
-    let left_out = if left_out.is_empty() {
-        String::new()
-    } else {
-        format!(" Not computed: {}.", list(&left_out).replace('_', " "))
-    };
-    let sentence = format!(
-        "The command was stopped before it was done; this is what it had by then.{left_out}"
-    );
+/// Findings of a result whose command may have been stopped, with what says so where nothing else does; `left_out` is
+/// what was asked for and is not there.
+pub(super) fn with_stopped(
+    given: &Given<'_>,
+    mut findings: Vec<Finding>,
+    is_stopped: bool,
+    left_out: &[&str],
+) -> Vec<Finding> {
     let is_known = |f: &Finding| STOPPED.contains(&f.code.as_str());
-    let known = saved.findings().iter().any(is_known);
-    (!known).then(|| Finding::caution(STOPPED[0], &saved.command, sentence))
-}
-
-/// Whether some part of a result says that it ended early because the user wanted so.
-fn is_interrupted(value: &Value) -> bool {
-    match value {
-        Value::Object(map) => {
-            map.get("interrupted") == Some(&Value::Bool(true))
-                || map
-                    .get("termination")
-                    .is_some_and(|end| end == "interrupted")
-                || map.values().any(is_interrupted)
-        }
-        Value::Array(items) => items.iter().any(is_interrupted),
-        _ => false,
+    if (is_stopped || !left_out.is_empty()) && !findings.iter().any(is_known) {
+        let left_out = match left_out {
+            [] => String::new(),
+            names => format!(" Not computed: {}.", list(names)),
+        };
+        let sentence = format!(
+            "The command was stopped before it was done; this is what it had by then.{left_out}"
+        );
+        findings.push(Finding::caution(STOPPED[0], given.command, sentence));
     }
-}
-
-pub(crate) fn plain(value: &Value) -> String {
-    match value {
-        Value::String(text) => visible(text).into_owned(),
-        other => other.to_string(),
-    }
+    findings
 }
 
 /// A word as a shell takes it; an input in braces stays as it is, so that it is seen to stand for a file.

@@ -2,7 +2,7 @@
 
 use super::{DataTable, Given, Number, Quantity, Telling, Text, Told};
 use stiffarm::Result;
-use stiffarm::estimate::coverage::Coverage;
+use stiffarm::estimate::coverage::{Coverage, Options};
 use stiffarm::findings::visible;
 
 /// A share of many experiments.
@@ -10,10 +10,10 @@ const SHARE: Quantity = Quantity::PERCENT.digits(3);
 /// Standard errors away from what is promised where chance no longer explains it.
 const FAR: f64 = 3.0;
 
-impl Telling for Coverage {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for Coverage {
+    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
         let found = self;
-        let promised = given.saved.number("/options/confidence").unwrap_or(0.95);
+        let promised = options.confidence;
         let off = (found.coverage - promised) / found.standard_error.max(f64::MIN_POSITIVE);
         let done = Text::new(format!(
             "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the cell\u{2019}s prior.",
@@ -52,6 +52,7 @@ impl Telling for Coverage {
             share(joint(j).without_interval)
         });
         Ok(given.told(
+            found.findings.clone(),
             "Coverage of the intervals",
             [done, came, next.into()],
             Some(key),

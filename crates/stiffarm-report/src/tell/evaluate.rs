@@ -7,10 +7,10 @@ use crate::tell::{
 use stiffarm::Result;
 use stiffarm::findings::{codes, list, visible};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::evaluated::{Evaluated, EvaluatedGroup};
+use stiffarm::plan::evaluated::{Evaluated, EvaluatedGroup, EvaluatedOptions};
 
-impl Telling for Evaluated {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<EvaluatedOptions> for Evaluated {
+    fn told(&self, options: &EvaluatedOptions, context: &Given<'_>) -> Result<Told> {
         let result = self;
         let groups: Vec<Worth<'_>> = result
             .groups
@@ -44,7 +44,7 @@ impl Telling for Evaluated {
                     .code("stiffarm select")
                     .words(" finds postures that tell more.")
             }
-            Some(_) if is_outside(context) => Text::new("Do not drive there as they are: ")
+            Some(_) if is_outside(result) => Text::new("Do not drive there as they are: ")
                 .code("stiffarm select --initial")
                 .words(" moves the postures inside the limits of the cell."),
             Some(_) => Text::new("Measure it, or let ")
@@ -64,28 +64,40 @@ impl Telling for Evaluated {
             "Step through the postures of a group in measuring order, and lay other groups over them.",
         )?);
         }
-        sections.extend(worth_sections(context, &result.joints, &groups, &[]));
+        sections.extend(worth_sections(
+            context,
+            options.characteristic_length_m,
+            &result.joints,
+            &groups,
+            &[],
+        ));
         // All indices are what one asks for.
         sections.iter_mut().for_each(|section| {
             if section.id == "indices" {
                 section.depth = Depth::Summary;
             }
         });
-        let key = key(context, &groups);
+        let key = key(result, &groups);
         let heading = match groups.len() {
             1 => format!("What {} can tell", name(0)),
             _ => "What groups of postures can tell".to_string(),
         };
         let unsure = best.is_some_and(|g| is_beyond_first_order(groups[g].evaluation));
-        let told = context.told(heading, [done, came, next], Some(key), sections);
+        let told = context.told(
+            result.findings.clone(),
+            heading,
+            [done, came, next],
+            Some(key),
+            sections,
+        );
         Ok(told.caution("evaluate", unsure.then_some(UNSURE)))
     }
 }
 
 /// Whether some posture lies outside bounds or limits.
-fn is_outside(context: &Given<'_>) -> bool {
-    let findings = context.saved.findings();
-    findings
+fn is_outside(result: &Evaluated) -> bool {
+    result
+        .findings
         .iter()
         .any(|found| found.code == codes::POSTURE_OUTSIDE)
 }
@@ -144,15 +156,17 @@ fn came(result: &Evaluated, groups: &[Worth<'_>], best: Option<usize>) -> Text {
 }
 
 /// One row per group.
-fn key(context: &Given<'_>, groups: &[Worth<'_>]) -> DataTable {
+fn key(result: &Evaluated, groups: &[Worth<'_>]) -> DataTable {
     let caption = "The groups; expected errors are relative standard errors of the joint stiffness";
     let indices = |g: usize| &groups[g].evaluation.indices;
     let percent = Quantity::PERCENT.digits(3);
     let ratio = Quantity::RATIO.digits(4);
     let names = groups.iter();
     let names = names.map(|group| visible(&group.evaluation.name).into_owned());
-    let findings = context.saved.findings();
-    let left_out = findings.iter().filter(|f| f.code == codes::JOINT_LEFT_OUT);
+    let left_out = result
+        .findings
+        .iter()
+        .filter(|f| f.code == codes::JOINT_LEFT_OUT);
     let left_out: Vec<_> = left_out.map(|f| visible(&f.subject)).collect();
     let which = if left_out.is_empty() {
         "every joint".to_string()

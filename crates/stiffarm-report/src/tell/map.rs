@@ -7,11 +7,12 @@ use super::points::{position, region, vector};
 use crate::map_figure;
 use crate::path::norm;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, of_saved,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
+    of_saved, with_stopped,
 };
-use serde::Deserialize;
 use stiffarm::Result;
-use stiffarm::ask::map::LoadSource;
+use stiffarm::ask::map::{LoadSource, Options};
+use stiffarm::ask::place;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{MapExtremes, MapRange, NodeValues, Placement, StiffnessMap};
 
@@ -22,25 +23,28 @@ const IS_SMALL: f64 = 1e-4;
 /// Controller angles, from degrees.
 const ANGLE: Quantity = Quantity::new("deg", 1.0, Form::Decimals(2));
 
+/// A part of a range.
+type End = fn(&MapRange) -> f64;
+
 /// The columns of a range.
-pub(super) const RANGE: [(&str, fn(&MapRange) -> f64); 3] = [
+pub(super) const RANGE: [(&str, End); 3] = [
     ("smallest", |range| range.smallest),
     ("median", |range| range.median),
     ("largest", |range| range.largest),
 ];
 
 /// What a result says of `map`, with a workpiece to place or without.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    if context.saved.json["result"]["candidates"].is_array() {
-        return of_saved::<Placement>(context);
+pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+    if with.saved.json["result"]["candidates"].is_array() {
+        return of_saved::<Placement, place::Options>(with);
     }
-    of_saved::<StiffnessMap>(context)
+    of_saved::<StiffnessMap, Options>(with)
 }
 
-impl Telling for StiffnessMap {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for StiffnessMap {
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let map = self;
-        let verdict = [done(context, map), came(map), next(map)];
+        let verdict = [done(options, map), came(map), next(map)];
         let mut sections = Vec::new();
         let mut shown = Vec::new();
         if context.pictures {
@@ -69,7 +73,9 @@ impl Telling for StiffnessMap {
             "What the arm may reach",
             vec![counts],
         ));
+        let findings = map.findings.clone();
         Ok(context.told(
+            with_stopped(context, findings, map.interrupted, &[]),
             "Stiffness of the tool tip over the workspace",
             verdict,
             map.extremes.map(|extremes| key(map, extremes)),
@@ -78,7 +84,7 @@ impl Telling for StiffnessMap {
     }
 }
 
-fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
+fn done(options: &Options, map: &StiffnessMap) -> Text {
     let ends = map.axes().map(|at| match at {
         [first, .., last] => [*first, *last],
         [only] => [*only; 2],
@@ -100,21 +106,21 @@ fn done(context: &Given<'_>, map: &StiffnessMap) -> Text {
         region(ends),
         vector(axis),
         vector(map.force_n),
-        load(context)
+        load(options.load_from)
     ))
     .number(Number::count(map.counts.reachable))
     .words(" of them are reachable within all limits.")
 }
 
 /// Where the load comes from, in words; empty where it was given.
-fn load(context: &Given<'_>) -> &'static str {
-    match LoadSource::deserialize(&context.saved.json["options"]["load_from"]) {
-        Ok(LoadSource::Cell) => ", from the cell's [work]",
-        Ok(LoadSource::CellAlongPath) => {
+fn load(from: LoadSource) -> &'static str {
+    match from {
+        LoadSource::Cell => ", from the cell's [work]",
+        LoadSource::CellAlongPath => {
             ", 1 N along the direction: the cell's [work] gives a load in the axes of a path, which a map has not"
         }
-        Ok(LoadSource::Unit) => ", 1 N along the direction: no force is given",
-        Ok(LoadSource::Given) | Err(_) => "",
+        LoadSource::Unit => ", 1 N along the direction: no force is given",
+        LoadSource::Given => "",
     }
 }
 

@@ -5,7 +5,7 @@ use crate::tell::{
     Block, DataTable, Form, Given, Number, Outcome, Quantity, Section, Telling, Text, Told, counted,
 };
 use stiffarm::Result;
-use stiffarm::ask::measure::Judgement;
+use stiffarm::ask::measure::{Goal, Judgement, MeasureOptions};
 use stiffarm::estimate::standing::Standing;
 use stiffarm::findings::{list, visible};
 
@@ -14,10 +14,10 @@ const ANGLE: Quantity = Quantity::new("", 1.0, Form::Decimals(2));
 /// Deflections at the tasks, from m.
 const DEFLECTION: Quantity = Quantity::new("mm", 1e3, Form::Significant(2));
 
-impl Telling for Judgement {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
+impl Telling<MeasureOptions> for Judgement {
+    fn told(&self, options: &MeasureOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
-        let verdict = [done(found), came(given, found), next(found)];
+        let verdict = [done(found), came(options, found), next(found)];
         let key = found.standing.as_ref().map(|own| joints(found, own));
         let mut sections = Vec::new();
         if !found.measured.is_empty() {
@@ -28,7 +28,13 @@ impl Telling for Judgement {
             let block = Block::Text(shown(&found.left).into());
             sections.push(Section::new("left", "Postures left", vec![block]));
         }
-        let mut told = given.told("A day of measuring", verdict, key, sections);
+        let mut told = given.told(
+            found.every_finding(),
+            "A day of measuring",
+            verdict,
+            key,
+            sections,
+        );
         if found.is_missed() || found.standing.is_none() {
             told.outcome = told.outcome.max(Outcome::Caution);
         }
@@ -61,7 +67,7 @@ fn done(found: &Judgement) -> Text {
 }
 
 /// How well the joints are known, and whether that is enough.
-fn came(given: &Given<'_>, found: &Judgement) -> Text {
+fn came(options: &MeasureOptions, found: &Judgement) -> Text {
     let text = if found.is_serious() {
         Text::default()
             .strong("Something is wrong with the readings")
@@ -101,10 +107,10 @@ fn came(given: &Given<'_>, found: &Judgement) -> Text {
             .number(Number::new(standing.confidence).of(Quantity::PERCENT))
             .words(" confidence, all errors together"),
     };
-    text.then(goal(given, found, standing))
+    text.then(goal(options, found, standing))
         .words(".")
         .then(misfit(standing))
-        .then(at_tasks(given, found))
+        .then(at_tasks(options, found))
 }
 
 /// What the fit leaves, beside the noise.
@@ -128,8 +134,8 @@ fn misfit(standing: &Standing) -> Text {
 }
 
 /// How far the goal is, where it is one of the stiffness.
-fn goal(given: &Given<'_>, found: &Judgement, standing: &Standing) -> Text {
-    let number = Number::new(given.saved.number("/options/until_stiffness"));
+fn goal(options: &MeasureOptions, found: &Judgement, standing: &Standing) -> Text {
+    let number = Number::new(options.until.and_then(Goal::stiffness));
     if number.value.is_none() {
         return Text::default();
     }
@@ -159,12 +165,11 @@ fn goal(given: &Given<'_>, found: &Judgement, standing: &Standing) -> Text {
 }
 
 /// How well the deflection at the tasks is predicted, where that is the goal.
-fn at_tasks(given: &Given<'_>, found: &Judgement) -> Text {
+fn at_tasks(options: &MeasureOptions, found: &Judgement) -> Text {
     let Some(deflection) = &found.deflection else {
         return Text::default();
     };
-    let goal =
-        Number::new(given.saved.number("/options/until_deflection_m")).of(DEFLECTION.digits(3));
+    let goal = Number::new(options.until.and_then(Goal::deflection)).of(DEFLECTION.digits(3));
     if deflection.largest_m.is_none() {
         return Text::new(" No deflection at the tasks is predicted yet; the goal is ± ")
             .number(goal)

@@ -34,10 +34,9 @@ mod validate;
 mod worth;
 mod zones;
 
-pub(crate) use context::{plain, quoted};
+use context::with_stopped;
+pub(crate) use context::{cell_line, quoted};
 pub use number::{Form, Number, Quantity, significant};
-use route::Routed;
-pub use route::told_route;
 pub(crate) use stiffarm::findings::shown;
 pub use table::DataTable;
 pub use text::{Piece, Text, counted};
@@ -46,43 +45,57 @@ pub use worth::index_quantity;
 use crate::figure::Figure;
 use crate::figure::drawing::Drawing;
 use crate::scene::Scene;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use std::cmp::Reverse;
 use stiffarm::ask::compensate::Compensated;
-use stiffarm::ask::measure::Judgement;
-use stiffarm::ask::predict::Predicted;
-use stiffarm::ask::validate::Validated;
-use stiffarm::estimate::coverage::Coverage;
+use stiffarm::ask::measure::{Judgement, MeasureOptions};
+use stiffarm::ask::predict::{PredictOptions, Predicted};
+use stiffarm::ask::validate::{Options as ValidateOptions, Validated};
+use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::check::CellCheck;
-use stiffarm::plan::evaluated::Evaluated;
-use stiffarm::plan::zones::Zones;
+use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
+use stiffarm::plan::route::routed::{self, Routed};
+use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::result::SavedResult;
 
 /// Cautions that are seen without asking for details.
 pub const SEEN_AT_ONCE: usize = 4;
 
-/// A result that can be told.
-pub trait Telling {
-    /// What it says; `given` has what its file says beside it, and the places of its numbers there.
+/// A result that can be told, with the options `O` that it was made with.
+pub trait Telling<O> {
+    /// What it says.
     ///
     /// # Errors
     /// A cell that cannot take its postures.
-    fn told(&self, given: &Given<'_>) -> Result<Told>;
+    fn told(&self, options: &O, given: &Given<'_>) -> Result<Told>;
 }
 
-impl<R: Telling> Telling for &R {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
-        (**self).told(given)
+impl<O, R: Telling<O>> Telling<O> for &R {
+    fn told(&self, options: &O, given: &Given<'_>) -> Result<Told> {
+        (**self).told(options, given)
     }
+}
+
+/// What a telling has beside the result and its options.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// The command that made the result.
+    pub command: &'a str,
+    /// The name of its file.
+    pub name: &'a str,
+    /// The cell it was made with, where that is at hand.
+    pub cell: Option<&'a Cell>,
+    /// Whether there are figures and the cell is drawn: a terminal shows none of it.
+    pub pictures: bool,
 }
 
 /// A saved result with its cell, where that is at hand.
 #[derive(Debug, Clone, Copy)]
-pub struct Given<'a> {
+pub struct WithCell<'a> {
     /// The result.
     pub saved: &'a SavedResult,
     /// The cell it was made with.
@@ -93,29 +106,38 @@ pub struct Given<'a> {
 
 /// The telling of each command's results.
 const TELLERS: &[(&str, Teller)] = &[
-    ("check", of_saved::<CellCheck>),
-    ("compensate", of_saved::<Compensated>),
-    ("coverage", of_saved::<Coverage>),
-    ("evaluate", of_saved::<Evaluated>),
+    ("check", of_saved::<CellCheck, IgnoredAny>),
+    ("compensate", of_saved::<Compensated, IgnoredAny>),
+    ("coverage", of_saved::<Coverage, CoverageOptions>),
+    ("evaluate", of_saved::<Evaluated, EvaluatedOptions>),
     ("identify", identify::told),
     ("map", map::told),
-    ("measure", of_saved::<Judgement>),
-    ("predict", of_saved::<Predicted>),
-    ("register", of_saved::<RegistrationRecord>),
-    ("route", of_saved::<Routed>),
+    ("measure", of_saved::<Judgement, MeasureOptions>),
+    ("predict", of_saved::<Predicted, PredictOptions>),
+    ("register", of_saved::<RegistrationRecord, IgnoredAny>),
+    ("route", of_saved::<Routed, routed::Options>),
     ("select", select::told),
     ("simulate", simulate::told),
     ("study", study::told),
-    ("validate", of_saved::<Validated>),
-    ("zones", of_saved::<Zones>),
+    ("validate", of_saved::<Validated, ValidateOptions>),
+    ("zones", of_saved::<Zones, ZonesOptions>),
 ];
 
 /// Tells a saved result.
-type Teller = fn(&Given<'_>) -> Result<Told>;
+type Teller = fn(&WithCell<'_>) -> Result<Told>;
 
-/// Tells a saved result of this type.
-fn of_saved<R: Telling + DeserializeOwned>(given: &Given<'_>) -> Result<Told> {
-    given.saved.result::<R>()?.told(given)
+/// Tells a saved result of these types.
+fn of_saved<R: Telling<O> + DeserializeOwned, O: DeserializeOwned>(
+    with: &WithCell<'_>,
+) -> Result<Told> {
+    let given = Given {
+        command: &with.saved.command,
+        name: &with.saved.name,
+        cell: with.cell,
+        pictures: with.pictures,
+    };
+    let saved = with.saved;
+    saved.result::<R>()?.told(&saved.options()?, &given)
 }
 
 /// What a result says.
@@ -139,7 +161,7 @@ pub struct Told {
 ///
 /// # Errors
 /// A result of a command that is not told here, or one that another version wrote and that looks different.
-pub fn tell(given: &Given<'_>) -> Result<Told> {
+pub fn tell(given: &WithCell<'_>) -> Result<Told> {
     let command = given.saved.command.as_str();
     let Some((_, told)) = TELLERS.iter().find(|(name, _)| *name == command) else {
         let names: Vec<&str> = TELLERS.iter().map(|(name, _)| *name).collect();
@@ -151,10 +173,10 @@ pub fn tell(given: &Given<'_>) -> Result<Told> {
     told(given)
 }
 
-impl<'a> Given<'a> {
+impl<'a> WithCell<'a> {
     /// A result with its cell, pictures included.
     pub fn new(saved: &'a SavedResult, cell: Option<&'a Cell>) -> Self {
-        Given {
+        WithCell {
             saved,
             cell,
             pictures: true,
@@ -164,7 +186,7 @@ impl<'a> Given<'a> {
     /// The same without pictures.
     #[must_use]
     pub fn in_words(self) -> Self {
-        Given {
+        WithCell {
             pictures: false,
             ..self
         }

@@ -3,8 +3,11 @@
 use super::at_work::{AtWork, POSITION, WorkPoint, wrench};
 use super::points::{position, region};
 use crate::placement_figure;
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
+use crate::tell::{
+    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
+};
 use stiffarm::Result;
+use stiffarm::ask::place::Options;
 use stiffarm::findings::visible;
 use stiffarm::model::stiffness::Model;
 use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
@@ -12,10 +15,10 @@ use stiffarm::work::map::{Placed, Placement, PlacementCandidate, Status};
 /// A gain from which on moving the workpiece is worth it.
 const WORTH: f64 = 1.05;
 
-impl Telling for Placement {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for Placement {
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let placement = self;
-        let verdict = [done(context, placement), came(placement), next(placement)];
+        let verdict = [done(options, placement), came(placement), next(placement)];
         let mut sections = Vec::new();
         let mut places = Vec::new();
         if context.pictures {
@@ -26,20 +29,20 @@ impl Telling for Placement {
         places.push(Block::Table(counts(placement)));
         sections.push(Section::new("places", "The places", places));
         let key = key(placement);
-        Ok(context.told("Place of the workpiece", verdict, Some(key), sections))
+        let findings = placement.findings.clone();
+        Ok(context.told(
+            with_stopped(context, findings, placement.interrupted, &[]),
+            "Place of the workpiece",
+            verdict,
+            Some(key),
+            sections,
+        ))
     }
 }
 
-fn done(context: &Given<'_>, placement: &Placement) -> Text {
-    let end = |key: &str, axis: usize| {
-        let pointer = format!("/options/{key}/{axis}");
-        context.saved.number(&pointer)
-    };
-    let ends = [0, 1, 2].map(|axis| Some([end("lower_m", axis)?, end("upper_m", axis)?]));
-    let within = match ends {
-        [Some(x), Some(y), Some(z)] => format!(" in {}", region([x, y, z])),
-        _ => String::new(),
-    };
+fn done(options: &Options, placement: &Placement) -> Text {
+    let ends = [0, 1, 2].map(|axis| [options.lower_m[axis], options.upper_m[axis]]);
+    let within = format!(" in {}", region(ends));
     let is_works = |c: &&PlacementCandidate| c.status == Status::Reachable;
     let works = placement.candidates.iter().filter(is_works).count();
     let text = Text::new(format!(

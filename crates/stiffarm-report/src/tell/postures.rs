@@ -1,7 +1,7 @@
 //! Tables of postures, their room and the moves between them.
 
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Text, counted};
-use stiffarm::findings::{codes, list, visible};
+use stiffarm::findings::{Finding, codes, list, visible};
 use stiffarm::model::cell::LimitKind;
 use stiffarm::model::limit::MarginUnit;
 use stiffarm::plan::feasibility::{NearestLimit, PostureLimits};
@@ -137,12 +137,17 @@ pub(super) fn hides_points(given: &Given<'_>, limits: &[PostureLimits]) -> bool 
     seen.any(|own| own.visible_points.len() < all)
 }
 
-/// The moves of a route; `None` where there are none.
-pub(super) fn route_section(given: &Given<'_>, names: &[String], route: &Route) -> Option<Section> {
+/// The moves of a route, without what `findings` say; `None` where there are none.
+pub(super) fn route_section(
+    given: &Given<'_>,
+    names: &[String],
+    route: &Route,
+    findings: &[Finding],
+) -> Option<Section> {
     if route.moves.is_empty() {
         return None;
     }
-    let mut blocks = vec![Block::Text(moves_in_words(given, route))];
+    let mut blocks = vec![Block::Text(moves_in_words(given, route, findings))];
     let table = Block::Table(move_table(names, route));
     // What stops a drive is seen at once.
     if route.is_blocked() {
@@ -155,7 +160,7 @@ pub(super) fn route_section(given: &Given<'_>, names: &[String], route: &Route) 
 }
 
 /// How far the moves go, how long they take and what they were kept clear of.
-fn moves_in_words(given: &Given<'_>, route: &Route) -> Text {
+fn moves_in_words(given: &Given<'_>, route: &Route, findings: &[Finding]) -> Text {
     let order = match route.shortest {
         // A way around something is one that was found, not the shortest there is.
         Some(true) if route.moves.iter().any(|one| !one.via.is_empty()) => {
@@ -191,7 +196,6 @@ fn moves_in_words(given: &Given<'_>, route: &Route) -> Text {
             " The last turn of a joint before a posture goes against its load, which takes up lost motion.",
         );
     }
-    let findings = given.saved.findings();
     let is_said = findings.iter().any(|f| f.code == codes::MOVES_NOT_CHECKED);
     if !route.checked.contains(&LimitKind::Shapes) && !is_said {
         said = said.words(

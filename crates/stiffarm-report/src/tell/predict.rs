@@ -11,7 +11,7 @@ use crate::path_components::{PathShift, path_components_figure};
 use crate::point_deflection::{PointDeflection, point_deflection_figure};
 use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
 use stiffarm::Result;
-use stiffarm::ask::predict::Predicted;
+use stiffarm::ask::predict::{PredictOptions, Predicted};
 use stiffarm::findings::{codes, visible};
 use stiffarm::work::predict::{PointPrediction, Prediction};
 
@@ -22,16 +22,22 @@ const STIFFNESS: Quantity = Quantity::new("", 1e-3, Form::Significant(5));
 /// Entries of a matrix below this share of the largest are rounding.
 const ROUNDING: f64 = 1e-12;
 
-impl Telling for Predicted {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<PredictOptions> for Predicted {
+    fn told(&self, options: &PredictOptions, context: &Given<'_>) -> Result<Told> {
         let prediction = &self.prediction;
-        let work = What::of(context, self);
+        let work = What {
+            is_path: self.postures.is_some(),
+            is_cell_load: options.cell_load,
+        };
+        let findings = self.every_finding();
+        // Directions that no reading has loaded rule the ±.
+        let is_untold = findings.iter().any(|f| f.code == codes::NEVER_LOADED);
         let order = largest_first(prediction.points.iter().map(|p| p.deflection_m));
         let worst = order.first().copied();
         let verdict = [
             done(self, &work),
-            came(context, prediction, worst),
-            next(context, prediction, &work, worst),
+            came(prediction, worst, is_untold),
+            next(prediction, &work, worst, is_untold),
         ];
         let shown = &order[..order.len().min(KEY_ROWS)];
         let caption = "Deflection of the tool tip where it is largest";
@@ -49,7 +55,13 @@ impl Telling for Predicted {
         sections.push(all_points(context, "The points", count, |caption, rows| {
             with_parts(prediction, rows, points_table(prediction, caption, rows))
         }));
-        Ok(context.told("Predicted deflection", verdict, Some(key), sections))
+        Ok(context.told(
+            findings,
+            "Predicted deflection",
+            verdict,
+            Some(key),
+            sections,
+        ))
     }
 }
 
@@ -62,15 +74,6 @@ struct What {
 }
 
 impl What {
-    fn of(context: &Given<'_>, predicted: &Predicted) -> Self {
-        let json = &context.saved.json;
-        let is_cell_load = json["options"]["cell_load"] == true;
-        What {
-            is_path: predicted.postures.is_some(),
-            is_cell_load,
-        }
-    }
-
     fn name(&self) -> &'static str {
         match (self.is_path, self.is_cell_load) {
             (true, _) => "path",
@@ -103,7 +106,7 @@ fn done(predicted: &Predicted, what: &What) -> Text {
     )
 }
 
-fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> Text {
+fn came(prediction: &Prediction, worst: Option<usize>, is_untold: bool) -> Text {
     let mm = |length: f64| Number::new(length).mm().decimals(3);
     let text = Text::new("The tool bends away by ")
         .number(mm(prediction.deflection_rms_m))
@@ -119,7 +122,7 @@ fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> T
             .words(format!(
                 " ({} %){at}; most of the ± comes from {}.",
                 level(confidence),
-                if is_untold(context) {
+                if is_untold {
                     "loads that were never applied"
                 } else {
                     dominant(band.size_m)
@@ -128,13 +131,7 @@ fn came(context: &Given<'_>, prediction: &Prediction, worst: Option<usize>) -> T
     }
 }
 
-/// True where directions that no reading has loaded rule the ±.
-fn is_untold(context: &Given<'_>) -> bool {
-    let mut findings = context.saved.findings().into_iter();
-    findings.any(|finding| finding.code == codes::NEVER_LOADED)
-}
-
-fn next(context: &Given<'_>, prediction: &Prediction, what: &What, worst: Option<usize>) -> Text {
+fn next(prediction: &Prediction, what: &What, worst: Option<usize>, is_untold: bool) -> Text {
     if prediction.deflection_rms_m == 0.0 {
         return Text::new("Give the path its forces, in its own columns or in ")
             .code("[work]")
@@ -156,7 +153,7 @@ fn next(context: &Given<'_>, prediction: &Prediction, what: &What, worst: Option
             text.words("make the largest common error smaller that ")
                 .code("stiffarm identify --details")
                 .words(" names.")
-        } else if is_untold(context) {
+        } else if is_untold {
             text.words("measure the same postures under another load, too, and identify from both.")
         } else {
             text.words("measure more postures; ")

@@ -14,8 +14,8 @@ const TURN: Quantity = Quantity::new("mrad", 1e3, Form::Significant(2));
 /// Places of the points, from m.
 const PLACE: Quantity = Quantity::new("mm", 1e3, Form::Decimals(0));
 
-impl Telling for RegistrationRecord {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for RegistrationRecord {
+    fn told(&self, _options: &O, given: &Given<'_>) -> Result<Told> {
         let found = self;
         let mm = |length: f64| Number::new(length).of(Quantity::LENGTH);
         let done = Text::new(format!(
@@ -63,7 +63,13 @@ impl Telling for RegistrationRecord {
         ];
         let heading = "Registration of the tracker";
         let key = residuals(found);
-        Ok(given.told(heading, [done, came, next], Some(key), sections))
+        Ok(given.told(
+            found.findings.clone(),
+            heading,
+            [done, came, next],
+            Some(key),
+            sections,
+        ))
     }
 }
 

@@ -2,78 +2,72 @@
 
 use super::postures::{posture_table, route_section};
 use crate::tell::{Given, Telling, Text, Told, counted};
-use serde::Deserialize;
 use stiffarm::Result;
 use stiffarm::findings::codes;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::route::Route;
+use stiffarm::plan::route::routed::{Options, Routed};
 
-/// A route with the names of its stops, as `route` writes it beside its findings.
-#[derive(Deserialize)]
-pub(super) struct Routed {
-    posture_names: Vec<String>,
-    #[serde(flatten)]
-    route: Route,
-}
-
-impl Telling for Routed {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
-        told_route(&self.posture_names, &self.route, given)
+impl Telling<Options> for Routed {
+    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+        let (posture_names, route) = (&self.posture_names, &self.route);
+        let count = counted(route.postures.len(), "posture");
+        let kept = options.keep_order;
+        let done = Text::new(if kept {
+            format!("The moves between {count} were looked at in the order given.")
+        } else {
+            format!("The order of {count} was chosen for the least turning or time.")
+        });
+        let blocked = route.moves.iter().filter(|one| !one.free).count();
+        let moves = counted(route.moves.len(), "move");
+        let is_forbidden = self
+            .findings
+            .iter()
+            .any(|f| f.code == codes::POSTURE_FORBIDDEN);
+        let came = match blocked {
+            _ if route.moves.is_empty() => {
+                Text::new("A single posture: there is nothing to order.")
+            }
+            0 if route.checked.is_empty() => {
+                Text::new(format!("{moves}, not checked against anything."))
+            }
+            0 if is_forbidden => Text::default()
+                .strong("Not every posture is allowed")
+                .words(format!("; the {moves} between them are free.")),
+            0 => Text::new(format!("{moves}, every one of them free.")),
+            count => Text::default()
+                .strong("No free way was found")
+                .words(format!(" for {count} of {moves}.")),
+        };
+        let next = match blocked {
+            0 if is_forbidden => Text::new("Do not drive there as they are: ")
+                .code("stiffarm select --initial")
+                .words(" moves the postures inside the limits of the cell."),
+            0 => Text::new("Write the postures in this order with ")
+                .code("--output plan.csv")
+                .words(", and the robot's program with ")
+                .code("stiffarm export")
+                .words("."),
+            _ => Text::new(
+                "Teach a way of your own for the moves that are not free, or move what is in the way.",
+            ),
+        };
+        let key = posture_table(
+            "The postures in this order, controller angles",
+            posture_names,
+            &route.postures,
+            &[],
+        );
+        let mut sections = Vec::new();
+        sections.extend(route_section(given, posture_names, route, &self.findings));
+        let group = PostureGroup::named("route", posture_names, route.postures.iter().cloned());
+        sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
+        let heading = "Order of the postures and moves between them";
+        Ok(given.told(
+            self.findings.clone(),
+            heading,
+            [done, came, next],
+            Some(key),
+            sections,
+        ))
     }
-}
-
-/// What a route says whose stops have these names.
-///
-/// # Errors
-/// A cell that cannot take its postures.
-pub fn told_route(posture_names: &[String], route: &Route, given: &Given<'_>) -> Result<Told> {
-    let count = counted(route.postures.len(), "posture");
-    let kept = given.saved.json["options"]["keep_order"] == true;
-    let done = Text::new(if kept {
-        format!("The moves between {count} were looked at in the order given.")
-    } else {
-        format!("The order of {count} was chosen for the least turning or time.")
-    });
-    let blocked = route.moves.iter().filter(|one| !one.free).count();
-    let moves = counted(route.moves.len(), "move");
-    let findings = given.saved.findings();
-    let is_forbidden = findings.iter().any(|f| f.code == codes::POSTURE_FORBIDDEN);
-    let came = match blocked {
-        _ if route.moves.is_empty() => Text::new("A single posture: there is nothing to order."),
-        0 if route.checked.is_empty() => {
-            Text::new(format!("{moves}, not checked against anything."))
-        }
-        0 if is_forbidden => Text::default()
-            .strong("Not every posture is allowed")
-            .words(format!("; the {moves} between them are free.")),
-        0 => Text::new(format!("{moves}, every one of them free.")),
-        count => Text::default()
-            .strong("No free way was found")
-            .words(format!(" for {count} of {moves}.")),
-    };
-    let next = match blocked {
-        0 if is_forbidden => Text::new("Do not drive there as they are: ")
-            .code("stiffarm select --initial")
-            .words(" moves the postures inside the limits of the cell."),
-        0 => Text::new("Write the postures in this order with ")
-            .code("--output plan.csv")
-            .words(", and the robot's program with ")
-            .code("stiffarm export")
-            .words("."),
-        _ => Text::new(
-            "Teach a way of your own for the moves that are not free, or move what is in the way.",
-        ),
-    };
-    let key = posture_table(
-        "The postures in this order, controller angles",
-        posture_names,
-        &route.postures,
-        &[],
-    );
-    let mut sections = Vec::new();
-    sections.extend(route_section(given, posture_names, route));
-    let group = PostureGroup::named("route", posture_names, route.postures.iter().cloned());
-    sections.push(given.cell_section(&[group], "Step through the postures in this order.")?);
-    let heading = "Order of the postures and moves between them";
-    Ok(given.told(heading, [done, came, next], Some(key), sections))
 }

@@ -3,14 +3,15 @@
 use super::tables::data_table;
 use crate::study::{PAPER, figures, published_for, starts_summary, stiffness_side_by_side, tables};
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
-    of_saved,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
+    counted, of_saved, with_stopped,
 };
-use stiffarm::Result;
+use serde::de::IgnoredAny;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::study::MeasuredStudy;
 use stiffarm::study::{Study, StudyGroup};
+use stiffarm::{Result, Termination};
 
 /// Findings that are the story itself, in its order; the others stand where they belong.
 const STORY: [&str; 4] = [
@@ -30,15 +31,15 @@ const INDICES: &str = "Group 1 is the initial group. Each other group is selecte
                        RMS relative standard error of the joint stiffness. o1 to o5 are larger-is-better.";
 
 /// What a result says of `study`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    if context.saved.json["options"]["measured"] == true {
-        return of_saved::<MeasuredStudy>(context);
+pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+    if with.saved.json["options"]["measured"] == true {
+        return of_saved::<MeasuredStudy, IgnoredAny>(with);
     }
-    of_saved::<Study>(context)
+    of_saved::<Study, IgnoredAny>(with)
 }
 
-impl Telling for Study {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for Study {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let study = self;
         let groups = &study.groups;
         let done = Text::new(format!(
@@ -185,7 +186,15 @@ impl Telling for Study {
         sections.retain(|section| !section.blocks.is_empty());
         let heading = format!("Posture selection study: {}", visible(&study.cell));
         let verdict = [done, came, next];
-        let mut told = context.told(heading, verdict, Some(key(study)), sections);
+        let is_stopped = study.interrupted
+            || study.simulation.interrupted
+            || study.elastic.as_ref().is_some_and(|own| own.interrupted)
+            || groups.iter().any(|group| {
+                let chosen = group.selection.as_ref();
+                chosen.is_some_and(|own| own.termination == Termination::Interrupted)
+            });
+        let findings = with_stopped(context, study.every_finding(), is_stopped, &[]);
+        let mut told = context.told(findings, heading, verdict, Some(key(study)), sections);
         // The notes are all told above.
         told.findings.retain(|f| f.severity > Severity::Note);
         Ok(told)

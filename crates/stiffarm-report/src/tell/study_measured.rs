@@ -2,14 +2,16 @@
 
 use super::tables::data_table;
 use crate::study::{measured_figure, measured_table};
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told};
+use crate::tell::{
+    Block, DataTable, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
+};
 use stiffarm::Result;
 use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::study::{Choice, MeasuredStudy};
 
-impl Telling for MeasuredStudy {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for MeasuredStudy {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let study = self;
         let done = Text::new(format!(
             "{} measured postures of {} were split {} times into a pool of {} and {} to be predicted; postures were chosen from \
@@ -108,7 +110,10 @@ impl Telling for MeasuredStudy {
             "Choosing postures on measured readings: {}",
             visible(&study.cell)
         );
-        let mut told = context.told(heading, [done, came, next], Some(key(study)), sections);
+        let is_stopped = study.split_count < study.options.splits;
+        let findings = with_stopped(context, study.findings.clone(), is_stopped, &[]);
+        let verdict = [done, came, next];
+        let mut told = context.told(findings, heading, verdict, Some(key(study)), sections);
         // The notes are all told above.
         told.findings.retain(|f| f.severity > Severity::Note);
         Ok(told)

@@ -8,24 +8,28 @@ use crate::tell::{
     Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
 };
 use crate::validated::validation_figure;
-use serde::Deserialize;
 use stiffarm::Result;
-use stiffarm::ask::validate::Validated;
+use stiffarm::ask::validate::{Options, Validated};
+use stiffarm::estimate::elastic::ElasticChoice;
 use stiffarm::estimate::validate::{Model, PointDeviation, Validation};
-use stiffarm::findings::{Severity, codes, list, visible};
+use stiffarm::findings::{Finding, Severity, codes, list, visible};
 use stiffarm::measure::is_of_table;
-use stiffarm::model::observation::ExtraTerm;
 
 /// Deviations this many times what noise gives on average are the model's.
 const MODEL: f64 = 3.0;
 /// Postures of the table to read first.
 const MOST_ROWS: usize = 8;
 
-impl Telling for Validated {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for Validated {
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let all = self;
         let found = &all.validation;
-        let verdict = [done(context, found), came(found), next(context, found)];
+        let findings = all.every_finding();
+        let verdict = [
+            done(options, context, found),
+            came(found),
+            next(found, &findings),
+        ];
         let mut sections = Vec::new();
         if context.pictures {
             sections.push(Section::new(
@@ -45,7 +49,7 @@ impl Telling for Validated {
             Some(_) => "Cross-validation of the joint stiffness",
             None => "Validation of the joint stiffness",
         };
-        let mut told = context.told(heading, verdict, Some(key(found)), sections);
+        let mut told = context.told(findings, heading, verdict, Some(key(found)), sections);
         // What the table does not hold yet belongs to what was done.
         let [done, ..] = &mut told.verdict;
         for finding in told.findings.iter().filter(|f| is_of_table(f)) {
@@ -61,7 +65,7 @@ impl Telling for Validated {
     }
 }
 
-fn done(context: &Given<'_>, found: &Validation) -> Text {
+fn done(options: &Options, context: &Given<'_>, found: &Validation) -> Text {
     let postures = in_order(found.points.iter().map(|p| p.posture.as_str())).len();
     let how = match (found.folds, found.model) {
         (Some(folds), _) => {
@@ -80,32 +84,29 @@ fn done(context: &Given<'_>, found: &Validation) -> Text {
         "{} displacements at {postures} {} were {how}, and compared with what was measured there, Eq. (22).{}",
         found.points.len(),
         if postures == 1 { "posture" } else { "postures" },
-        fits(context)
+        fits(options, context)
     ))
 }
 
 /// How each fold was identified, as a sentence behind another one; empty for a saved stiffness.
-fn fits(context: &Given<'_>) -> String {
-    let Some(estimator) = context.saved.text("/options/fit/estimator") else {
+fn fits(options: &Options, context: &Given<'_>) -> String {
+    let Some(fit) = &options.fit else {
         return String::new();
     };
-    let estimator = visible(estimator).replace('_', "-");
-    let terms = Vec::<ExtraTerm>::deserialize(&context.saved.json["options"]["fit"]["extra"]);
-    let terms = terms.unwrap_or_default();
     let robot = context.cell.map(|cell| &cell.setup.robot);
-    let names = robot.map(|robot| terms.iter().map(|term| term.name(robot)).collect());
+    let names = robot.map(|robot| fit.extra.iter().map(|term| term.name(robot)).collect());
     let names: Vec<String> = names.unwrap_or_default();
     let terms = if names.is_empty() {
         String::new()
     } else {
         format!(", with {}", list(&names))
     };
-    let elastic = match context.saved.text("/options/fit/elastic") {
-        Some("mixed") => "; elastic model: mixed, its sizes found anew in each fold",
-        Some(_) => "; elastic model: the joint axes alone",
-        None => "",
+    let elastic = match fit.elastic {
+        ElasticChoice::Mixed => "mixed, its sizes found anew in each fold",
+        _ => "the joint axes alone",
     };
-    format!(" Estimator of the fits: {estimator}{terms}{elastic}.")
+    let estimator = fit.estimator.as_str();
+    format!(" Estimator of the fits: {estimator}{terms}; elastic model: {elastic}.")
 }
 
 fn came(found: &Validation) -> Text {
@@ -183,8 +184,7 @@ fn names(names: &[String]) -> String {
     list(&shown.collect::<Vec<_>>())
 }
 
-fn next(context: &Given<'_>, found: &Validation) -> Text {
-    let findings = context.saved.findings();
+fn next(found: &Validation, findings: &[Finding]) -> Text {
     if findings.iter().any(|f| f.severity == Severity::Serious) {
         return Text::default()
             .strong("Correct the readings first")

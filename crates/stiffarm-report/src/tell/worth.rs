@@ -89,9 +89,10 @@ pub(super) fn joint_names(joints: &[String], evaluation: &GroupEvaluation) -> Ve
 }
 
 /// Expected errors joint by joint, singular values, correlations, the parts of the novel index, and all indices.
-/// `bounds` are relative standard errors that no plan of as many postures goes below.
+/// `characteristic_length_m` is that of the options; `bounds` are relative standard errors that no plan of as many postures goes below.
 pub(super) fn worth_sections(
     given: &Given<'_>,
+    characteristic_length_m: Option<f64>,
     joints: &[String],
     groups: &[Worth<'_>],
     bounds: &[JointEfficiency],
@@ -164,7 +165,7 @@ pub(super) fn worth_sections(
     let figure = dexterity_figure(&with_names).map(Block::Figure);
     let mut blocks: Vec<Block> = figure.into_iter().collect();
     blocks.push(Block::Table(indices(groups)));
-    blocks.extend(length_in_words(given).map(Block::Text));
+    blocks.extend(length_in_words(given, characteristic_length_m).map(Block::Text));
     let sizes = all.iter().find_map(|group| group.indices.prediction_sizes);
     blocks.extend(sizes.map(|sizes| {
         let taken = format!("The index prediction takes {}.", sizes.in_words());
@@ -309,10 +310,8 @@ fn loose(bounds: &[JointEfficiency]) -> Option<Text> {
 }
 
 /// The length that makes rotations and translations comparable, or why there is none.
-pub(super) fn length_in_words(given: &Given<'_>) -> Option<Text> {
-    let pointer = "/options/characteristic_length_m";
-    let length = given.saved.number(pointer);
-    if length.is_some() {
+pub(super) fn length_in_words(given: &Given<'_>, length_m: Option<f64>) -> Option<Text> {
+    if let Some(length) = length_m {
         let number = Number::new(length).times(1e3).unit("mm");
         let stands = |cell: &Cell| cell.characteristic_length.is_some();
         let computed = if given.cell.is_some_and(|cell| !stands(cell)) {

@@ -7,11 +7,11 @@ use crate::zones::zones_figure;
 use stiffarm::Result;
 use stiffarm::findings::{list, visible};
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::zones::Zones;
+use stiffarm::plan::zones::{Options, Zones};
 use stiffarm::units::rad_to_shortest_deg;
 
-impl Telling for Zones {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for Zones {
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
         let mut zones = self.clone();
         for joint in &mut zones.joints {
             *joint = visible(joint).into_owned();
@@ -121,10 +121,10 @@ impl Telling for Zones {
             angles.join(", ")
         ))));
         }
-        blocks.extend(length_in_words(context).map(Block::Text));
+        blocks.extend(length_in_words(context, options.characteristic_length_m).map(Block::Text));
         sections.insert(0, Section::new("zones", "The maps", blocks).in_summary());
         let heading = "Zones for stiffness identification".to_string();
-        let told = context.told(heading, [done, came, next], Some(key), sections);
+        let told = context.told(Vec::new(), heading, [done, came, next], Some(key), sections);
         let none = "No posture of the map is in a good zone.";
         Ok(told.caution("zones", zones.best.is_none().then_some(none)))
     }

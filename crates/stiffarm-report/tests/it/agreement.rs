@@ -9,7 +9,7 @@ use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::identified::{StiffnessRow, stiffness_figure};
 use stiffarm_report::page::{Block, render_page};
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 use stiffarm_report::{Figure, figure_csv};
 
 /// Honest repeats of the default experiment.
@@ -26,7 +26,7 @@ fn repeat(cell: &Cell, seed: u64) -> SavedResult {
 
 /// Whether the page of two results says that they contradict each other.
 fn contradict(a: &SavedResult, b: &SavedResult) -> bool {
-    let page = report(&[a, b].map(|saved| Given::new(saved, None))).unwrap();
+    let page = report(&[a, b].map(|saved| WithCell::new(saved, None))).unwrap();
     let verdict = &page.comparison.unwrap().verdict;
     verdict[1].plain().contains("they contradict each other")
 }
@@ -74,7 +74,7 @@ fn the_errors_of_both_results_count() {
 }
 
 fn figure_of(saved: &SavedResult, cell: &Cell) -> Figure {
-    let page = report(&[Given::new(saved, Some(cell))]).unwrap();
+    let page = report(&[WithCell::new(saved, Some(cell))]).unwrap();
     let blocks = page.parts[0].sections.iter().flat_map(|s| &s.blocks);
     let mut figures = blocks.filter_map(|block| match block {
         Block::Figure(figure) if figure.id == "joint-stiffness" => Some(figure.clone()),
@@ -108,7 +108,7 @@ fn bars_of_the_stiffness_end_where_the_table_says() {
         panic!("{identified:?}")
     };
     assert!((low - 0.133).abs() < 0.002 && (high - 0.460).abs() < 0.01);
-    let page = report(&[Given::new(&saved, Some(&cell))]).unwrap();
+    let page = report(&[WithCell::new(&saved, Some(&cell))]).unwrap();
     let html = render_page(&page);
     assert!(
         html.contains("joint 6: 0.206 (0.13"),

@@ -1,6 +1,6 @@
 //! What is said of a loaded tool: the same from what a command has at hand and from its file.
 
-use crate::common::saved;
+use crate::common::saved_with;
 use serde::Serialize;
 use serde_json::json;
 use stiffarm::Control;
@@ -19,7 +19,9 @@ use stiffarm::work::map::{PlaceOptions, place, stiffness_map};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_path;
 use stiffarm_report::figure::Panel;
-use stiffarm_report::tell::{Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, tell};
+use stiffarm_report::tell::{
+    Block, DataTable, Depth, Given, Outcome, Telling, Text, Told, WithCell, tell,
+};
 use stiffarm_report::{compensation_figure, prediction_figure};
 
 fn cell() -> (Cell, Saved) {
@@ -47,24 +49,25 @@ fn contour(cell: &Cell) -> Vec<PathPoint> {
         .points
 }
 
-/// What is said of a result of `command`, checked to be the same from the result as it was made, without its points in the
-/// file, as from the file.
-fn told<R: Serialize + Telling, P>(
+/// What is said of a result of `command`, checked to be the same from the result as it was made as from its file.
+fn told<O: Serialize, R: Serialize + Telling<O>>(
     command: &str,
     cell: &Cell,
-    result: &mut R,
-    points: fn(&mut R) -> &mut Vec<P>,
+    options: &O,
+    result: &R,
 ) -> Told {
-    let whole = saved(command, json!(result));
-    let from_file = tell(&Given::new(&whole, Some(cell)).in_words()).unwrap();
-    let all = std::mem::take(points(result));
-    let without = saved(command, json!(result));
-    *points(result) = all;
-    let given = Given::new(&without, Some(cell)).in_words();
-    let made = result.told(&given).unwrap();
+    let whole = saved_with(command, json!(options), json!(result));
+    let from_file = tell(&WithCell::new(&whole, Some(cell)).in_words()).unwrap();
+    let given = Given {
+        command,
+        name: "result",
+        cell: Some(cell),
+        pictures: false,
+    };
+    let made = result.told(options, &given).unwrap();
     assert_eq!(words(&made), words(&from_file));
     // The page has pictures beside the same words.
-    let page = tell(&Given::new(&whole, Some(cell))).unwrap();
+    let page = tell(&WithCell::new(&whole, Some(cell))).unwrap();
     assert_eq!(page.verdict, from_file.verdict);
     assert!(page.sections.len() > from_file.sections.len() || command == "map");
     made
@@ -113,8 +116,8 @@ fn summary(told: &Told) -> Vec<&str> {
 #[test]
 fn deflections_are_said_with_the_matrices_that_were_asked_for() {
     let (cell, prior) = cell();
-    let mut found = tasks(&cell, &prior, false);
-    let plain = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    let found = tasks(&cell, &prior, false);
+    let plain = told("predict", &cell, &PredictOptions::default(), &found);
     let [done, came, next] = plain.verdict.each_ref().map(Text::plain);
     assert!(done.contains("at the 3 tasks of the cell"), "{done}");
     assert!(came.contains("nothing says how sure that is"), "{came}");
@@ -127,8 +130,8 @@ fn deflections_are_said_with_the_matrices_that_were_asked_for() {
         headings.iter().all(|heading| !heading.contains('±')),
         "{headings:?}"
     );
-    let mut found = tasks(&cell, &prior, true);
-    let matrices = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    let found = tasks(&cell, &prior, true);
+    let matrices = told("predict", &cell, &PredictOptions::default(), &found);
     assert_eq!(summary(&matrices), ["matrices"]);
 }
 
@@ -143,8 +146,8 @@ fn what_is_serious_stands_before_the_numbers() {
         sentence,
     );
     prior.predictor.doubts.push(doubt);
-    let mut found = tasks(&cell, &prior, false);
-    let told = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    let found = tasks(&cell, &prior, false);
+    let told = told("predict", &cell, &PredictOptions::default(), &found);
     let [_, came, next] = told.verdict.each_ref().map(Text::plain);
     assert!(
         came.starts_with(&format!("{sentence} As it is: The tool bends away by")),
@@ -163,12 +166,10 @@ fn corrections_and_what_they_leave() {
     let followed = options
         .follow(&cell, &prior.predictor, &points, control)
         .unwrap();
-    let mut found = options
+    let found = options
         .compensate(&cell, &prior, &followed, control)
         .unwrap();
-    let told = told("compensate", &cell, &mut found, |r| {
-        &mut r.compensation.points
-    });
+    let told = told("compensate", &cell, &options, &found);
     let done = told.verdict[0].plain();
     assert!(done.contains("The path of 61 points"), "{done}");
     assert!(done.contains("inverse kinematics in closed form"), "{done}");
@@ -195,9 +196,11 @@ fn a_map_names_its_places() {
             ..MapOptions::default()
         };
         let options = request.map_options(&cell).unwrap();
-        stiffness_map(&cell, &prior.predictor, &options, Control::default()).unwrap()
+        let found = stiffness_map(&cell, &prior.predictor, &options, Control::default());
+        let options = request.options(&options, &cell);
+        told("map", &cell, &options, &found.unwrap())
     };
-    let said = told("map", &cell, &mut map(1400.0), |map| &mut map.nodes);
+    let said = map(1400.0);
     let [done, came, _] = said.verdict.each_ref().map(Text::plain);
     assert!(done.contains("x 1400 to 2200 mm"), "{done}");
     assert!(
@@ -211,7 +214,7 @@ fn a_map_names_its_places() {
     angles.blocks.iter().for_each(|b| words_of(b, &mut all));
     assert!(all[1].contains("q6 [deg]"), "{all:?}");
     // Where nothing is reachable that is what came out.
-    let nowhere = told("map", &cell, &mut map(5000.0), |map| &mut map.nodes);
+    let nowhere = map(5000.0);
     let [_, came, next] = nowhere.verdict.each_ref().map(Text::plain);
     assert!(
         came.starts_with("No node of the map is reachable") && !came.contains("As it is"),
@@ -239,7 +242,12 @@ fn the_best_place_comes_as_lines_of_the_cell() {
         &options,
         Control::default(),
     );
-    let said = told("map", &cell, &mut found.unwrap(), |r| &mut r.candidates);
+    let said = told(
+        "map",
+        &cell,
+        &MapOptions::default().of_places(&options),
+        &found.unwrap(),
+    );
     assert_eq!(summary(&said), ["lines"]);
     let lines = said.sections.iter().find(|s| s.id == "lines").unwrap();
     let mut all = Vec::new();
@@ -248,7 +256,7 @@ fn the_best_place_comes_as_lines_of_the_cell() {
     assert!(all[1].starts_with("workpiece_rpy_deg = ["), "{all:?}");
     let done = said.verdict[0].plain();
     assert!(
-        done.contains("places of the workpiece were tried"),
+        done.contains("27 places of the workpiece in x 1500 to 2100 mm"),
         "{done}"
     );
 }
@@ -371,7 +379,7 @@ fn loads_that_were_never_applied_stand_in_the_verdict() {
     let sentence = "Of the 0.7 mm 0.6 mm lie in directions in which no reading has loaded the arm.";
     let finding = Finding::caution("never-loaded", "load", sentence);
     found.prediction.findings.push(finding);
-    let made = told("predict", &cell, &mut found, |r| &mut r.prediction.points);
+    let made = told("predict", &cell, &PredictOptions::default(), &found);
     assert!(made.verdict[1].plain().ends_with(sentence));
     assert!(made.findings.iter().all(|f| f.code != "never-loaded"));
     assert_eq!(made.outcome, Outcome::Caution);

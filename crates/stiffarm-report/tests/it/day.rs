@@ -13,7 +13,7 @@ use stiffarm::simulated_readings;
 use stiffarm::{Code, Control, Error, Fit, Result};
 use stiffarm_files::builtin;
 use stiffarm_files::table::read_pairs;
-use stiffarm_report::tell::{Block, Given, Outcome, Told, tell};
+use stiffarm_report::tell::{Block, Outcome, Told, WithCell, tell};
 
 /// What is said of readings beside a plan of six postures.
 fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurements>) -> Told {
@@ -33,7 +33,7 @@ fn day(goal: Option<f64>, readings: impl FnOnce(ReadingTable) -> Result<Measurem
         Control::default(),
     );
     let saved = saved_with("measure", json!(options), json!(found.unwrap()));
-    tell(&Given::new(&saved, Some(&cell))).unwrap()
+    tell(&WithCell::new(&saved, Some(&cell))).unwrap()
 }
 
 /// The first postures of a table.
@@ -115,7 +115,7 @@ fn a_registration_says_which_point_is_off_and_what_goes_into_the_cell() {
     let told = |pairs: &[_]| {
         let record = RegistrationRecord::from(&register(pairs).unwrap());
         let saved = saved("register", json!(record));
-        tell(&Given::new(&saved, None)).unwrap()
+        tell(&WithCell::new(&saved, None)).unwrap()
     };
     let good = told(&pairs);
     assert_eq!(good.outcome, Outcome::Good);

@@ -1,6 +1,6 @@
 //! Pages of identify and validate.
 
-use crate::common::{good, group, measured, numbers_of_the_file, saved};
+use crate::common::{good, group, measured, numbers_of_the_file, saved, saved_with};
 use crate::tell::suspected;
 use serde_json::{Value, json};
 use stiffarm::estimate::clamped::{
@@ -14,11 +14,11 @@ use stiffarm::model::stiffness::Model;
 use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::{Block, Outcome, Page, Piece, Text, render_page};
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 use stiffarm_report::validated::validation_figure;
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    report(&[Given::new(saved, cell)]).unwrap()
+    report(&[WithCell::new(saved, cell)]).unwrap()
 }
 
 fn words(page: &Page) -> [String; 3] {
@@ -109,13 +109,18 @@ fn residuals_are_measured_minus_calculated() {
     assert_eq!(Some(&found.prior_stiffness), cell.prior.as_ref());
 }
 
+/// A validation as its command writes it.
+fn validated(result: Value) -> SavedResult {
+    saved_with("validate", json!({"model": "linear", "only": []}), result)
+}
+
 #[test]
 fn validation_says_how_far_calculated_and_measured_differ() {
     let cell = builtin::cell("comau").unwrap();
     let measured = measured(&cell, &group(&cell));
     let fit = Fit::new(&cell, &measured, &IdentifyOptions::default()).unwrap();
     let folds = cross_validate(&fit, 6, Some(1e-6)).unwrap();
-    let result = saved("validate", json!(folds));
+    let result = validated(json!(folds));
     let made = page(&result, Some(&cell));
     let [done, came, _] = words(&made);
     assert!(
@@ -129,7 +134,7 @@ fn validation_says_how_far_calculated_and_measured_differ() {
     let prior = IdentifiedCompliance::from_stiffness(&cell, cell.require_prior().unwrap()).unwrap();
     let found = validate_with(&cell, &prior, &measured, Model::Equilibrium, None).unwrap();
     assert_eq!(found.postures.len(), 18);
-    let made = page(&saved("validate", json!(found)), None);
+    let made = page(&validated(json!(found)), None);
     assert_eq!(made.parts[0].outcome, Outcome::Good);
     assert!(
         words(&made)[2].contains("stiffarm predict"),
@@ -192,7 +197,10 @@ fn results_beside_each_other_say_how_each_came_out_and_who_differs() {
     {
         one.name = name.to_string();
     }
-    let all: Vec<Given<'_>> = given.iter().map(|saved| Given::new(saved, None)).collect();
+    let all: Vec<WithCell<'_>> = given
+        .iter()
+        .map(|saved| WithCell::new(saved, None))
+        .collect();
     let page = report(&all).unwrap();
     let comparison = page.comparison.as_ref().unwrap();
     let [_, came, next] = comparison.verdict.each_ref().map(Text::plain);

@@ -8,7 +8,7 @@ use stiffarm::measure::prepare;
 use stiffarm::simulated_readings;
 use stiffarm_files::builtin;
 use stiffarm_files::result::SavedResult;
-use stiffarm_report::tell::{Block, Depth, Given, Outcome, Section, Text, Told, tell};
+use stiffarm_report::tell::{Block, Depth, Outcome, Section, Text, Told, WithCell, tell};
 
 fn finding(code: &str, severity: &str, sentence: &str) -> Value {
     json!({"code": code, "severity": severity, "subject": "readings", "sentence": sentence})
@@ -59,7 +59,7 @@ fn one(result: Value) -> Told {
 }
 
 fn told(saved: &SavedResult) -> Told {
-    tell(&Given::new(saved, None)).unwrap()
+    tell(&WithCell::new(saved, None)).unwrap()
 }
 
 /// What is more than a note.

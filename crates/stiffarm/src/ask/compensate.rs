@@ -3,6 +3,7 @@
 use crate::ask::path::{Followed, PathOptions};
 use crate::error::Result;
 use crate::estimate::saved::Saved;
+use crate::findings::{Finding, each_once};
 use crate::model::cell::Cell;
 use crate::numerics::control::Control;
 use crate::units::mm_to_m;
@@ -25,6 +26,18 @@ pub struct Compensated {
     /// How the features of the path come out, where it names them or a tolerance is given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<Feature>,
+}
+
+impl Compensated {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        each_once(
+            self.compensation
+                .findings
+                .iter()
+                .chain(&self.postures.findings),
+        )
+    }
 }
 
 impl PathOptions {

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 const DOWN_DEG: [f64; 3] = [180.0, 0.0, 0.0];
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Orientation of the tip frame: turns about the base's x, then y, then z \[deg\].

@@ -8,7 +8,7 @@ use crate::estimate::identify::{Fit, IdentifyOptions};
 use crate::estimate::next_posture::{NextPosture, next_posture, planned_errors};
 use crate::estimate::setup;
 use crate::estimate::standing::{SoFar, Standing, is_better, standing};
-use crate::findings::{Finding, Severity, codes};
+use crate::findings::{Finding, Severity, codes, each_once};
 use crate::measure::prepare;
 use crate::measure::reduction::ReduceOptions;
 use crate::model::cell::Cell;
@@ -127,6 +127,14 @@ pub struct Judgement {
     /// A posture that would help much more than the next planned one; `null` where there is none, or none
     /// was looked for.
     pub better: Option<NextPosture>,
+}
+
+impl Judgement {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        let standing = self.standing.iter().flat_map(|own| &own.findings);
+        each_once(self.readings.iter().chain(standing))
+    }
 }
 
 /// A planned posture.

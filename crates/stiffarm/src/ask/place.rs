@@ -6,10 +6,10 @@ use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::units::deg_to_rad;
 use crate::work::map::PlaceOptions;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Lower corner of the box for the workpiece's origin, base frame \[m\].

@@ -8,6 +8,7 @@ use crate::ask::values::{MODEL, choice};
 use crate::error::{Code, Error, Result};
 use crate::estimate::compliance::IdentifiedCompliance;
 use crate::estimate::saved::Saved;
+use crate::findings::{Finding, each_once};
 use crate::model::cell::Cell;
 use crate::model::observation::PostureTerms;
 use crate::model::path::{LoadedPosture, PathPoint, PathTarget};
@@ -33,6 +34,14 @@ pub struct Predicted {
     /// How the features of the path come out, where it names them or a tolerance is given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub features: Vec<Feature>,
+}
+
+impl Predicted {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        let of_path = self.postures.iter().flat_map(|own| &own.findings);
+        each_once(self.prediction.findings.iter().chain(of_path))
+    }
 }
 
 /// What is asked of a prediction; by default the equilibrium under the loads at the tip.

@@ -6,10 +6,10 @@ use crate::error::{Code, Error, Result};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::simulate::{ElasticSimulationOptions, ModelErrors, SimulationOptions};
 use crate::units::{deg_to_rad, mm_to_m};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// Factors on the cell's variance.

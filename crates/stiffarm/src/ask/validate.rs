@@ -13,7 +13,7 @@ use crate::estimate::saved::Saved;
 use crate::estimate::validate::{
     Model, ValidatedPosture, Validation, cross_validate, cross_validate_mixed, validate_with,
 };
-use crate::findings::{Finding, codes, list};
+use crate::findings::{Finding, codes, each_once, list};
 use crate::measure::Measured;
 use crate::model::cell::Cell;
 use crate::model::observation::ExtraTerm;
@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 const SAME: f64 = 1e-3;
 
 /// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Options {
     /// How displacements are calculated.
@@ -38,7 +38,7 @@ pub struct Options {
 }
 
 /// Options of the identifications of a cross-validation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FoldOptions {
     /// Folds of postures.
@@ -68,6 +68,22 @@ pub struct Validated {
     /// What to know about the readings and the stiffness.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Finding>,
+}
+
+impl Validated {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        let readings = self.readings.iter();
+        let readings =
+            readings.flat_map(|own| own.reduction.findings.iter().chain(&own.screening.findings));
+        each_once(
+            self.validation
+                .findings
+                .iter()
+                .chain(readings)
+                .chain(&self.remarks),
+        )
+    }
 }
 
 /// Folds of a cross-validation.

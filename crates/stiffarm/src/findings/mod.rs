@@ -132,6 +132,17 @@ pub(crate) fn probability(p: f64) -> String {
     }
 }
 
+/// Findings of several parts of a result, each once.
+pub(crate) fn each_once<'a>(all: impl IntoIterator<Item = &'a Finding>) -> Vec<Finding> {
+    let mut out: Vec<Finding> = Vec::new();
+    for finding in all {
+        if !out.contains(finding) {
+            out.push(finding.clone());
+        }
+    }
+    out
+}
+
 /// Names from files as they are shown.
 pub fn shown<'a>(names: impl IntoIterator<Item = &'a String>) -> Vec<String> {
     let names = names.into_iter();

@@ -15,7 +15,7 @@ use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::identify::{Estimator, Identification, IdentifyOptions, identify};
 use crate::estimate::simulate::{ElasticSimulation, Simulation, SimulationOptions, simulate};
 use crate::estimate::validate::{Model, Validation, simulate_measurements, validate};
-use crate::findings::Finding;
+use crate::findings::{Finding, each_once};
 use crate::model::cell::Cell;
 use crate::model::observation::{PostureTerms, Rows, observation_matrix};
 use crate::model::posture::PostureGroup;
@@ -157,6 +157,20 @@ pub struct Study {
     /// Anchors of ropes and cylinders in the base frame \[m\].
     #[serde(default)]
     pub anchors_m: Vec<[f64; 3]>,
+}
+
+impl Study {
+    /// Every finding of the result, each once.
+    pub fn every_finding(&self) -> Vec<Finding> {
+        let elastic = self.elastic.iter().flat_map(|own| &own.findings);
+        let validated = self
+            .groups
+            .iter()
+            .filter_map(|group| group.validation.as_ref());
+        let validated = validated.flat_map(|own| &own.findings);
+        let all = elastic.chain(&self.findings).chain(validated);
+        each_once(all.chain(&self.simulation.findings))
+    }
 }
 
 /// Runs the study from `initial` (Group 1).

@@ -67,7 +67,7 @@ fn exchanges_come_close_to_the_shortest_order() {
     for case in 0..200 {
         let places = random(&mut rng, 4 + case % 7, 1 + case % 3, case % 2 == 0);
         let best = places.length(&places.by_recursion());
-        let found = places.length(&places.by_exchanges(1, Control::default()));
+        let found = places.length(&places.by_exchanges(None, 1, Control::default()));
         let excess = found / best - 1.0;
         worst = worst.max(excess);
         sum += excess;

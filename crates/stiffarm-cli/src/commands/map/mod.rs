@@ -3,13 +3,14 @@
 
 pub mod place;
 
-use crate::answer::{Answer, AtWork};
+use crate::answer::Answer;
 use crate::args::MapArgs;
 use crate::files::{Files, Said, check_folder, shown};
 use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
+use std::rc::Rc;
 use stiffarm::Result;
 use stiffarm::plan::characteristic_length::with_length;
 use stiffarm::work::map::{MapOptions, stiffness_map};
@@ -54,10 +55,11 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     let said = request.options(&options, &named.cell);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
     let pictures = pictures_of(args, FILES, pictures);
-    let interrupted = result.interrupted;
-    let envelope = session.envelope("map", None, said, result);
-    let made = AtWork::new(envelope, |map| &mut map.nodes)?;
-    let mut answer = made.answer(named, &saved, args.details).with(pictures);
+    let (interrupted, findings) = (result.interrupted, result.findings.clone());
+    let envelope = Rc::new(session.envelope("map", None, said, result));
+    let made_with = (named, &saved);
+    let answer = Answer::at_work(envelope, &findings, made_with, args.details);
+    let mut answer = answer.with(pictures);
     if interrupted {
         answer.exit = Exit::Interrupted;
     }

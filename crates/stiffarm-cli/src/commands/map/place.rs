@@ -1,13 +1,14 @@
 //! `stiffarm map --place`: the best place for a workpiece.
 
 use super::{MANY, pictures_of};
-use crate::answer::{Answer, AtWork};
+use crate::answer::Answer;
 use crate::args::MapArgs;
 use crate::files::check_folder;
 use crate::output::Exit;
 use crate::path::read_stiffness;
 use crate::progress::{Progress, announce};
 use crate::session::Session;
+use std::rc::Rc;
 use stiffarm::Result;
 use stiffarm::work::map::{MapOptions, place};
 use stiffarm_files::source::{NamedPath, read_path};
@@ -66,10 +67,11 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
         ]
     };
     let pictures = pictures_of(args, FILES, pictures);
-    let interrupted = result.interrupted;
-    let envelope = session.envelope("map", None, said, result);
-    let made = AtWork::new(envelope, |placement| &mut placement.candidates)?;
-    let mut answer = made.answer(named, &saved, args.details).with(pictures);
+    let (interrupted, findings) = (result.interrupted, result.findings.clone());
+    let envelope = Rc::new(session.envelope("map", None, said, result));
+    let made_with = (named, &saved);
+    let answer = Answer::at_work(envelope, &findings, made_with, args.details);
+    let mut answer = answer.with(pictures);
     if interrupted {
         answer.exit = Exit::Interrupted;
     }

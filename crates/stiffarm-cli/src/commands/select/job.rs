@@ -11,7 +11,7 @@ use crate::session::Session;
 use crate::target::Target;
 use serde::Serialize;
 use std::path::Path;
-use stiffarm::ask::select::{Planned, Stage};
+use stiffarm::ask::select::{Asked, Planned, Stage};
 use stiffarm::model::cell::Cell;
 use stiffarm::model::measurement::Role;
 use stiffarm::model::posture::Posture;
@@ -39,7 +39,7 @@ impl Job<'_> {
     }
 
     /// The result, with its postures as plan, sheet and pictures where these are wanted.
-    pub fn answer<R: Serialize + Telling + 'static>(
+    pub fn answer<R: Serialize + Telling<Asked> + 'static>(
         &self,
         planned: Planned<R>,
         exit: Exit,
@@ -49,7 +49,7 @@ impl Job<'_> {
     }
 
     /// The result alone.
-    pub fn told<R: Serialize + Telling + 'static>(
+    pub fn told<R: Serialize + Telling<Asked> + 'static>(
         &self,
         planned: Planned<R>,
         exit: Exit,

@@ -40,9 +40,9 @@ pub struct Written {
     pub files: Vec<String>,
 }
 
-impl Telling for Written {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
-        self.study.told(given)
+impl Telling<Options> for Written {
+    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+        self.study.told(options, given)
     }
 }
 

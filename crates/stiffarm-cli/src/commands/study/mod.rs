@@ -56,9 +56,9 @@ pub struct Written {
     pub files: Vec<String>,
 }
 
-impl Telling for Written {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
-        self.study.told(given)
+impl Telling<Options> for Written {
+    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+        self.study.told(options, given)
     }
 }
 
@@ -122,7 +122,7 @@ pub fn run(session: &Session, args: &StudyArgs) -> Result<Answer> {
 }
 
 /// The folder of a study, the result first and its page last, and what the study says.
-fn answer<O: Serialize + 'static, R: Serialize + Telling + 'static>(
+fn answer<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
     args: &StudyArgs,
     exit: Exit,
     (envelope, names): (Envelope<O, R>, Vec<String>),

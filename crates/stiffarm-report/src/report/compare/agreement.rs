@@ -1,6 +1,6 @@
 //! Whether results of one experiment after another agree in the joint stiffness.
 
-use crate::report::Given;
+use crate::report::WithCell;
 use serde_json::Value;
 use statrs::distribution::{ContinuousCDF, Normal};
 use stiffarm::findings::visible;
@@ -38,7 +38,7 @@ struct Joint {
 }
 
 /// The joints of a result whose intervals are known: the lower end of k is 1/(H + half width).
-fn joints(given: &Given<'_>) -> Vec<Joint> {
+fn joints(given: &WithCell<'_>) -> Vec<Joint> {
     let all = given.saved.json["result"]["joints"].as_array();
     let known = all.into_iter().flatten().filter_map(|joint: &Value| {
         let compliance = joint["compliance"].as_f64()?;
@@ -56,7 +56,7 @@ fn joints(given: &Given<'_>) -> Vec<Joint> {
 /// Every joint stiffness of further results against the first: |H_a − H_b| against √(w_a² + w_b²), the half width of
 /// a difference of independent estimates, widened so that honest repeats of one experiment contradict each other as
 /// rarely in any of these comparisons as a single one may by its confidence.
-pub(super) fn changes(results: &[&Given<'_>]) -> Vec<StiffnessChange> {
+pub(super) fn changes(results: &[&WithCell<'_>]) -> Vec<StiffnessChange> {
     let Some((first, others)) = results.split_first() else {
         return Vec::new();
     };

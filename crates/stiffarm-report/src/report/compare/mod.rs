@@ -9,7 +9,7 @@ use crate::figure::Figure;
 use crate::figure::svg::share_axes;
 use crate::order::in_order;
 use crate::page::{Block, Comparison, DataTable, Outcome, Part, Section, Text};
-use crate::report::Given;
+use crate::report::WithCell;
 use made::made_differently;
 use numbers::Numbers;
 
@@ -18,7 +18,7 @@ const MOST_CHARTS: usize = 4;
 
 /// What a page of several results says before them; nothing for one. Results of one command are compared number
 /// by number, row by row of their key tables.
-pub(super) fn compare(given: &[Given<'_>], parts: &[Part]) -> Option<Comparison> {
+pub(super) fn compare(given: &[WithCell<'_>], parts: &[Part]) -> Option<Comparison> {
     if parts.len() < 2 {
         return None;
     }
@@ -55,7 +55,7 @@ struct Kind<'a> {
 
 impl<'a> Kind<'a> {
     /// One for each command, in the order of the results.
-    fn all(given: &[Given<'_>], parts: &'a [Part]) -> Vec<Self> {
+    fn all(given: &[WithCell<'_>], parts: &'a [Part]) -> Vec<Self> {
         let commands = in_order(parts.iter().map(|part| part.command.as_str()));
         let kinds = commands.into_iter().map(|command| {
             let own = parts.iter().enumerate();

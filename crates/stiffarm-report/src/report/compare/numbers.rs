@@ -3,7 +3,7 @@
 use super::agreement::{StiffnessChange, changes};
 use crate::order::in_order;
 use crate::page::{DataTable, Number, Part, Piece, Text};
-use crate::report::Given;
+use crate::report::WithCell;
 
 /// The numbers of the key tables beside each other.
 pub(super) struct Numbers {
@@ -17,8 +17,8 @@ pub(super) struct Numbers {
 
 impl Numbers {
     /// Every number of the key tables; nothing where a result has no such table.
-    pub(super) fn of(given: &[Given<'_>], parts: &[(usize, &Part)]) -> Option<Self> {
-        let results: Vec<&Given<'_>> = parts
+    pub(super) fn of(given: &[WithCell<'_>], parts: &[(usize, &Part)]) -> Option<Self> {
+        let results: Vec<&WithCell<'_>> = parts
             .iter()
             .filter_map(|(number, _)| given.get(*number))
             .collect();

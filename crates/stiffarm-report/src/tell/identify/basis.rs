@@ -7,7 +7,7 @@ use crate::tell::{Block, Form, Given, Number, Quantity, Section, Text};
 use stiffarm::ask::identify::Identified;
 use stiffarm::estimate::identify::{Estimates, Estimator};
 use stiffarm::estimate::systematic::SystematicSource;
-use stiffarm::findings::{list, visible};
+use stiffarm::findings::list;
 use stiffarm::model::cell::Cell;
 
 /// What the numbers rest on: postures, estimator, assumed sizes, and what the intervals do not hold.
@@ -123,13 +123,9 @@ pub(super) fn size(source: &SystematicSource) -> Text {
 }
 
 /// Postures that were left out, as a sentence behind another one; empty where there are none.
-pub(super) fn left_out(given: &Given<'_>) -> String {
-    let excluded = given.saved.json["options"]["exclude"].as_array();
-    let names = excluded.into_iter().flatten();
-    let names = names.filter_map(|name| name.as_str());
-    let names: Vec<String> = names.map(|name| visible(name).into_owned()).collect();
-    if names.is_empty() {
-        return String::new();
+pub(super) fn left_out(excluded: &[String]) -> String {
+    match excluded {
+        [] => String::new(),
+        names => format!(" Left out: {}.", list(&shown(names))),
     }
-    format!(" Left out: {}.", list(&names))
 }

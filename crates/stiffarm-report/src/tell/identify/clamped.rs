@@ -10,12 +10,13 @@ use crate::tell::{
     Block, DataTable, Given, Number, Outcome, Quantity, Section, Telling, Text, Told,
 };
 use stiffarm::Result;
+use stiffarm::ask::identify::IdentifiedOptions;
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, visible};
 use stiffarm::model::posture::{Posture, PostureGroup};
 
-impl Telling for ClampedIdentification {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
+impl Telling<IdentifiedOptions> for ClampedIdentification {
+    fn told(&self, options: &IdentifiedOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
         let own = &found.estimates;
         let joints = Joints {
@@ -35,7 +36,7 @@ impl Telling for ClampedIdentification {
             counted(postures.len(), "posture"),
             counted(found.postures.len(), "load state"),
             own.rows,
-            left_out(given)
+            left_out(&options.exclude)
         ));
         let mdeg = |angle: f64| Number::new(angle).of(Quantity::AXIS);
         let came = known(&joints)

@@ -1,8 +1,8 @@
 //! What to know before relying on the stiffness, in the order in which one acts.
 
 use super::{counted, shown};
-use crate::tell::{Block, Given, Section, Text};
-use stiffarm::ask::identify::Identified;
+use crate::tell::{Block, Section, Text};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::identify::Estimates;
 use stiffarm::findings::{Finding, Severity, list};
 use stiffarm::measure::is_of_table;
@@ -16,7 +16,7 @@ pub(super) struct Findings {
 }
 
 /// The findings of a result.
-pub(super) fn of(given: &Given<'_>, found: &Identified) -> Findings {
+pub(super) fn of(options: &IdentifiedOptions, found: &Identified) -> Findings {
     let screening = found.screening();
     let scales: Vec<&Finding> = screening.into_iter().flat_map(|s| s.scales()).collect();
     let of_readings = screening.into_iter().flat_map(|s| &s.findings);
@@ -25,17 +25,12 @@ pub(super) fn of(given: &Given<'_>, found: &Identified) -> Findings {
     data.extend(found.implausible.clone());
     data.extend(scales.iter().copied().chain(of_readings).cloned());
     data.extend(stopped(&found.not_computed));
-    data.extend(no_systematic(given, found));
+    data.extend(no_systematic(options, found));
     let diagnosed = found.diagnosis.iter().flat_map(|d| &d.findings);
     let systematic = found.systematic_errors.iter().flat_map(|b| &b.findings);
     let profiled = found.profile.iter().map(|p| &p.finding);
     let mut fit = together(&found.identification.estimates);
     fit.extend(diagnosed.chain(systematic).chain(profiled).cloned());
-    let rest = given.saved.findings();
-    let rest = rest
-        .into_iter()
-        .filter(|f| !fit.contains(f))
-        .collect::<Vec<_>>();
     let misread = scales.iter().any(|f| f.severity == Severity::Serious);
     let held_back = if misread {
         held_back(fit)
@@ -43,7 +38,6 @@ pub(super) fn of(given: &Given<'_>, found: &Identified) -> Findings {
         data.extend(fit);
         None
     };
-    data.extend(rest);
     let mut seen = Vec::new();
     data.retain(|finding| {
         let is_new = !seen.contains(finding) && !is_noted(finding);
@@ -99,17 +93,12 @@ fn stopped(not_computed: &[String]) -> Option<Finding> {
     (!names.is_empty()).then(|| Finding::caution("stopped", "identify", sentence))
 }
 
-/// Whether only estimates and residuals were asked for.
-pub(super) fn is_brief(given: &Given<'_>) -> bool {
-    given.saved.json["options"]["brief"] == true
-}
-
 /// What is missing without systematic errors.
-fn no_systematic(given: &Given<'_>, found: &Identified) -> Option<Finding> {
+fn no_systematic(options: &IdentifiedOptions, found: &Identified) -> Option<Finding> {
     if found.systematic_errors.is_some() {
         return None;
     }
-    let why = if is_brief(given) { " (--brief)" } else { "" };
+    let why = if options.brief { " (--brief)" } else { "" };
     let rest = if found.diagnosis.is_some() {
         ""
     } else {

@@ -12,31 +12,26 @@ mod story;
 
 pub(super) use story::MORE_THAN_NOISE;
 
-use super::{Given, Outcome, Telling, Told, arrows, counted, of_saved, shown};
+use super::{Given, Outcome, Telling, Told, WithCell, arrows, counted, of_saved, shown};
 use joints::Joints;
 use stiffarm::Result;
-use stiffarm::ask::identify::Identified;
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::clamped::ClampedIdentification;
 use stiffarm::findings::{Severity, codes};
-use stiffarm_files::result::SavedResult;
-
-/// Whether a result of `identify` comes from postures with the flange fixed.
-pub(crate) fn is_clamped(saved: &SavedResult) -> bool {
-    saved.json["result"].get("motor_rms_rad").is_some()
-}
 
 /// What a result of `identify` says.
-pub(super) fn told(given: &Given<'_>) -> Result<Told> {
-    if is_clamped(given.saved) {
-        return of_saved::<ClampedIdentification>(given);
+pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+    // With the flange fixed motors are read.
+    if with.saved.json["result"].get("motor_rms_rad").is_some() {
+        return of_saved::<ClampedIdentification, IdentifiedOptions>(with);
     }
-    of_saved::<Identified>(given)
+    of_saved::<Identified, IdentifiedOptions>(with)
 }
 
-impl Telling for Identified {
-    fn told(&self, given: &Given<'_>) -> Result<Told> {
+impl Telling<IdentifiedOptions> for Identified {
+    fn told(&self, options: &IdentifiedOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
-        let findings = findings::of(given, found);
+        let findings = findings::of(options, found);
         let is_serious = |f: &&stiffarm::findings::Finding| f.severity == Severity::Serious;
         let of_data: Vec<_> = findings.data.iter().filter(is_serious).collect();
         let joints = Joints {
@@ -46,10 +41,14 @@ impl Telling for Identified {
             unusable: !of_data.is_empty(),
         };
         let came = match of_data.as_slice() {
-            [] => story::came(&joints, found),
+            [] => story::came(options, &joints, found),
             [first, rest @ ..] => story::unusable(first, rest.len()),
         };
-        let verdict = [story::done(given, found), came, story::next(&joints, found)];
+        let verdict = [
+            story::done(options, found),
+            came,
+            story::next(options, &joints, found),
+        ];
         let readings = readings::section(found.screening(), found.readings.as_ref());
         // What is wrong with the readings comes first where something is.
         let suspicious = found.screening().is_some_and(|s| !s.suspicions.is_empty());

@@ -3,7 +3,6 @@
 use super::shown;
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::tell::{Block, DataTable, Number, Quantity, Section, Text};
-use serde_json::Value;
 use stiffarm::ask::identify::Reduced;
 use stiffarm::findings::{Severity, list, visible};
 use stiffarm::measure::reduction::UnloadedRegistration;
@@ -62,9 +61,8 @@ fn suspicions(screening: &Screening) -> DataTable {
 
 /// The stable name of a cause as words.
 fn cause(own: &Suspicion) -> String {
-    let name = serde_json::to_value(own.cause);
-    let name = name.as_ref().ok().and_then(Value::as_str);
-    name.unwrap_or_default().replace('_', " ")
+    let name = serde_json::to_string(&own.cause).unwrap_or_default();
+    name.trim_matches('"').replace('_', " ")
 }
 
 /// Posture, state and points of a suspicion.

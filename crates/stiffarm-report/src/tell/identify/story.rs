@@ -2,15 +2,14 @@
 
 use super::basis::left_out;
 use super::counted;
-use super::findings::is_brief;
 use super::joints::{Joints, is_wide, is_within};
 use super::readings::shortened;
 use crate::level::level;
 use crate::order::in_order;
-use crate::tell::{Given, Number, Quantity, Text};
-use stiffarm::ask::identify::Identified;
+use crate::tell::{Number, Quantity, Text};
+use stiffarm::ask::identify::{Identified, IdentifiedOptions};
 use stiffarm::estimate::diagnose::{Agreement, Diagnosis, OutlierKind};
-use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN};
+use stiffarm::estimate::identify::{NoiseSource, Verdict, WELL_KNOWN, Weights};
 use stiffarm::findings::{Finding, Severity, list, visible};
 
 /// Joints without a ± whose bounds are said, and not left to the table.
@@ -19,7 +18,7 @@ const MOST_NAMED: usize = 2;
 pub(in crate::tell) const MORE_THAN_NOISE: f64 = 1.5;
 
 /// What was done.
-pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {
+pub(super) fn done(options: &IdentifiedOptions, found: &Identified) -> Text {
     let estimates = &found.identification.estimates;
     let names = found
         .identification
@@ -37,7 +36,7 @@ pub(super) fn done(given: &Given<'_>, found: &Identified) -> Text {
         counted(postures, "posture"),
         counted(estimates.rows / 3, "displacement"),
         estimates.rows,
-        left_out(given),
+        left_out(&options.exclude),
     ))
 }
 
@@ -59,8 +58,7 @@ pub(super) fn unusable(first: &Finding, more: usize) -> Text {
 }
 
 /// What came out.
-pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
-    let given = joints.given;
+pub(super) fn came(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
     let known = match found.systematic_errors {
         Some(_) => known(joints),
         None => known(joints)
@@ -72,7 +70,7 @@ pub(super) fn came(joints: &Joints<'_>, found: &Identified) -> Text {
         [] => String::new(),
         freed => format!(" With it these readings gave {}.", visible(&list(freed))),
     };
-    let text = residual(known.words(freed), given, found);
+    let text = residual(known.words(freed), options, found);
     let mm = |length: Option<f64>| Number::new(length).mm().decimals(3);
     match found.elastic.as_ref().filter(|own| own.is_better()) {
         Some(elastic) => text
@@ -153,7 +151,7 @@ pub(super) fn known(joints: &Joints<'_>) -> Text {
 }
 
 /// Whether the residual is noise.
-fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
+fn residual(text: Text, options: &IdentifiedOptions, found: &Identified) -> Text {
     let own = &found.identification;
     let mixed = found.mixed().and_then(|elastic| elastic.mixed.as_ref());
     // The test is of what the axes alone leave.
@@ -183,7 +181,7 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
         Some(test) => Number::new(test.ratio),
         None => Number::computed(total_std_m.map(|s| s / own.expected_std_m)),
     };
-    if given.saved.json["options"]["weights"] == "tracker" {
+    if options.fit.weights == Weights::Tracker {
         // Sizes are in units of what the tracker states, which differ from reading to reading.
         return text
             .words(" What the fit leaves is ")
@@ -229,7 +227,7 @@ fn residual(text: Text, given: &Given<'_>, found: &Identified) -> Text {
 }
 
 /// What to do next.
-pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
+pub(super) fn next(options: &IdentifiedOptions, joints: &Joints<'_>, found: &Identified) -> Text {
     let fault = found.screening().and_then(|screening| {
         let mut both = screening.suspicions.iter().zip(&screening.findings);
         both.find(|(_, finding)| finding.severity == Severity::Serious)
@@ -257,7 +255,7 @@ pub(super) fn next(joints: &Joints<'_>, found: &Identified) -> Text {
             .words(" (on the robot), the frames and the model, then identify again.");
     }
     if found.systematic_errors.is_none() {
-        let text = if is_brief(joints.given) {
+        let text = if options.brief {
             Text::new("Identify again without ").code("--brief")
         } else {
             Text::new("Identify again")

@@ -2,14 +2,16 @@
 
 use super::super::postures::{FEW, name_of, posture_table};
 use super::super::worth::{Worth, index_number, worth_sections};
-use crate::tell::{Block, DataTable, Given, Number, Section, Telling, Text, Told, counted};
-use stiffarm::Result;
-use stiffarm::ask::select::Chosen;
+use crate::tell::{
+    Block, DataTable, Given, Number, Section, Telling, Text, Told, counted, with_stopped,
+};
+use stiffarm::ask::select::{Asked, Chosen};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
+use stiffarm::{Result, Termination};
 
-impl Telling for Chosen {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Asked> for Chosen {
+    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let mut chosen = self.clone();
         chosen.selection.evaluation.name = "chosen postures".to_string();
         let found = &chosen.selection;
@@ -75,7 +77,13 @@ impl Telling for Chosen {
             evaluation: &found.evaluation,
             posture_names: &chosen.posture_names,
         };
-        sections.extend(worth_sections(context, &chosen.joints, &[worth], &[]));
+        sections.extend(worth_sections(
+            context,
+            options.characteristic_length_m,
+            &chosen.joints,
+            &[worth],
+            &[],
+        ));
         if !found.forbidden.is_empty() {
             let names = found.forbidden.iter();
             let names = names.map(|own| name_of(&chosen.candidate_names, own.candidate));
@@ -92,7 +100,10 @@ impl Telling for Chosen {
             });
         }
         let verdict = [done, came, next];
+        let is_stopped = found.termination == Termination::Interrupted;
+        let findings = with_stopped(context, chosen.findings.clone(), is_stopped, &[]);
         Ok(context.told(
+            findings,
             "The best of a list".to_string(),
             verdict,
             Some(key),

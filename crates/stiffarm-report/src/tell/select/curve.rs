@@ -4,6 +4,7 @@ use super::super::worth::{index_number, index_quantity};
 use crate::selection::{CountPoint, count_figure};
 use crate::tell::{
     Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, counted,
+    with_stopped,
 };
 use stiffarm::Result;
 use stiffarm::ask::select::{Curve, CurveSize};
@@ -13,8 +14,8 @@ use stiffarm::plan::index::Index;
 /// A posture more that gains less than this is hardly worth its time.
 const WORTH_MORE: f64 = 0.1;
 
-impl Telling for Curve {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for Curve {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let curve = self;
         let (index, sizes) = (curve.index, &curve.sizes);
         let largest = sizes.last().map_or(0, |size| size.point.postures);
@@ -106,7 +107,10 @@ impl Telling for Curve {
         };
         let sections = vec![Section::new("count", "How many postures", blocks)];
         let verdict = [done, came, next];
+        let is_stopped = sizes.len() < curve.largest;
+        let findings = with_stopped(context, curve.findings.clone(), is_stopped, &[]);
         Ok(context.told(
+            findings,
             "How many postures".to_string(),
             verdict,
             Some(key),

@@ -3,9 +3,9 @@
 use super::super::postures::coarse;
 use super::super::worth::index_quantity;
 use crate::selection::sensitivity_figure;
-use crate::tell::{Block, DataTable, Given, Number, Quantity, Section, Text, shown};
+use crate::tell::{Block, DataTable, Number, Quantity, Section, Text, shown};
 use stiffarm::Termination;
-use stiffarm::ask::select::Plan;
+use stiffarm::ask::select::{Asked, Plan};
 use stiffarm::findings::{list, visible};
 use stiffarm::plan::select::{LimitPrice, Sensitivity, Spread, WORTH_CHANGING};
 
@@ -74,27 +74,26 @@ pub(super) fn price_table(plan: &Plan, prices: &[LimitPrice]) -> DataTable {
 }
 
 /// The load that was chosen together with the postures, as lines of the cell file.
-pub(super) fn load_section(given: &Given<'_>, plan: &Plan) -> Option<Section> {
+pub(super) fn load_section(options: &Asked, plan: &Plan) -> Option<Section> {
     let load = plan.selection.load.as_ref()?;
-    let asked = |key: &str| {
-        let option = given.saved.json.pointer(&format!("/options/{key}"));
-        option.is_none_or(|option| !option.is_null())
-    };
+    let asked = &options.asked;
     // A tenth of a millimetre is finer than anybody rigs a rope.
     let point = |m: [f64; 3]| {
         let digits = m.map(|m| coarse(m).digits());
         digits.join(", ").replace('−', "-")
     };
     let mut lines = Vec::new();
-    if asked("loading_point_box_mm") {
+    if asked.loading_point_box_mm.is_some() {
         lines.push("[tool]".to_string());
         lines.push(format!(
             "loading_point_mm = [{}]",
             point(load.loading_point_m)
         ));
     }
-    let newtons = load.magnitude_n.filter(|_| asked("largest_load_n"));
-    let anchor = load.anchor_m.filter(|_| asked("anchor_box_mm"));
+    let newtons = load.magnitude_n;
+    let newtons = newtons.filter(|_| asked.largest_load_n.is_some());
+    let anchor = load.anchor_m;
+    let anchor = anchor.filter(|_| asked.anchor_box_mm.is_some());
     if newtons.is_some() || anchor.is_some() {
         lines.push("[load]".to_string());
     }

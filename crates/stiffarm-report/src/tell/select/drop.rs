@@ -11,8 +11,8 @@ use stiffarm::ask::select::DropResult;
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
 
-impl Telling for DropResult {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for DropResult {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let result = self;
         let dropped = &result.dropped;
         let index = dropped.index;
@@ -88,6 +88,7 @@ impl Telling for DropResult {
         ));
         let verdict = [done, came, next];
         Ok(context.told(
+            result.findings.clone(),
             "Postures to leave out".to_string(),
             verdict,
             Some(key),

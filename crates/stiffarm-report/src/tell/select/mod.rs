@@ -8,22 +8,24 @@ mod plan;
 mod space_filling;
 mod story;
 
-use crate::tell::{Given, Told, of_saved};
-use stiffarm::ask::select::{Chosen, Curve, DropResult, Plan, SpaceFillingPlan};
+use crate::tell::{Told, WithCell, of_saved};
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+use stiffarm::ask::select::{Asked, Chosen, Curve, DropResult, Mode, Plan, SpaceFillingPlan};
 use stiffarm::{Code, Error, Result};
 
 /// What a result says of `select`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    match context.saved.text("/options/mode") {
-        Some("global" | "from" | "add") => of_saved::<Plan>(context),
-        Some("drop") => of_saved::<DropResult>(context),
-        Some("curve") => of_saved::<Curve>(context),
-        Some("space_filling") => of_saved::<SpaceFillingPlan>(context),
-        Some("candidates") => of_saved::<Chosen>(context),
-        _ => {
+pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+    match Mode::deserialize(&with.saved.json["options"]["mode"]) {
+        Ok(Mode::Global | Mode::From | Mode::Add) => of_saved::<Plan, Asked>(with),
+        Ok(Mode::Drop) => of_saved::<DropResult, IgnoredAny>(with),
+        Ok(Mode::Curve) => of_saved::<Curve, IgnoredAny>(with),
+        Ok(Mode::SpaceFilling) => of_saved::<SpaceFillingPlan, Asked>(with),
+        Ok(Mode::Candidates) => of_saved::<Chosen, Asked>(with),
+        Err(_) => {
             let message = "This result of `select` does not say how it was made.";
             Err(Error::new(Code::ResultFile, message)
-                .file(&context.saved.name)
+                .file(&with.saved.name)
                 .key("options.mode"))
         }
     }

@@ -6,16 +6,16 @@ use super::super::postures::{
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, joint_table, worth_sections};
 use super::{details, story};
 use crate::selection::{convergence_figure, price_figure};
-use crate::tell::{Block, Given, Section, Telling, Told};
-use stiffarm::ask::select::Plan;
+use crate::tell::{Block, Given, Section, Telling, Told, with_stopped};
+use stiffarm::ask::select::{Asked, Plan};
 use stiffarm::findings::Finding;
 use stiffarm::model::elastic::ElasticSource;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::index::Index;
 use stiffarm::{Result, Termination};
 
-impl Telling for Plan {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Asked> for Plan {
+    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let mut plan = self.clone();
         plan.evaluation.name = if plan.given_names.is_empty() {
             "the plan".to_string()
@@ -44,7 +44,13 @@ impl Telling for Plan {
             .collect();
         let groups = worth(&plan, &names);
         let bounds = plan.joint_efficiencies.as_deref().unwrap_or_default();
-        let mut shown = worth_sections(context, &plan.joints, &groups, bounds);
+        let mut shown = worth_sections(
+            context,
+            options.characteristic_length_m,
+            &plan.joints,
+            &groups,
+            bounds,
+        );
         let mut sections = vec![cell_section(context, &plan)?];
         let key = match joint_table(&plan.joints, &groups, bounds) {
             // Of a long plan the joints are read first.
@@ -59,16 +65,16 @@ impl Telling for Plan {
         };
         let rest = shown.split_off(usize::from(shown[0].id == "expected"));
         sections.extend(shown);
-        let way = route_section(context, &plan.posture_names, &plan.route);
+        let way = route_section(context, &plan.posture_names, &plan.route, &plan.findings);
         sections.extend(way.map(|mut section| {
             let near = near_singular(&plan.posture_names, &plan.evaluation);
             section.blocks.extend(near.map(Block::Text));
             section.blocks.extend(details::repeats(&plan));
             section
         }));
-        sections.extend(details::load_section(context, &plan));
+        sections.extend(details::load_section(options, &plan));
         sections.extend(search_section(&plan));
-        sections.extend(limit_section(context, &plan));
+        sections.extend(limit_section(options, context, &plan));
         sections.extend(details::sensitivity_section(&plan));
         sections.extend(rest);
         let heading = match (plan.given_names.is_empty(), count) {
@@ -76,7 +82,23 @@ impl Telling for Plan {
             (true, 1) => "Plan of one posture".to_string(),
             (true, _) => format!("Plan of {}", story::counted(&plan)),
         };
-        let mut told = context.told(heading, story::verdict(context, &plan), Some(key), sections);
+        let asked = [
+            (
+                "sensitivity",
+                options.asked.sensitivity,
+                plan.sensitivity.is_some(),
+            ),
+            ("prices", options.asked.prices, plan.prices.is_some()),
+        ];
+        // What was asked for and is not there, with nothing that says why.
+        let left_out = asked
+            .into_iter()
+            .filter(|(_, asked, there)| *asked && !there);
+        let left_out: Vec<&str> = left_out.map(|(name, ..)| name).collect();
+        let findings = plan.findings.clone();
+        let findings = with_stopped(context, findings, is_interrupted(&plan), &left_out);
+        let verdict = story::verdict(options, context, &plan);
+        let mut told = context.told(findings, heading, verdict, Some(key), sections);
         if let Some(cell) = context.cell {
             let group = PostureGroup::named("", &plan.posture_names, plan.selection.group.clone());
             told.add_findings(cell.posture_findings(&group.postures));
@@ -97,6 +119,15 @@ impl Telling for Plan {
         let unsure = is_beyond_first_order(&plan.evaluation);
         Ok(told.caution("select", unsure.then_some(UNSURE)))
     }
+}
+
+/// Whether some part of it ended early because the user wanted so.
+fn is_interrupted(plan: &Plan) -> bool {
+    let bound = plan.certificate.iter().map(|found| found.termination);
+    let joints = plan.joint_efficiencies.iter().flatten();
+    let mut ends = bound.chain(joints.map(|joint| joint.termination));
+    plan.selection.termination == Termination::Interrupted
+        || ends.any(|end| end == Termination::Interrupted)
 }
 
 /// What was there before and what there is with the plan.
@@ -157,7 +188,7 @@ fn search_section(plan: &Plan) -> Option<Section> {
     })
 }
 
-fn limit_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
+fn limit_section(options: &Asked, context: &Given<'_>, plan: &Plan) -> Option<Section> {
     let mut blocks = Vec::new();
     let priced = plan.prices.as_ref().filter(|prices| !prices.is_empty());
     if let Some(prices) = priced {
@@ -167,8 +198,7 @@ fn limit_section(context: &Given<'_>, plan: &Plan) -> Option<Section> {
             "Each row is a search of its own; a difference of a few tenths of a per cent may be its luck.".into(),
         ));
     }
-    let wanted = context.saved.json.pointer("/options/prices");
-    if plan.prices.is_none() && wanted == Some(&serde_json::Value::Bool(true)) {
+    if plan.prices.is_none() && options.asked.prices {
         blocks.push(Block::Text(
             "What each limit costs is not known: the search was stopped before.".into(),
         ));

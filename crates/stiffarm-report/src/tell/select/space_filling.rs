@@ -2,14 +2,14 @@
 
 use super::super::postures::{near_singular, posture_table, room, route_section};
 use super::super::worth::{UNSURE, Worth, is_beyond_first_order, least_sure, worth_sections};
-use crate::tell::{Block, Given, Number, Telling, Text, Told, counted, shown};
-use stiffarm::ask::select::SpaceFillingPlan;
+use crate::tell::{Block, Given, Number, Telling, Text, Told, counted, shown, with_stopped};
+use stiffarm::ask::select::{Asked, SpaceFillingPlan};
 use stiffarm::findings::list;
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::{Result, Termination};
 
-impl Telling for SpaceFillingPlan {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Asked> for SpaceFillingPlan {
+    fn told(&self, options: &Asked, context: &Given<'_>) -> Result<Told> {
         let result = self;
         let evaluation = &result.evaluation;
         let mut done = Text::new(format!(
@@ -69,15 +69,29 @@ impl Telling for SpaceFillingPlan {
             evaluation,
             posture_names: &result.posture_names,
         };
-        sections.extend(worth_sections(context, &result.joints, &[worth], &[]));
-        let way = route_section(context, &result.posture_names, &result.route);
+        sections.extend(worth_sections(
+            context,
+            options.characteristic_length_m,
+            &result.joints,
+            &[worth],
+            &[],
+        ));
+        let way = route_section(
+            context,
+            &result.posture_names,
+            &result.route,
+            &result.findings,
+        );
         sections.extend(way.map(|mut section| {
             let near = near_singular(&result.posture_names, evaluation);
             section.blocks.extend(near.map(Block::Text));
             section
         }));
         let verdict = [done, came, next];
+        let is_stopped = result.termination == Termination::Interrupted;
+        let findings = with_stopped(context, result.findings.clone(), is_stopped, &[]);
         let told = context.told(
+            findings,
             "Evenly spread postures".to_string(),
             verdict,
             Some(key),

@@ -3,7 +3,7 @@
 use super::super::worth::{index_number, is_beyond_first_order, least_sure};
 use crate::tell::{Given, Number, Text};
 use stiffarm::Termination;
-use stiffarm::ask::select::{InTime, Plan};
+use stiffarm::ask::select::{Asked, InTime, Mode, Plan};
 use stiffarm::findings::{Severity, codes, minutes, visible};
 use stiffarm::model::cell::MeasuringTime;
 use stiffarm::plan::index::Index;
@@ -13,12 +13,8 @@ use stiffarm::plan::select::different;
 const WORTH_SEARCHING: f64 = 0.9;
 
 /// What was done, what came out, what to do next.
-pub(super) fn verdict(context: &Given<'_>, plan: &Plan) -> [Text; 3] {
-    [
-        done(context, plan),
-        came(context, plan),
-        next(context, plan),
-    ]
+pub(super) fn verdict(options: &Asked, context: &Given<'_>, plan: &Plan) -> [Text; 3] {
+    [done(options, plan), came(context, plan), next(plan)]
 }
 
 /// `12 postures (11 different)`.
@@ -32,22 +28,21 @@ pub(super) fn counted(plan: &Plan) -> String {
 }
 
 /// What of the plan sits on a limit.
-fn on_limits(context: &Given<'_>) -> String {
-    let findings = context.saved.findings();
+fn on_limits(plan: &Plan) -> String {
     let codes = [
         codes::ON_MACHINE_LIMIT,
         codes::NO_ROOM_TO_SPARE,
         codes::HIDDEN_POINTS,
     ];
-    let own = findings.iter().filter(|f| codes.contains(&f.code.as_str()));
+    let own = plan.findings.iter();
+    let own = own.filter(|f| codes.contains(&f.code.as_str()));
     own.map(|f| format!(" {}", visible(&f.sentence))).collect()
 }
 
-fn done(context: &Given<'_>, plan: &Plan) -> Text {
+fn done(options: &Asked, plan: &Plan) -> Text {
     let count = plan.selection.group.len();
     let were = if count == 1 { "was" } else { "were" };
-    let from = context.saved.text("/options/mode") == Some("from");
-    if from {
+    if options.mode == Mode::From {
         return Text::new(format!(
             "The initial group of {count} {} was improved, as in the paper, by a local search inside the cell's limits.",
             if count == 1 { "posture" } else { "postures" }
@@ -198,7 +193,7 @@ fn came(context: &Given<'_>, plan: &Plan) -> Text {
         .words(takes(context, plan))
         .then(in_time(plan))
         .then(further_load(plan))
-        .words(on_limits(context))
+        .words(on_limits(plan))
 }
 
 /// What the other ways to load the arm would bring in the same time.
@@ -258,9 +253,9 @@ fn further_load(plan: &Plan) -> Text {
 }
 
 /// What to do depends on what is worst about the plan.
-fn next(context: &Given<'_>, plan: &Plan) -> Text {
-    let serious = context.saved.findings();
-    let is_blocked = serious
+fn next(plan: &Plan) -> Text {
+    let is_blocked = plan
+        .findings
         .iter()
         .any(|f| f.code == codes::MOVE_BLOCKED && f.severity == Severity::Serious);
     if is_blocked {

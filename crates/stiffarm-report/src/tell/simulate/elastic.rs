@@ -3,7 +3,9 @@
 use super::{DEVIATION, cell_section, stopped};
 use crate::figure::{Axis, Figure, Panel, Series, Style};
 use crate::order::places;
-use crate::tell::{Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told};
+use crate::tell::{
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, with_stopped,
+};
 use stiffarm::Result;
 use stiffarm::estimate::simulate::{
     ElasticGroup, ElasticLevel, ElasticModelOutcome, ElasticSimulation,
@@ -18,8 +20,8 @@ const SHARE: Quantity = Quantity::new("%", 100.0, Form::Decimals(1));
 /// A number of runs.
 const COUNT: Quantity = Quantity::new("", 1.0, Form::Decimals(0));
 
-impl Telling for ElasticSimulation {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl<O> Telling<O> for ElasticSimulation {
+    fn told(&self, _options: &O, context: &Given<'_>) -> Result<Told> {
         let mut result = self.clone();
         for group in &mut result.groups {
             group.name = visible(&group.name).into_owned();
@@ -74,7 +76,9 @@ impl Telling for ElasticSimulation {
         let title = "How well each joint is identified";
         sections.push(Section::new("joints", title, blocks));
         let key = errors(&result);
+        let findings = with_stopped(context, self.findings.clone(), self.interrupted, &[]);
         Ok(context.told(
+            findings,
             "Simulated identifications of an elastic arm",
             verdict,
             Some(key),

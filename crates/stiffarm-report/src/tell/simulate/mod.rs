@@ -5,10 +5,12 @@ mod elastic;
 use super::worth::UNSURE;
 use crate::selection::deviation_by_noise_figure;
 use crate::tell::{
-    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, of_saved,
+    Block, DataTable, Form, Given, Number, Quantity, Section, Telling, Text, Told, WithCell,
+    of_saved, with_stopped,
 };
-use serde_json::Value;
+use serde::de::IgnoredAny;
 use stiffarm::Result;
+use stiffarm::ask::simulate::Options;
 use stiffarm::estimate::simulate::{ElasticSimulation, GroupSimulation, LevelResult, Simulation};
 use stiffarm::findings::visible;
 use stiffarm::model::posture::PostureGroup;
@@ -20,10 +22,10 @@ const SIDE_BY_SIDE: usize = 3;
 const DEVIATION: Quantity = Quantity::new("%", 100.0, Form::Decimals(2));
 
 /// What a result says of `simulate`.
-pub(super) fn told(context: &Given<'_>) -> Result<Told> {
-    match context.saved.json.pointer("/result/asked") {
-        Some(_) => of_saved::<ElasticSimulation>(context),
-        None => of_saved::<Simulation>(context),
+pub(super) fn told(with: &WithCell<'_>) -> Result<Told> {
+    match with.saved.json["result"].get("asked") {
+        Some(_) => of_saved::<ElasticSimulation, IgnoredAny>(with),
+        None => of_saved::<Simulation, Options>(with),
     }
 }
 
@@ -38,8 +40,9 @@ const BEYOND: &str = "Where a joint's relative standard error is above 10 %, sin
                       mean, and the closed form no longer holds: read the median. The expectation of |k̂ − k|/k is infinite \
                       at every noise level; means are truncated, of the runs made.";
 
-impl Telling for Simulation {
-    fn told(&self, context: &Given<'_>) -> Result<Told> {
+impl Telling<Options> for Simulation {
+    fn told(&self, options: &Options, context: &Given<'_>) -> Result<Told> {
+        let has_errors = !options.model_errors.is_exact();
         let mut result = self.clone();
         for group in &mut result.groups {
             group.name = visible(&group.name).into_owned();
@@ -63,15 +66,15 @@ impl Telling for Simulation {
             .iter()
             .min_by(|a, b| worst(a).1.total_cmp(&worst(b).1));
         let verdict = [
-            done(context, &result),
-            came(context, &joints, &shown, best),
+            done(has_errors, &result),
+            came(has_errors, &joints, &shown, best),
             next(best),
         ];
         let mut sections = Vec::new();
         sections.extend(cell_section(context, groups(&result.groups))?);
         let figure = deviation_by_noise_figure(&joints, &result.groups, result.runs);
         let mut blocks = vec![Block::Figure(figure)];
-        if has_model_errors(context) {
+        if has_errors {
             blocks.push(Block::Text(
             "The runs also draw errors of force, angles or geometry, which the closed form does not count.".into(),
         ));
@@ -89,9 +92,11 @@ impl Telling for Simulation {
         });
         blocks.extend(tables);
         sections.push(Section::new("levels", "Every noise level", blocks));
-        let key = (!shown.is_empty()).then(|| key(context, &joints, &shown));
+        let key = (!shown.is_empty()).then(|| key(has_errors, &joints, &shown));
         let unsure = is_unsure(best).then_some(UNSURE);
+        let findings = with_stopped(context, self.findings.clone(), self.interrupted, &[]);
         let told = context.told(
+            findings,
             "Simulated identifications".to_string(),
             verdict,
             key,
@@ -125,7 +130,7 @@ fn worst(shown: &Shown<'_>) -> (usize, f64) {
         .unwrap_or((0, f64::NAN))
 }
 
-fn done(context: &Given<'_>, result: &Simulation) -> Text {
+fn done(has_errors: bool, result: &Simulation) -> Text {
     let levels = result.groups.first().map_or(0, |group| group.levels.len());
     let groups = match result.groups.len() {
         1 => "one group of postures".to_string(),
@@ -135,7 +140,7 @@ fn done(context: &Given<'_>, result: &Simulation) -> Text {
         1 => "at one noise level".to_string(),
         count => format!("at each of {count} noise levels"),
     };
-    let errors = if has_model_errors(context) {
+    let errors = if has_errors {
         " and errors of the model"
     } else {
         ""
@@ -157,15 +162,8 @@ fn stopped(is_stopped: bool, runs: impl Iterator<Item = usize>) -> String {
     format!(" (stopped after {fewest} of them at the level with the fewest)")
 }
 
-fn has_model_errors(context: &Given<'_>) -> bool {
-    let errors = context.saved.json.pointer("/options/model_errors");
-    let values = errors.and_then(Value::as_object);
-    let sizes = values.into_iter().flat_map(|map| map.values());
-    sizes.filter_map(Value::as_f64).any(|size| size != 0.0)
-}
-
 fn came(
-    context: &Given<'_>,
+    has_errors: bool,
     joints: &[String],
     shown: &[Shown<'_>],
     best: Option<&Shown<'_>>,
@@ -201,7 +199,7 @@ fn came(
             best.level.variance_factor
         )
     });
-    if has_model_errors(context) {
+    if has_errors {
         return text.words(".");
     }
     text.words("; the closed form expects ")
@@ -240,8 +238,8 @@ fn next(best: Option<&Shown<'_>>) -> Text {
 }
 
 /// Deviation of each joint at the cell's own noise.
-fn key(context: &Given<'_>, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
-    let is_wide = shown.len() <= SIDE_BY_SIDE && !has_model_errors(context);
+fn key(has_errors: bool, joints: &[String], shown: &[Shown<'_>]) -> DataTable {
+    let is_wide = shown.len() <= SIDE_BY_SIDE && !has_errors;
     let factor = shown.first().map_or(1.0, |one| one.level.variance_factor);
     let caption = format!(
         "Mean deviation |k̂ − k|/k at {factor} × the noise variance, ± its Monte Carlo standard error"

@@ -5,17 +5,26 @@ mod plans;
 
 use crate::common::{numbers_of_the_file, saved_with};
 use serde_json::{Value, json};
+use stiffarm::estimate::simulate::ModelErrors;
 use stiffarm::model::cell::Cell;
 use stiffarm_files::result::SavedResult;
 use stiffarm_report::page::{Block, Page, render_page};
-use stiffarm_report::report::{Given, report};
+use stiffarm_report::report::{WithCell, report};
 
 fn saved(command: &str, mode: Option<&str>, result: &Value) -> SavedResult {
-    saved_with(command, json!({"mode": mode}), result.clone())
+    let options = match command {
+        "route" => json!({"keep_order": false, "equivalents": false, "keep_wrist": false}),
+        "simulate" => {
+            json!({"levels": [0.5, 1.0], "runs": 30, "model_errors": ModelErrors::default()})
+        }
+        "zones" => json!({"steps": 15}),
+        _ => json!({"mode": mode}),
+    };
+    saved_with(command, options, result.clone())
 }
 
 fn page(saved: &SavedResult, cell: Option<&Cell>) -> Page {
-    let page = report(&[Given::new(saved, cell)]).unwrap();
+    let page = report(&[WithCell::new(saved, cell)]).unwrap();
     assert!(numbers_of_the_file(&page, saved) > 0);
     page
 }

@@ -193,7 +193,7 @@ fn a_curve_says_how_many_postures_are_enough() {
         size(4, Some(0.03), Some(0.05)),
         size(5, Some(0.0285), None),
     ];
-    let value = json!({"index": "expected_error", "sizes": sizes, "certificate_missing": null,
+    let value = json!({"index": "expected_error", "largest": 5, "sizes": sizes, "certificate_missing": null,
                        "findings": []});
     let shown = page(&saved("select", Some("curve"), &value), None);
     let [_, came, next] = story(&shown);

@@ -8,12 +8,15 @@
 
 mod approach;
 mod equivalent;
+mod exchanges;
 mod found;
 mod moves;
 mod nearest;
-pub(crate) mod order;
+mod order;
+pub(crate) mod places;
 mod remarks;
 mod rounding;
+pub mod routed;
 mod search;
 mod tour;
 mod way;
@@ -28,7 +31,7 @@ use crate::numerics::control::Control;
 use crate::plan::select::repeats;
 use equivalent::Equivalents;
 use moves::{Moves, on_the_way};
-use order::Places;
+use places::Places;
 use rounding::Rounding;
 use tour::Tour;
 

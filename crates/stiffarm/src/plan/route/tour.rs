@@ -4,7 +4,7 @@ use super::approach::{Approach, approach};
 use super::found::{Route, RouteMove, RouteOptions};
 use super::moves::Moves;
 use super::nearest::nearest;
-use super::order::Places;
+use super::places::Places;
 use super::way::Way;
 use crate::error::Result;
 use crate::model::cell::Cell;
@@ -27,6 +27,8 @@ pub(super) struct Tour<'a> {
     start: Option<&'a [f64]>,
     /// Ways that were looked for, the lower place first.
     known: HashMap<Pair, Option<Way>>,
+    /// Of each place, and last of the start, one that it has ways to; the same for all that are joined.
+    joined: Vec<usize>,
     /// Pairs between which a search found none.
     apart: Vec<Pair>,
     /// Places at which something is touched, the start among them: no way leads there.
@@ -38,9 +40,10 @@ impl<'a> Tour<'a> {
     pub fn new(places: Places, stands: Vec<Vec<f64>>, start: Option<&'a [f64]>) -> Self {
         Tour {
             places,
-            stands,
             start,
             known: HashMap::new(),
+            joined: (0..=stands.len()).collect(),
+            stands,
             apart: Vec::new(),
             touching: Vec::new(),
         }
@@ -77,12 +80,15 @@ impl<'a> Tour<'a> {
             return Ok(Vec::new());
         }
         self.find_touching(ways)?;
+        let mut known: Option<Vec<usize>> = None;
         for round in 0..MOST_ORDERS {
             control.check()?;
             let order = if options.keep_order {
                 self.places.best_equivalents((0..count).collect())
             } else {
-                self.places.shortest(options.seed, control)
+                // Some moves became dearer: what was short is a good start.
+                self.places
+                    .shortest(known.as_deref(), options.seed, control)
             };
             control.check()?;
             let mut as_thought = true;
@@ -94,6 +100,7 @@ impl<'a> Tour<'a> {
             if as_thought || round + 1 == MOST_ORDERS {
                 return Ok(order);
             }
+            known = Some(order);
         }
         Ok(Vec::new())
     }
@@ -140,7 +147,10 @@ impl<'a> Tour<'a> {
         let (from, to) = (self.at(pair.0).to_vec(), self.at(pair.1).to_vec());
         let search = !self.is_apart(pair);
         let way = ways.way(&from, &to, search)?;
-        if way.is_none() && search {
+        if way.is_some() {
+            let (a, b) = (self.root(pair.0), self.root(pair.1));
+            self.joined[a.max(b)] = a.min(b);
+        } else if search {
             self.apart.push(pair);
         }
         let direct = ways.seconds(&from, &to);
@@ -165,35 +175,23 @@ impl<'a> Tour<'a> {
         Ok(more <= 1e-9)
     }
 
+    /// The one that stands for all that a place, or the start, has ways to.
+    fn root(&self, place: Option<usize>) -> usize {
+        let mut at = place.unwrap_or(self.stands.len());
+        while self.joined[at] != at {
+            at = self.joined[at];
+        }
+        at
+    }
+
     /// Whether a search between places that have ways to these two found none: it need not be made again.
     fn is_apart(&self, (a, b): Pair) -> bool {
-        let reached = |from: Option<usize>| {
-            let mut seen = vec![from];
-            let mut next = 0;
-            while next < seen.len() {
-                let at = seen[next];
-                next += 1;
-                let found = self.known.iter().filter(|(_, way)| way.is_some());
-                for ((x, y), _) in found {
-                    let other = match at {
-                        at if at == *x => *y,
-                        at if at == *y => *x,
-                        _ => continue,
-                    };
-                    if !seen.contains(&other) {
-                        seen.push(other);
-                    }
-                }
-            }
-            seen
-        };
-        if self.apart.is_empty() {
-            return false;
-        }
-        let (a, b) = (reached(a), reached(b));
-        let splits =
-            |(x, y): &Pair| (a.contains(x) && b.contains(y)) || (a.contains(y) && b.contains(x));
-        self.apart.iter().any(splits)
+        let ends = [self.root(a), self.root(b)];
+        let mut apart = self.apart.iter();
+        apart.any(|(x, y)| {
+            let [x, y] = [self.root(*x), self.root(*y)];
+            ends == [x, y] || ends == [y, x]
+        })
     }
 
     /// The route of an order.
