@@ -262,7 +262,7 @@ fn an_error_about_what_was_asked_names_the_option_whichever_function_finds_it() 
             "--bootstrap",
         ),
         (
-            "identify builtin:comau simulated.csv --brief --free load.anchor_mm",
+            "identify builtin:comau simulated.csv --free load.anchor_mm",
             "--free",
         ),
     ] {
