@@ -7,6 +7,7 @@ mod answer;
 mod args;
 mod arguments;
 mod commands;
+mod deliver;
 mod described;
 mod error;
 mod examples;

@@ -1,12 +1,8 @@
 //! What may stand in a row of measurements beside its names, lengths and angles: a row of facts each. Readers, writers and
 //! sheets go by it, and so do errors and the keys of `[columns]`.
 
-use super::heading::Known;
-use super::postures::angle_names;
 use super::quantity::Quantity;
-use super::values::Values;
 use nalgebra::Vector3;
-use stiffarm::model::cell::Cell;
 use stiffarm::model::load::Wrench;
 use stiffarm::model::measurement::Reading;
 
@@ -127,20 +123,15 @@ impl Beside {
         }
     }
 
-    /// Those that a table of these values may have.
-    pub(super) fn of(values: Values) -> impl Iterator<Item = Beside> {
-        let is_of =
-            move |beside: &Beside| values == Values::Positions || beside.facts().of_displacements;
-        Beside::ALL.into_iter().filter(is_of)
+    /// Whether a table of displacements may have it, as one of readings may.
+    pub(super) fn is_of_displacements(self) -> bool {
+        self.facts().of_displacements
     }
 
-    /// Its columns.
-    pub(super) fn known(self) -> Vec<Known> {
+    /// Names of its columns without unit, what they hold, and what they are together.
+    pub(super) fn columns(self) -> (&'static [&'static str], Quantity, &'static str) {
         let facts = self.facts();
-        let stems = facts.stems.iter();
-        stems
-            .map(|stem| Known::of(*stem, facts.quantity, facts.group))
-            .collect()
+        (facts.stems, facts.quantity, facts.group)
     }
 
     /// What a column of this name without unit holds.
@@ -172,7 +163,7 @@ impl Beside {
     }
 
     /// What stands in its fields, empty where there is no value.
-    fn texts(self, given: &Given<'_>) -> Vec<String> {
+    pub(super) fn texts(self, given: &Given<'_>) -> Vec<String> {
         let facts = self.facts();
         let unit = facts.quantity.units().first();
         let text = |value: f64| unit.map_or(value, |unit| unit.shortest(value)).to_string();
@@ -184,42 +175,5 @@ impl Beside {
                 own.map(|value| text(*value)).collect()
             }
         }
-    }
-}
-
-/// The columns of a measurement table that is written.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Layout {
-    values: Values,
-    beside: Vec<Beside>,
-}
-
-impl Layout {
-    /// With what is `wanted` beside names, lengths and angles.
-    pub(super) fn new(values: Values, wanted: impl Fn(Beside) -> bool) -> Self {
-        let beside = Beside::of(values).filter(|beside| wanted(*beside));
-        Layout {
-            values,
-            beside: beside.collect(),
-        }
-    }
-
-    /// Whether it has these columns.
-    pub(super) fn has(&self, beside: Beside) -> bool {
-        self.beside.contains(&beside)
-    }
-
-    pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
-        let names = ["posture", "state", "point"].map(Known::name);
-        let lengths = self.values.components();
-        let beside = self.beside.iter().flat_map(|beside| beside.known());
-        let known = names.into_iter().chain(lengths).chain(beside);
-        let angles = angle_names(cell.setup.robot.joint_count());
-        known.map(|known| known.heading()).chain(angles).collect()
-    }
-
-    /// The fields between lengths and angles, empty where there is no value.
-    pub(super) fn fields(&self, given: &Given<'_>) -> impl Iterator<Item = String> {
-        self.beside.iter().flat_map(|beside| beside.texts(given))
     }
 }

@@ -56,7 +56,7 @@ impl MeasurementColumns {
         let point = found.require(&Known::name("point"), &hint)?;
         let vector = found.all(&values.components(), &hint)?;
         let mut beside: BTreeMap<Beside, Vec<Column>> = BTreeMap::new();
-        for own in Beside::of(values) {
+        for own in values.beside() {
             let columns = found.all_or_none(&own.known(), &own.hint())?;
             beside.extend(columns.map(|columns| (own, columns)));
         }

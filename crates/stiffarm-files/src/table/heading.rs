@@ -1,6 +1,7 @@
 //! Checks of a table's heading: every column known, none twice, none missing,
 //! each with one of its units.
 
+use super::beside::Beside;
 use super::grid::{Column, Table};
 use super::heading_row::own_unit;
 use super::naming::{joint_number, normal};
@@ -73,6 +74,17 @@ impl Known {
             at,
             unit: Some(unit),
         })
+    }
+}
+
+impl Beside {
+    /// Its columns.
+    pub(super) fn known(self) -> Vec<Known> {
+        let (stems, quantity, group) = self.columns();
+        let stems = stems.iter();
+        stems
+            .map(|stem| Known::of(*stem, quantity, group))
+            .collect()
     }
 }
 

@@ -34,6 +34,7 @@ mod foreign;
 mod grid;
 mod heading;
 mod heading_row;
+mod layout;
 mod line;
 mod loads;
 mod log;

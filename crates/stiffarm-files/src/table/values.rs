@@ -33,11 +33,17 @@ impl Values {
             .map(|stem| Known::of(stem, Quantity::Length, group))
     }
 
+    /// What its rows may have beside names, lengths and angles.
+    pub(super) fn beside(self) -> impl Iterator<Item = Beside> {
+        let all = Beside::ALL.into_iter();
+        all.filter(move |own| self == Values::Positions || own.is_of_displacements())
+    }
+
     /// The columns that a table of these values may have.
     pub(super) fn known(self, joints: usize) -> Vec<Known> {
         let mut known = ["posture", "state", "point"].map(Known::name).to_vec();
         known.extend(self.components());
-        known.extend(Beside::of(self).flat_map(Beside::known));
+        known.extend(self.beside().flat_map(Beside::known));
         known.extend(Known::angles(joints));
         known
     }

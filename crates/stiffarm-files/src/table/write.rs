@@ -1,6 +1,7 @@
 //! Writing of tables.
 
-use super::beside::{Beside, Given, Layout};
+use super::beside::{Beside, Given};
+use super::layout::Layout;
 use super::line::line;
 use super::postures::angle_names;
 use super::values::Values;

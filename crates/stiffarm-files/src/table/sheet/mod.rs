@@ -5,8 +5,9 @@ mod workbook;
 
 pub use workbook::write_sheet_workbook;
 
-use super::beside::{Beside, Given, Layout};
+use super::beside::{Beside, Given};
 use super::displacements::DEFAULT_STATE;
+use super::layout::Layout;
 use super::line::line;
 use super::loads;
 use super::values::Values;

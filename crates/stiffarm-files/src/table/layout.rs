@@ -1,0 +1,44 @@
+//! The columns of a measurement table that is written, and what stands in them.
+
+use super::beside::{Beside, Given};
+use super::heading::Known;
+use super::postures::angle_names;
+use super::values::Values;
+use stiffarm::model::cell::Cell;
+
+/// The columns of a measurement table that is written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Layout {
+    values: Values,
+    beside: Vec<Beside>,
+}
+
+impl Layout {
+    /// With what is `wanted` beside names, lengths and angles.
+    pub(super) fn new(values: Values, wanted: impl Fn(Beside) -> bool) -> Self {
+        let beside = values.beside().filter(|beside| wanted(*beside));
+        Layout {
+            values,
+            beside: beside.collect(),
+        }
+    }
+
+    /// Whether it has these columns.
+    pub(super) fn has(&self, beside: Beside) -> bool {
+        self.beside.contains(&beside)
+    }
+
+    pub(super) fn heading(&self, cell: &Cell) -> Vec<String> {
+        let names = ["posture", "state", "point"].map(Known::name);
+        let lengths = self.values.components();
+        let beside = self.beside.iter().flat_map(|beside| beside.known());
+        let known = names.into_iter().chain(lengths).chain(beside);
+        let angles = angle_names(cell.setup.robot.joint_count());
+        known.map(|known| known.heading()).chain(angles).collect()
+    }
+
+    /// The fields between lengths and angles, empty where there is no value.
+    pub(super) fn fields(&self, given: &Given<'_>) -> impl Iterator<Item = String> {
+        self.beside.iter().flat_map(|beside| beside.texts(given))
+    }
+}
