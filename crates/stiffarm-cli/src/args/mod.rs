@@ -38,9 +38,9 @@ use clap::{Args, ColorChoice, Parser, Subcommand, ValueEnum, ValueHint};
 use schema::schemas;
 use std::ffi::{OsStr, OsString};
 use std::path::PathBuf;
-use stiffarm::ask::values::{ELASTIC, above_zero, choice, count_or_none, number, seed, within};
+use stiffarm::ask::values::{ELASTIC, above_zero, choice, count_or_none, seed, within};
+use stiffarm::ask::zones::ZonesOptions;
 use stiffarm::estimate::elastic::ElasticChoice;
-use stiffarm::plan::zones::STEPS;
 
 /// Which postures to measure, what joint stiffness the measurements give and
 /// how sure that is, and how far an industrial robot bends at work.
@@ -293,20 +293,9 @@ pub struct ZonesArgs {
     /// Folder for the maps as picture (zones.svg) and table (zones.csv)
     #[arg(long, value_name = "DIR")]
     pub output_dir: Option<PathBuf>,
-    /// Angles per axis of the map, from bound to bound
-    #[arg(long, value_name = "N", default_value_t = 41,
-          value_parser = within::<usize>(STEPS[0] as u64..=STEPS[1] as u64))]
-    pub steps: usize,
-    /// Angles at which the joints are held, one per joint; those of joints 2 and 3 are replaced by
-    /// the map's [default: 0,0,0,45,45,45 for six joints]
-    #[arg(
-        long,
-        value_name = "Q1,…",
-        value_delimiter = ',',
-        value_parser = number("deg"),
-        allow_hyphen_values = true
-    )]
-    pub q_deg: Vec<f64>,
+    /// What is asked.
+    #[command(flatten)]
+    pub options: ZonesOptions,
     /// The page of the result.
     #[command(flatten)]
     pub page: PageArgs,

@@ -2,7 +2,7 @@
 
 use super::PageArgs;
 use clap::{Args, ValueHint};
-use stiffarm::ask::values::{angle_step, seed};
+use stiffarm::ask::route::DriveOptions;
 
 #[derive(Debug, Args)]
 pub struct RouteArgs {
@@ -12,23 +12,9 @@ pub struct RouteArgs {
     /// The plan
     #[arg(value_hint = ValueHint::FilePath, value_name = "POSTURES.csv")]
     pub plan: String,
-    /// Keep the order of the plan
-    #[arg(long)]
-    pub keep_order: bool,
-    /// Take equivalent postures where they are nearer: other turns, the wrist the other way round; a sheet
-    /// written before then has other angles
-    #[arg(long)]
-    pub equivalents: bool,
-    /// With it: other turns only. A wrist the other way round has the same joint axes, but an arm that gives way
-    /// beyond them bends otherwise
-    #[arg(long, requires = "equivalents")]
-    pub keep_wrist: bool,
-    /// Steps that angles are rounded to [deg]; 0 leaves them as they are
-    #[arg(long, value_name = "DEG", default_value_t = 0.01, value_parser = angle_step())]
-    pub angle_step_deg: f64,
-    /// Seed of the random numbers, for ways around obstacles and for many postures
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = seed())]
-    pub seed: u64,
+    /// What is asked.
+    #[command(flatten)]
+    pub options: DriveOptions,
     /// Also show each move
     #[arg(long)]
     pub details: bool,

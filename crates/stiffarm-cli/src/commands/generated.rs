@@ -7,18 +7,21 @@ use schemars::{JsonSchema, Schema};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use stiffarm::Result;
+use stiffarm::ask::coverage::CoverageOptions;
 use stiffarm::ask::path::PathOptions;
 use stiffarm::ask::register::PairOptions;
 use stiffarm::ask::select::{self, Asked};
-use stiffarm::ask::{compensate, identify, map, measure, place, pose, predict, simulate, validate};
+use stiffarm::ask::{
+    compensate, identify, map, measure, place, pose, predict, route, simulate, validate, zones,
+};
 use stiffarm::estimate::clamped::ClampedIdentification;
-use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
+use stiffarm::estimate::coverage::Coverage;
 use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, Simulation};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
 use stiffarm::plan::route::routed;
-use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
+use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm_files::cell::cell_schema;
 use stiffarm_files::envelope::{Written, to_json};
@@ -48,13 +51,13 @@ pub fn generated() -> Result<BTreeMap<String, String>> {
         of::<PathOptions, compensate::Compensated>("compensate"),
         of::<map::Options, StiffnessMap>("map"),
         of::<place::Options, Placement>("map --place"),
-        of::<ZonesOptions, Zones>("zones"),
+        of::<zones::Asked, Zones>("zones"),
         of::<capsules::Options, capsules::Fitted>("capsules"),
         of::<measure::MeasureOptions, measure::Judgement>("measure"),
         of::<pose::Options, pose::Poses>("pose"),
         of::<pose::Options, pose::Found>("pose --poses"),
         of::<super::report::Options, super::report::Reported>("report"),
-        of::<routed::Options, routed::Routed>("route"),
+        of::<route::DriveOptions, route::Routed>("route"),
         of::<export::Options, export::Exported>("export"),
         of::<export::Options, export::compare::Compared>("export --compare"),
         of::<study::measured::Options, study::measured::Written>("study --measured"),

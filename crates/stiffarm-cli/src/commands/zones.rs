@@ -8,8 +8,7 @@ use crate::progress::{Progress, announce};
 use crate::session::Session;
 use stiffarm::Result;
 use stiffarm::plan::characteristic_length::with_length;
-use stiffarm::plan::zones::{Options, ZoneOptions, zones};
-use stiffarm::units::deg_to_rad;
+use stiffarm::plan::zones::zones;
 use stiffarm_report::{render_svg, zones_figure, zones_table};
 
 /// Files of the folder.
@@ -25,27 +24,16 @@ pub fn run(session: &Session, args: &ZonesArgs) -> Result<Answer> {
         check_folder(session, folder, FILES, args.force)?;
     }
     let (cell, _) = with_length(named.cell.clone());
-    let q = (!args.q_deg.is_empty()).then(|| args.q_deg.iter().copied().map(deg_to_rad).collect());
-    let mut options = ZoneOptions::default();
-    options.steps = args.steps;
-    options.q = q;
+    let options = args.options.options();
     announce(
         session,
-        args.steps.saturating_mul(args.steps),
+        options.steps.saturating_mul(options.steps),
         MANY,
         "postures to look at",
     );
     let result =
         Progress::new(session, "mapping zones").watch(|control| zones(&cell, &options, control))?;
-    let envelope = session.envelope(
-        "zones",
-        None,
-        Options {
-            steps: args.steps,
-            characteristic_length_m: cell.characteristic_length,
-        },
-        result,
-    );
+    let envelope = session.envelope("zones", None, args.options.in_cell(&cell), result);
     let pictures = args.output_dir.as_ref().map(|folder| {
         let result = &envelope.result;
         let texts = [render_svg(&zones_figure(result)), zones_table(result).csv()];

@@ -2,7 +2,8 @@
 
 use super::{DataTable, Given, Number, Quantity, Telling, Text, Told};
 use stiffarm::Result;
-use stiffarm::estimate::coverage::{Coverage, Options};
+use stiffarm::ask::coverage::CoverageOptions;
+use stiffarm::estimate::coverage::Coverage;
 use stiffarm::findings::visible;
 
 /// A share of many experiments.
@@ -10,10 +11,10 @@ const SHARE: Quantity = Quantity::PERCENT.digits(3);
 /// Standard errors away from what is promised where chance no longer explains it.
 const FAR: f64 = 3.0;
 
-impl Telling<Options> for Coverage {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+impl Telling<CoverageOptions> for Coverage {
+    fn told(&self, options: &CoverageOptions, given: &Given<'_>) -> Result<Told> {
         let found = self;
-        let promised = options.confidence;
+        let promised = options.fit.confidence;
         let off = (found.coverage - promised) / found.standard_error.max(f64::MIN_POSITIVE);
         let done = Text::new(format!(
             "{} experiments were simulated with the cell\u{2019}s noise alone and identified, the truth being the cell\u{2019}s prior.",

@@ -48,17 +48,19 @@ use crate::scene::Scene;
 use serde::de::{DeserializeOwned, IgnoredAny};
 use std::cmp::Reverse;
 use stiffarm::ask::compensate::Compensated;
+use stiffarm::ask::coverage::CoverageOptions;
 use stiffarm::ask::measure::{Judgement, MeasureOptions};
 use stiffarm::ask::predict::{PredictOptions, Predicted};
+use stiffarm::ask::route::{DriveOptions, Routed};
 use stiffarm::ask::validate::{Options as ValidateOptions, Validated};
-use stiffarm::estimate::coverage::{Coverage, Options as CoverageOptions};
+use stiffarm::ask::zones::Asked as AskedZones;
+use stiffarm::estimate::coverage::Coverage;
 use stiffarm::findings::{Finding, Severity};
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::model::cell::Cell;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::route::routed::{self, Routed};
-use stiffarm::plan::zones::{Options as ZonesOptions, Zones};
+use stiffarm::plan::zones::Zones;
 use stiffarm::{Code, Error, Result};
 use stiffarm_files::result::SavedResult;
 
@@ -115,12 +117,12 @@ const TELLERS: &[(&str, Teller)] = &[
     ("measure", of_saved::<Judgement, MeasureOptions>),
     ("predict", of_saved::<Predicted, PredictOptions>),
     ("register", of_saved::<RegistrationRecord, IgnoredAny>),
-    ("route", of_saved::<Routed, routed::Options>),
+    ("route", of_saved::<Routed, DriveOptions>),
     ("select", select::told),
     ("simulate", simulate::told),
     ("study", study::told),
     ("validate", of_saved::<Validated, ValidateOptions>),
-    ("zones", of_saved::<Zones, ZonesOptions>),
+    ("zones", of_saved::<Zones, AskedZones>),
 ];
 
 /// Tells a saved result.

@@ -3,12 +3,12 @@
 use super::postures::{posture_table, route_section};
 use crate::tell::{Given, Telling, Text, Told, counted};
 use stiffarm::Result;
+use stiffarm::ask::route::{DriveOptions, Routed};
 use stiffarm::findings::codes;
 use stiffarm::model::posture::PostureGroup;
-use stiffarm::plan::route::routed::{Options, Routed};
 
-impl Telling<Options> for Routed {
-    fn told(&self, options: &Options, given: &Given<'_>) -> Result<Told> {
+impl Telling<DriveOptions> for Routed {
+    fn told(&self, options: &DriveOptions, given: &Given<'_>) -> Result<Told> {
         let (posture_names, route) = (&self.posture_names, &self.route);
         let count = counted(route.postures.len(), "posture");
         let kept = options.keep_order;

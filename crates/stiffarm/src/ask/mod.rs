@@ -7,6 +7,7 @@
 //! arguments of a command line.
 
 pub mod compensate;
+pub mod coverage;
 pub mod fit;
 pub mod identify;
 pub mod map;
@@ -17,10 +18,12 @@ pub mod pose;
 pub mod predict;
 pub mod region;
 pub mod register;
+pub mod route;
 pub mod rules;
 pub mod select;
 pub mod simulate;
 pub mod validate;
+pub mod zones;
 
 #[cfg(feature = "clap")]
 pub mod values;

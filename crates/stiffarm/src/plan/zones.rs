@@ -31,16 +31,6 @@ const DEXTEROUS: f64 = 0.25;
 /// Their deviations are among this share of the map's smallest.
 const UNTOUCHED: f64 = 0.5;
 
-/// Options of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Angles per axis of the map.
-    pub steps: usize,
-    /// L of Eq. (20) \[m\].
-    pub characteristic_length_m: Option<f64>,
-}
-
 /// What is mapped.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

@@ -35,20 +35,6 @@ const RESAMPLED_CHUNK: usize = 5;
 /// Largest number of experiments.
 const MAX_EXPERIMENTS: usize = 100_000_000;
 
-/// What was counted.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Options {
-    /// Simulated experiments.
-    pub runs: u64,
-    /// Confidence of the intervals.
-    pub confidence: f64,
-    /// Estimator.
-    pub estimator: String,
-    /// Resamples of each experiment, where the intervals are those of a bootstrap.
-    pub bootstrap: Option<u64>,
-}
-
 /// What is simulated and how it is identified.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoverageCase {

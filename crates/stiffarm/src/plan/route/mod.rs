@@ -16,7 +16,6 @@ mod order;
 pub(crate) mod places;
 mod remarks;
 mod rounding;
-pub mod routed;
 mod search;
 mod tour;
 mod way;
