@@ -353,13 +353,14 @@ pub fn path(input: &Input) -> Verdict {
 }
 
 /// What a tool path can be.
-const TOOL_PATHS: [tool_path::Kind; 6] = [
+const TOOL_PATHS: [tool_path::Kind; 7] = [
     tool_path::Kind::Apt,
     tool_path::Kind::Gcode,
     tool_path::Kind::Robot(Language::Krl),
     tool_path::Kind::Robot(Language::Rapid),
     tool_path::Kind::Robot(Language::Ls),
     tool_path::Kind::Robot(Language::Urscript),
+    tool_path::Kind::Robot(Language::Inform),
 ];
 
 /// A tool path in every language: finite, and with its own points the same bytes.

@@ -8,7 +8,7 @@ use crate::tell::{
 };
 use stiffarm::Result;
 use stiffarm::findings::{Finding, Severity, codes, list, minutes, visible};
-use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, MeasuringTime, Noise, PointBound};
+use stiffarm::model::cell::{Cell, LimitKind, LimitedPoints, Measure, MeasuringTime, Noise, Side};
 use stiffarm::model::load::{Axes, Load, Wrench};
 use stiffarm::model::posture::PostureGroup;
 use stiffarm::plan::check::CellCheck;
@@ -299,10 +299,12 @@ fn limits(cell: &Cell) -> String {
             LimitedPoints::Wrist => "wrist",
             _ => "tool",
         };
-        parts.push(match limit.bound {
-            PointBound::Lowest(_, z) => format!("{points} above {}", length(z)),
-            PointBound::Highest(_, z) => format!("{points} below {}", length(z)),
-            PointBound::FromAxis1(radius) => format!("{} clear of axis 1", length(radius)),
+        let at = length(limit.at);
+        parts.push(match (limit.measure, limit.side) {
+            (Measure::Axis(_), Side::AtLeast) => format!("{points} above {at}"),
+            (Measure::Axis(_), Side::AtMost) => format!("{points} below {at}"),
+            (Measure::FromAxis1, Side::AtLeast) => format!("{at} clear of axis 1"),
+            (Measure::FromAxis1, Side::AtMost) => format!("{points} within {at} of axis 1"),
         });
     }
     if let Some([short, long]) = limits.rope_length {

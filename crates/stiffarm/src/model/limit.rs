@@ -60,9 +60,19 @@ enum DependsOn {
     Sight,
 }
 
+/// What a limit asks of the arm on its way between two postures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum OnTheWay {
+    /// To keep off something.
+    KeepsOff,
+    /// To get no worse: it says where a posture may be measured, and a safe start may lie outside.
+    NoWorse,
+}
+
 /// All that is said of a limit.
 struct Facts {
     kind: LimitKind,
+    on_the_way: OnTheWay,
     describe: &'static str,
     short: &'static str,
     /// Before what it is about, in a narrow column.
@@ -75,6 +85,7 @@ struct Facts {
 
 const fn facts(
     kind: LimitKind,
+    on_the_way: OnTheWay,
     describe: &'static str,
     short: &'static str,
     column: &'static str,
@@ -82,6 +93,7 @@ const fn facts(
 ) -> Facts {
     Facts {
         kind,
+        on_the_way,
         describe,
         short,
         column,
@@ -95,6 +107,7 @@ const fn facts(
 const FACTS: [Facts; 13] = [
     facts(
         LimitKind::ToolBox,
+        OnTheWay::NoWorse,
         "the box for tool points and flange",
         "tool box",
         "tool box: ",
@@ -102,6 +115,7 @@ const FACTS: [Facts; 13] = [
     ),
     facts(
         LimitKind::Floor,
+        OnTheWay::KeepsOff,
         "the floor",
         "floor",
         "floor: ",
@@ -109,6 +123,7 @@ const FACTS: [Facts; 13] = [
     ),
     facts(
         LimitKind::KeepOut,
+        OnTheWay::KeepsOff,
         "the keep-out cylinder about axis 1",
         "keep-out cylinder",
         "keep-out cylinder: ",
@@ -116,6 +131,7 @@ const FACTS: [Facts; 13] = [
     ),
     facts(
         LimitKind::WristHeight,
+        OnTheWay::NoWorse,
         "the lowest height of the wrist centre",
         "lowest height of the wrist",
         "lowest height: ",
@@ -125,6 +141,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Load,
         ..facts(
             LimitKind::RopeLength,
+            OnTheWay::NoWorse,
             "the length of rope or cylinder",
             "length of the rope",
             "length of ",
@@ -133,6 +150,7 @@ const FACTS: [Facts; 13] = [
     },
     facts(
         LimitKind::Shapes,
+        OnTheWay::KeepsOff,
         "the distance between shapes",
         "shapes",
         "",
@@ -142,6 +160,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Load,
         ..facts(
             LimitKind::RopeClearance,
+            OnTheWay::KeepsOff,
             "the distance between rope or cylinder and shapes",
             "rope",
             "",
@@ -153,6 +172,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Load,
         ..facts(
             LimitKind::RopeCone,
+            OnTheWay::KeepsOff,
             "the cone of the rope's or cylinder's loading device",
             "cone of the rope",
             "cone of the rope: ",
@@ -164,6 +184,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Sight,
         ..facts(
             LimitKind::Incidence,
+            OnTheWay::KeepsOff,
             "the reflectors' acceptance angle",
             "acceptance angle",
             "acceptance angle: ",
@@ -174,6 +195,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Sight,
         ..facts(
             LimitKind::Sight,
+            OnTheWay::KeepsOff,
             "the tracker's line of sight",
             "line of sight",
             "line of sight: ",
@@ -185,6 +207,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Load,
         ..facts(
             LimitKind::Torque,
+            OnTheWay::KeepsOff,
             "the joints' torque",
             "torque",
             "torque: ",
@@ -196,6 +219,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Load,
         ..facts(
             LimitKind::SmallestDisplacement,
+            OnTheWay::KeepsOff,
             "the smallest displacement under the load",
             "smallest displacement",
             "smallest displacement: ",
@@ -207,6 +231,7 @@ const FACTS: [Facts; 13] = [
         depends_on: DependsOn::Load,
         ..facts(
             LimitKind::LargestDisplacement,
+            OnTheWay::KeepsOff,
             "the largest displacement under the load",
             "largest displacement",
             "largest displacement: ",
@@ -257,6 +282,11 @@ impl LimitKind {
     /// tracker sees.
     pub fn is_of_place(self) -> bool {
         self.facts().depends_on == DependsOn::Place
+    }
+
+    /// Whether it keeps the arm off something, on the way as well.
+    pub(crate) fn keeps_off(self) -> bool {
+        self.facts().on_the_way == OnTheWay::KeepsOff
     }
 
     /// What its margins are measured in.

@@ -44,7 +44,6 @@ impl<'a> Joints<'a> {
         })
     }
 
-    /// A number of a joint by its key.
     /// With all errors, where they are in the result.
     fn errors(&self, j: usize) -> Option<&'a JointUncertainty> {
         self.systematic_errors?.uncertainty.get(j)
@@ -59,7 +58,6 @@ impl<'a> Joints<'a> {
         number.of(Quantity::PERCENT)
     }
 
-    /// One number of the errors of a joint.
     /// The interval that the table and the figure show \[N·m/rad\].
     fn interval(&self, j: usize) -> [Option<f64>; 2] {
         match self.errors(j) {

@@ -76,10 +76,7 @@ fn check_state(cell: &Cell, posture: &PostureReadings, state: &StateReadings) ->
         ));
     }
     for reading in &state.readings {
-        let others = [reading.time, reading.temperature];
-        let others = others.iter().all(|v| v.is_none_or(f64::is_finite));
-        let stated = reading.expanded.is_none_or(|u| finite(&u));
-        if !(finite(&reading.position) && others && stated) {
+        if !reading.numbers().all(f64::is_finite) {
             let message = format!(
                 "A reading of {} is not a finite number.",
                 place(posture, state)

@@ -4,7 +4,7 @@
 //! that every optimiser can respect it during the search.
 
 use super::Slopes;
-use super::point_limit::{LimitedPoints, PointBound, PointLimit};
+use super::point_limit::{LimitedPoints, Measure, PointLimit, Side};
 use crate::model::limit::{LimitKind, LimitMargin};
 use crate::model::load::Load;
 use crate::model::observation::{PostureTerms, Setup};
@@ -45,19 +45,34 @@ impl Limits {
     /// The limits on points, in the order in which every point is held against them.
     pub fn on_points(&self) -> impl Iterator<Item = PointLimit> {
         use LimitedPoints::{All, Tool, Wrist};
-        use PointBound::{FromAxis1, Highest, Lowest};
-        let sides = self.tool_box.into_iter().flat_map(|[low, high]| {
-            let pair = move |axis| [Lowest(axis, low[axis]), Highest(axis, high[axis])];
-            let sides = (0..3).flat_map(pair);
-            sides.map(|side| PointLimit::new(LimitKind::ToolBox, Tool, side))
+        use Measure::{Axis, FromAxis1};
+        use Side::{AtLeast, AtMost};
+        let of_box = |axis: usize, side, at| Some((LimitKind::ToolBox, Tool, Axis(axis), side, at));
+        let sides = self.tool_box.into_iter().flat_map(move |[low, high]| {
+            let pair = move |axis| {
+                [
+                    of_box(axis, AtLeast, low[axis]),
+                    of_box(axis, AtMost, high[axis]),
+                ]
+            };
+            (0..3).flat_map(pair)
         });
-        let floor = self.floor.map(|z| (LimitKind::Floor, Tool, Lowest(2, z)));
-        let keep_out = self.keep_out_radius.map(FromAxis1);
-        let keep_out = keep_out.map(|bound| (LimitKind::KeepOut, All, bound));
-        let wrist = self.wrist_height.map(|z| Lowest(2, z));
-        let wrist = wrist.map(|bound| (LimitKind::WristHeight, Wrist, bound));
-        let others = [floor, keep_out, wrist].into_iter().flatten();
-        sides.chain(others.map(|(kind, of, bound)| PointLimit::new(kind, of, bound)))
+        let others = [
+            self.floor
+                .map(|z| (LimitKind::Floor, Tool, Axis(2), AtLeast, z)),
+            self.keep_out_radius
+                .map(|r| (LimitKind::KeepOut, All, FromAxis1, AtLeast, r)),
+            self.wrist_height
+                .map(|z| (LimitKind::WristHeight, Wrist, Axis(2), AtLeast, z)),
+        ];
+        let all = sides.chain(others).flatten();
+        all.map(|(kind, of, measure, side, at)| PointLimit {
+            kind,
+            of,
+            measure,
+            side,
+            at,
+        })
     }
 
     /// Whether a limit of this kind is there and holds under `load`.
@@ -78,7 +93,15 @@ impl Limits {
             LimitKind::KeepOut => limits.keep_out_radius = None,
             LimitKind::WristHeight => limits.wrist_height = None,
             LimitKind::RopeLength => limits.rope_length = None,
-            _ => {}
+            // These are of shapes, lines and loads.
+            LimitKind::Shapes
+            | LimitKind::RopeClearance
+            | LimitKind::RopeCone
+            | LimitKind::Incidence
+            | LimitKind::Sight
+            | LimitKind::Torque
+            | LimitKind::SmallestDisplacement
+            | LimitKind::LargestDisplacement => {}
         }
         limits
     }
@@ -167,14 +190,9 @@ impl Limits {
                 if !limit.holds_for(s < tool_points) {
                     continue;
                 }
-                let (margin, along) = match limit.bound {
-                    PointBound::Lowest(axis, at) => {
-                        (subject.point[axis] - at, Vector3::ith(axis, 1.0))
-                    }
-                    PointBound::Highest(axis, at) => {
-                        (at - subject.point[axis], -Vector3::ith(axis, 1.0))
-                    }
-                    PointBound::FromAxis1(radius) => {
+                let (value, along) = match limit.measure {
+                    Measure::Axis(axis) => (subject.point[axis], Vector3::ith(axis, 1.0)),
+                    Measure::FromAxis1 => {
                         let axis = frames.axes()[0];
                         let offset = subject.point - frames.origins()[0];
                         let across = offset - axis * axis.dot(&offset);
@@ -184,8 +202,12 @@ impl Limits {
                         } else {
                             Vector3::zeros()
                         };
-                        (distance - radius, along)
+                        (distance, along)
                     }
+                };
+                let (margin, along) = match limit.side {
+                    Side::AtLeast => (value - limit.at, along),
+                    Side::AtMost => (limit.at - value, -along),
                 };
                 each(limit.kind, s, margin, &direction(subject, along));
             }

@@ -17,7 +17,7 @@ pub use crate::model::limit::{LimitKind, LimitMargin, MarginUnit};
 pub use columns::{Columns, DateOrder, NamePart, NamePattern, Separator};
 pub use limits::Limits;
 pub use margins::Margins;
-pub use point_limit::{LimitedPoints, PointBound, PointLimit};
+pub use point_limit::{LimitedPoints, Measure, PointLimit, Side};
 pub use posture_margins::PostureMargins;
 pub use slopes::Slopes;
 pub use task::{Task, task_matrix, task_rows};

@@ -9,8 +9,12 @@ pub struct PointLimit {
     pub kind: LimitKind,
     /// The points that it holds for.
     pub of: LimitedPoints,
-    /// Where they may be.
-    pub bound: PointBound,
+    /// What of them is bounded.
+    pub measure: Measure,
+    /// On which side of `at` it may be.
+    pub side: Side,
+    /// The bound \[m\].
+    pub at: f64,
 }
 
 /// The points that a limit holds for.
@@ -24,22 +28,25 @@ pub enum LimitedPoints {
     All,
 }
 
-/// Where a point may be \[m\].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PointBound {
-    /// Its coordinate along this axis, counted from 0, is not below the value.
-    Lowest(usize, f64),
-    /// Nor above it.
-    Highest(usize, f64),
-    /// So far from axis 1.
-    FromAxis1(f64),
+/// What of a point is bounded \[m\].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Its coordinate along this axis, counted from 0.
+    Axis(usize),
+    /// Its distance from axis 1.
+    FromAxis1,
+}
+
+/// On which side of its bound it may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Not below it.
+    AtLeast,
+    /// Not above it.
+    AtMost,
 }
 
 impl PointLimit {
-    pub(super) fn new(kind: LimitKind, of: LimitedPoints, bound: PointBound) -> Self {
-        PointLimit { kind, of, bound }
-    }
-
     /// Whether it holds for the points of the tool, or else for the wrist centre.
     pub(crate) fn holds_for(&self, is_tool_point: bool) -> bool {
         match self.of {
@@ -51,11 +58,7 @@ impl PointLimit {
 
     /// The height below or above which points must not be \[m\]; `None` for a side of the box, and away from axis 1.
     pub fn level(&self) -> Option<f64> {
-        match self.bound {
-            PointBound::Lowest(2, z) | PointBound::Highest(2, z) => {
-                (self.kind != LimitKind::ToolBox).then_some(z)
-            }
-            _ => None,
-        }
+        let is_level = self.measure == Measure::Axis(2) && self.kind != LimitKind::ToolBox;
+        is_level.then_some(self.at)
     }
 }

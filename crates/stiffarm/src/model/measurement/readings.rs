@@ -52,6 +52,13 @@ impl Reading {
             line: 0,
         }
     }
+
+    /// All its numbers, which must be finite.
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = f64> {
+        let vectors = [Some(self.position), self.expanded].into_iter().flatten();
+        let vectors = vectors.flat_map(|v| [v.x, v.y, v.z]);
+        vectors.chain([self.time, self.temperature].into_iter().flatten())
+    }
 }
 
 /// What a load state is for.

@@ -5,6 +5,7 @@ pub(crate) mod criterion;
 mod drop_one;
 mod error_bound;
 mod evaluate;
+mod facts;
 mod function;
 mod groups;
 pub(crate) mod inputs;

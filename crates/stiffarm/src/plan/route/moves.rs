@@ -40,15 +40,6 @@ pub(super) fn on_the_way(cell: &Cell) -> Cell {
     way
 }
 
-/// Whether a limit keeps the arm off something. Boxes, heights and lengths say where a posture may be measured, so on
-/// the way from a place outside of them, such as a safe start, no more is asked than that it gets no worse.
-pub(super) fn can_be_touched(kind: LimitKind) -> bool {
-    !matches!(
-        kind,
-        LimitKind::ToolBox | LimitKind::WristHeight | LimitKind::RopeLength
-    )
-}
-
 /// Looks at joint moves of a cell made by [`on_the_way`].
 pub(super) struct Moves<'a> {
     pub cell: &'a Cell,
@@ -139,11 +130,11 @@ impl<'a> Moves<'a> {
             self.kinds = self.margins.named(from)?.iter().map(|m| m.kind).collect();
         }
         let each = self.kinds.iter().zip(&mut self.leeway);
-        each.for_each(|(kind, leeway)| *leeway = if can_be_touched(*kind) { 0.0 } else { DIP });
+        each.for_each(|(kind, leeway)| *leeway = if kind.keeps_off() { 0.0 } else { DIP });
         for end in [from, to] {
             self.margins(end, FAR)?;
             let each = self.leeway.iter_mut().zip(&self.values).zip(&self.kinds);
-            for ((leeway, value), _) in each.filter(|(_, kind)| !can_be_touched(**kind)) {
+            for ((leeway, value), _) in each.filter(|(_, kind)| !kind.keeps_off()) {
                 *leeway = leeway.max(-value);
             }
         }

@@ -1,7 +1,7 @@
 //! What comes nearest on a move.
 
 use super::found::NearestOnTheWay;
-use super::moves::{Moves, between, can_be_touched};
+use super::moves::{Moves, between};
 use crate::error::Result;
 use crate::model::cell::{Cell, LimitKind};
 use crate::model::inverse::largest_change;
@@ -29,13 +29,11 @@ pub(super) fn nearest(
     let about = ways.named(first)?;
     let each = about.iter().zip(ways.leeway());
     let added: Vec<f64> = each
-        .map(
-            |(margin, leeway)| match (free, can_be_touched(margin.kind)) {
-                (true, true) => allowance(cell, ways.cell, margin.kind),
-                (true, false) => f64::INFINITY,
-                (false, _) => *leeway,
-            },
-        )
+        .map(|(margin, leeway)| match (free, margin.kind.keeps_off()) {
+            (true, true) => allowance(cell, ways.cell, margin.kind),
+            (true, false) => f64::INFINITY,
+            (false, _) => *leeway,
+        })
         .collect();
     let Some(least) = Least::of(ways, legs, &added)? else {
         return Ok(None);

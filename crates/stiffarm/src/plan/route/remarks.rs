@@ -1,7 +1,6 @@
 //! What to know of a route before it is driven, in words.
 
 use super::found::{Route, RouteMove};
-use super::moves::can_be_touched;
 use crate::error::Result;
 use crate::findings::{Finding, codes, list};
 use crate::model::cell::{Cell, LimitKind};
@@ -73,7 +72,7 @@ fn reason(each: &RouteMove) -> String {
             LimitKind::Shapes | LimitKind::RopeClearance => {
                 format!("{} come too near each other", nearest.subject)
             }
-            kind if !can_be_touched(kind) => {
+            kind if !kind.keeps_off() => {
                 format!("the {} goes beyond {}", nearest.subject, kind.describe())
             }
             kind => format!("the {} comes too near {}", nearest.subject, kind.describe()),

@@ -6,7 +6,7 @@
 use super::batch::Batch;
 use super::lanes::{Lanes, Vec3, WIDTH, ZERO, ZERO3, add, cross, dot, rotate, scale, sub};
 use super::model::{KernelLoad, Model};
-use crate::model::cell::PointBound;
+use crate::model::cell::{Measure, Side};
 
 /// One lane's share of Σ [(max(0, λ − μ·margin))² − λ²]/(2μ) and where it pushes.
 struct Penalty<'a> {
@@ -68,21 +68,27 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
         let mut push = ZERO3;
         let own = model.point_limits.iter();
         for limit in own.filter(|limit| limit.holds_for(is_tool_point)) {
-            match limit.bound {
-                PointBound::Lowest(axis, at) => {
-                    push[axis] += penalty.slope(point[axis] - Lanes::splat(at));
-                }
-                PointBound::Highest(axis, at) => {
-                    push[axis] -= penalty.slope(Lanes::splat(at) - point[axis]);
-                }
-                PointBound::FromAxis1(radius) => {
+            // As in `Limits::visit`, which shows what this searches by.
+            let (value, across) = match limit.measure {
+                Measure::Axis(axis) => (point[axis], None),
+                Measure::FromAxis1 => {
                     let offset = sub(point, first_origin);
                     let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
-                    let distance = dot(&across, &across).sqrt();
-                    let slope = penalty.slope(distance - Lanes::splat(radius));
-                    let inverse = slope / distance.max(Lanes::splat(f64::MIN_POSITIVE));
+                    (dot(&across, &across).sqrt(), Some(across))
+                }
+            };
+            let at = Lanes::splat(limit.at);
+            let slope = match limit.side {
+                Side::AtLeast => penalty.slope(value - at),
+                Side::AtMost => -penalty.slope(at - value),
+            };
+            match (limit.measure, across) {
+                (_, Some(across)) => {
+                    let inverse = slope / value.max(Lanes::splat(f64::MIN_POSITIVE));
                     push = add(push, scale(across, inverse));
                 }
+                (Measure::Axis(axis), None) => push[axis] += slope,
+                (Measure::FromAxis1, None) => {}
             }
         }
         if is_tool_point {
