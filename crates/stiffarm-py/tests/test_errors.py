@@ -204,7 +204,7 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     group = stiffarm.Postures.read("builtin:comau-group1", cell)
     measured = stiffarm.simulate_measurements(cell, group)
     select, validate = stiffarm.select, stiffarm.validate
-    refused(lambda: select(cell, count=6, initial=group), "usage", key="count", said="initial")
+    refused(lambda: select(cell, count=6, initial=group), "usage", key="initial", said="count")
     refused(lambda: select(cell, initial=group, given=group), "usage", key="initial")
     refused(lambda: select(cell, add=2), "usage", key="given")
     refused(lambda: select(cell, candidates=group, rounds=1), "usage", key="candidates")

@@ -202,5 +202,5 @@ def test_a_constraint_that_accepts_nothing_is_named() -> None:
     with pytest.raises(stiffarm.StiffarmError, match="None of") as error:
         stiffarm.select(cell, count=4, accept=lambda q: False)
     assert error.value.place["key"] == "accept"
-    with pytest.raises(stiffarm.StiffarmError, match="From an initial group"):
+    with pytest.raises(stiffarm.StiffarmError, match="not taken beside"):
         stiffarm.select(cell, initial="builtin:comau-group1", accept=away)

@@ -20,7 +20,6 @@ use stiffarm::estimate::simulate::{ElasticSimulation, ElasticSimulationOptions, 
 use stiffarm::measure::registration::RegistrationRecord;
 use stiffarm::plan::check::CellCheck;
 use stiffarm::plan::evaluated::{Evaluated, EvaluatedOptions};
-use stiffarm::plan::route::routed;
 use stiffarm::plan::zones::Zones;
 use stiffarm::work::map::{Placement, StiffnessMap};
 use stiffarm_files::cell::cell_schema;

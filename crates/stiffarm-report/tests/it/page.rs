@@ -145,6 +145,7 @@ fn numbers_of_the_result_keep_their_full_value() {
         attributes(&several, "data-command"),
         ["report", "identify", "identify"]
     );
+    assert_eq!(attributes(&several, "data-result"), ["0", "1"]);
 }
 
 #[test]
