@@ -74,3 +74,26 @@ fn exchanges_come_close_to_the_shortest_order() {
     }
     assert!(worst < 0.05, "{worst}, mean {}", sum / 200.0);
 }
+
+/// What was short is where the search goes on from, once some of its moves cost more.
+#[test]
+fn an_order_that_is_known_is_never_made_longer() {
+    let mut rng = route_rng(5, 9);
+    for (count, start) in [(1, false), (2, true), (20, false), (60, true), (130, false)] {
+        let mut places = random(&mut rng, count, 3, start);
+        let known = places.by_exchanges(None, 1, Control::default());
+        for pair in known.windows(2).step_by(4) {
+            places.cost[pair[0]][pair[1]] += 0.3;
+            places.cost[pair[1]][pair[0]] += 0.3;
+        }
+        let found = places.by_exchanges(Some(&known), 1, Control::default());
+        let mut seen: Vec<usize> = found.iter().map(|p| places.posture[*p]).collect();
+        seen.sort_unstable();
+        assert_eq!(seen, (0..count).collect::<Vec<_>>());
+        let [before, after] = [&known, &found].map(|order| places.length(order));
+        assert!(after <= before + 1e-9, "{count}: {before} {after}");
+        // Nothing is gained by a search from nowhere.
+        let anew = places.length(&places.by_exchanges(None, 1, Control::default()));
+        assert!(after <= 1.02 * anew, "{count}: {after} {anew}");
+    }
+}
