@@ -17,21 +17,13 @@ pub(super) struct Findings {
 
 /// The findings of a result.
 pub(super) fn of(options: &IdentifiedOptions, found: &Identified) -> Findings {
-    let screening = found.screening();
-    let scales: Vec<&Finding> = screening.into_iter().flat_map(|s| s.scales()).collect();
-    let of_readings = screening.into_iter().flat_map(|s| &s.findings);
-    let of_readings = of_readings.chain(found.readings.iter().flat_map(|r| &r.reduction.findings));
-    let mut data = Vec::new();
-    data.extend(found.implausible.clone());
-    data.extend(scales.iter().copied().chain(of_readings).cloned());
+    let mut data: Vec<Finding> = found.of_readings().cloned().collect();
     data.extend(stopped(&found.not_computed));
     data.extend(no_systematic(options, found));
-    let diagnosed = found.diagnosis.iter().flat_map(|d| &d.findings);
-    let systematic = found.systematic_errors.iter().flat_map(|b| &b.findings);
-    let profiled = found.profile.iter().map(|p| &p.finding);
     let mut fit = together(&found.identification.estimates);
-    fit.extend(diagnosed.chain(systematic).chain(profiled).cloned());
-    let misread = scales.iter().any(|f| f.severity == Severity::Serious);
+    fit.extend(found.of_fit().cloned());
+    let mut scales = found.screening().into_iter().flat_map(|own| own.scales());
+    let misread = scales.any(Finding::is_serious);
     let held_back = if misread {
         held_back(fit)
     } else {

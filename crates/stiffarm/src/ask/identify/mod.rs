@@ -206,17 +206,32 @@ impl Identified {
         self.diagnosis.as_ref().and_then(Diagnosis::rejected)
     }
 
+    /// What is wrong with the table and the readings, scales first; some stand there twice.
+    pub fn of_readings(&self) -> impl Iterator<Item = &Finding> {
+        let screening = self.screening();
+        let scales = screening.into_iter().flat_map(Screening::scales);
+        let screened = screening.into_iter().flat_map(|own| &own.findings);
+        let reduced = (self.readings.iter()).flat_map(|own| &own.reduction.findings);
+        self.implausible
+            .iter()
+            .chain(scales)
+            .chain(screened)
+            .chain(reduced)
+    }
+
+    /// What the fit says, but for its joints.
+    pub fn of_fit(&self) -> impl Iterator<Item = &Finding> {
+        let diagnosed = self.diagnosis.iter().flat_map(|own| &own.findings);
+        let systematic = (self.systematic_errors.iter()).flat_map(|own| &own.findings);
+        let profiled = self.profile.iter().map(|own| &own.finding);
+        diagnosed.chain(systematic).chain(profiled)
+    }
+
     /// Whether some finding says that the stiffness cannot be used as it is.
     pub fn is_serious(&self) -> bool {
         let of_joints = self.identification.estimates.findings();
-        let reduced = self.readings.iter().flat_map(|r| &r.reduction.findings);
-        let screened = self.screening().into_iter().flat_map(|s| &s.findings);
-        let diagnosed = self.diagnosis.iter().flat_map(|d| &d.findings);
-        let systematic = self.systematic_errors.iter().flat_map(|b| &b.findings);
-        let all = self.implausible.iter().chain(reduced).chain(screened);
-        let all = all.chain(diagnosed).chain(systematic).chain(&of_joints);
-        let profiled = self.profile.iter().map(|profile| &profile.finding);
-        all.chain(profiled).any(Finding::is_serious)
+        let all = self.of_readings().chain(self.of_fit()).chain(&of_joints);
+        all.into_iter().any(Finding::is_serious)
     }
 
     /// What was found wrong with the table.
