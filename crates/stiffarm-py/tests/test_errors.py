@@ -207,7 +207,7 @@ def test_what_excludes_each_other(cell: stiffarm.Cell) -> None:
     refused(lambda: select(cell, count=6, initial=group), "usage", key="initial", said="count")
     refused(lambda: select(cell, initial=group, given=group), "usage", key="initial")
     refused(lambda: select(cell, add=2), "usage", key="given")
-    refused(lambda: select(cell, candidates=group, rounds=1), "usage", key="candidates")
+    refused(lambda: select(cell, candidates=group, rounds=1), "usage", key="rounds", said="candidates")
     refused(lambda: select(cell, given=group, largest_load_n=600), "usage", key="given")
     refused(lambda: validate(cell, [1e6] * 6, measured, folds=3), "usage", key="stiffness")
     refused(lambda: validate(cell, None, measured), "usage", said="folds")
