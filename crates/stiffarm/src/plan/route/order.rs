@@ -26,11 +26,27 @@ impl Places {
 
     /// The shortest order, place by place, for certain where [`is_small`](Self::is_small); a stop ends the
     /// exchanges with the best so far.
-    pub fn shortest(&self, known: Option<&[usize]>, seed: u64, control: Control<'_>) -> Vec<usize> {
+    pub fn shortest(&self, seed: u64, control: Control<'_>) -> Vec<usize> {
         if self.is_small() {
             self.by_recursion()
         } else {
-            self.by_exchanges(known, seed, control)
+            self.by_exchanges(None, MOST_KICKS, seed, control)
+        }
+    }
+
+    /// The same where `known` was found before some moves became dearer: soon, or with all effort where that is
+    /// `thorough`.
+    pub fn again(
+        &self,
+        known: &[usize],
+        thorough: bool,
+        seed: u64,
+        control: Control<'_>,
+    ) -> Vec<usize> {
+        match (self.is_small(), thorough) {
+            (true, _) => self.by_recursion(),
+            (false, true) => self.by_exchanges(Some(known), MOST_KICKS, seed, control),
+            (false, false) => self.by_exchanges(Some(known), KICKS_AGAIN, seed, control),
         }
     }
 
@@ -86,6 +102,7 @@ impl Places {
     pub fn by_exchanges(
         &self,
         known: Option<&[usize]>,
+        kicks: usize,
         seed: u64,
         control: Control<'_>,
     ) -> Vec<usize> {
@@ -106,12 +123,7 @@ impl Places {
                 (best, length) = (order, other);
             }
         }
-        let most = if known.is_some() {
-            KICKS_AGAIN
-        } else {
-            MOST_KICKS
-        };
-        for _ in 0..most {
+        for _ in 0..kicks {
             if control.stopped() {
                 break;
             }

@@ -80,15 +80,15 @@ impl<'a> Tour<'a> {
             return Ok(Vec::new());
         }
         self.find_touching(ways)?;
-        let mut known: Option<Vec<usize>> = None;
+        let mut known: Option<(Vec<usize>, bool)> = None;
         for round in 0..MOST_ORDERS {
             control.check()?;
-            let order = if options.keep_order {
-                self.places.best_equivalents((0..count).collect())
-            } else {
+            let seed = options.seed;
+            let order = match &known {
+                _ if options.keep_order => self.places.best_equivalents((0..count).collect()),
+                None => self.places.shortest(seed, control),
                 // Some moves became dearer: what was short is a good start.
-                self.places
-                    .shortest(known.as_deref(), options.seed, control)
+                Some((known, thorough)) => self.places.again(known, *thorough, seed, control),
             };
             control.check()?;
             let mut as_thought = true;
@@ -97,10 +97,13 @@ impl<'a> Tour<'a> {
                 control.report("checking moves", done, pairs.len());
                 as_thought &= self.look(ways, *pair)?;
             }
-            if as_thought || round + 1 == MOST_ORDERS {
+            // What was found soon is searched from once more with all effort.
+            let is_certain = options.keep_order || self.places.is_small();
+            let is_soon = matches!(known, Some((_, false))) && !is_certain;
+            if round + 1 == MOST_ORDERS || as_thought && !is_soon {
                 return Ok(order);
             }
-            known = Some(order);
+            known = Some((order, as_thought));
         }
         Ok(Vec::new())
     }
