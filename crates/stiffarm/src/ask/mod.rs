@@ -6,6 +6,9 @@
 //! and angles degrees here, as their names say; what is calculated with is SI. With the feature `clap` the structs are
 //! arguments of a command line.
 
+// Comments of options are help texts: [mm] there is a unit, and no link.
+#![allow(rustdoc::broken_intra_doc_links)]
+
 pub mod compensate;
 pub mod coverage;
 pub mod fit;
