@@ -126,9 +126,10 @@ impl Answer {
         })
     }
 
-    /// A result at work, made with this cell and stiffness: the command ends as its `findings` say. Where a table of
-    /// points goes to standard output, only what is serious is said.
+    /// A result at work, made with this cell and stiffness. Where a table of points goes to standard output, only what is
+    /// serious among its `findings` is said.
     pub fn at_work<O: Serialize + 'static, R: Serialize + Telling<O> + 'static>(
+        exit: Exit,
         envelope: Rc<Envelope<O, R>>,
         findings: &[Finding],
         (named, stiffness): (NamedCell, &Saved),
@@ -137,7 +138,6 @@ impl Answer {
         let serious = findings.iter().filter(|f| f.is_serious());
         let beside = Some(serious.map(finding_line).collect());
         let lines = named.line() + &stiffness.line();
-        let exit = Exit::of_findings(findings);
         let answer = Answer::made(exit, envelope, move |envelope| {
             let told = told(envelope, Some(&named.cell))?;
             Ok(text::told(&told, details) + &lines)

@@ -96,12 +96,13 @@ pub fn run(session: &Session, args: &CompensateArgs) -> Result<Answer> {
     let findings = result.every_finding();
     let envelope = Rc::new(session.envelope("compensate", None, options.clone(), result));
     let made_with = (named, &saved);
-    let mut answer = Answer::at_work(envelope, &findings, made_with, args.details).with(files);
-    if withheld {
-        answer.exit = Exit::Finding;
-        answer.warning = WITHHELD;
-    }
-    Ok(answer)
+    let exit = match withheld {
+        true => Exit::Finding,
+        false => Exit::of_findings(&findings),
+    };
+    let answer = Answer::at_work(exit, envelope, &findings, made_with, args.details).with(files);
+    let warning = if withheld { WITHHELD } else { "" };
+    Ok(Answer { warning, ..answer })
 }
 
 /// Whether something speaks against commanding the path.

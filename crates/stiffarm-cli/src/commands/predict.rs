@@ -3,6 +3,7 @@
 use crate::answer::Answer;
 use crate::args::PredictArgs;
 use crate::files::Rows;
+use crate::output::Exit;
 use crate::path::{Outputs, read_stiffness};
 use crate::progress::Progress;
 use crate::session::Session;
@@ -68,5 +69,7 @@ pub fn run(session: &Session, args: &PredictArgs) -> Result<Answer> {
     )?;
     let findings = result.every_finding();
     let made_with = (named, &saved);
-    Ok(Answer::at_work(envelope, &findings, made_with, args.details).with(files))
+    let exit = Exit::of_findings(&findings);
+    let answer = Answer::at_work(exit, envelope, &findings, made_with, args.details);
+    Ok(answer.with(files))
 }

@@ -55,15 +55,12 @@ fn map(session: &Session, args: &MapArgs) -> Result<Answer> {
     let said = request.options(&options, &named.cell);
     let pictures = || [render_svg(&map_figure(&result)), map_table(&result).csv()];
     let pictures = pictures_of(args, FILES, pictures);
-    let (interrupted, findings) = (result.interrupted, result.findings.clone());
+    let findings = result.findings.clone();
+    let exit = Exit::so_far(result.interrupted, &findings);
     let envelope = Rc::new(session.envelope("map", None, said, result));
     let made_with = (named, &saved);
-    let answer = Answer::at_work(envelope, &findings, made_with, args.details);
-    let mut answer = answer.with(pictures);
-    if interrupted {
-        answer.exit = Exit::Interrupted;
-    }
-    Ok(answer)
+    let answer = Answer::at_work(exit, envelope, &findings, made_with, args.details);
+    Ok(answer.with(pictures))
 }
 
 /// Picture and table in the folder, where one is asked for.

@@ -67,13 +67,10 @@ pub fn run(session: &Session, args: &MapArgs, path: &str) -> Result<Answer> {
         ]
     };
     let pictures = pictures_of(args, FILES, pictures);
-    let (interrupted, findings) = (result.interrupted, result.findings.clone());
+    let findings = result.findings.clone();
+    let exit = Exit::so_far(result.interrupted, &findings);
     let envelope = Rc::new(session.envelope("map", None, said, result));
     let made_with = (named, &saved);
-    let answer = Answer::at_work(envelope, &findings, made_with, args.details);
-    let mut answer = answer.with(pictures);
-    if interrupted {
-        answer.exit = Exit::Interrupted;
-    }
-    Ok(answer)
+    let answer = Answer::at_work(exit, envelope, &findings, made_with, args.details);
+    Ok(answer.with(pictures))
 }
