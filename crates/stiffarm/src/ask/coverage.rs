@@ -19,11 +19,11 @@ use serde::{Deserialize, Serialize};
 #[serde(default)]
 pub struct CoverageOptions {
     /// Experiments to simulate
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N", default_value_t = 10_000, value_parser = count()))]
-    pub runs: u64,
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", default_value_t = 10_000, value_parser = count::<usize>()))]
+    pub runs: usize,
     /// Count the intervals of so many resamples of the postures instead
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = count()))]
-    pub bootstrap: Option<u64>,
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = count::<usize>()))]
+    pub bootstrap: Option<usize>,
     /// Seed of the random numbers
     #[cfg_attr(feature = "clap", arg(long, default_value_t = 1, value_parser = seed()))]
     pub seed: u64,
@@ -55,11 +55,10 @@ impl CoverageOptions {
             let error = Error::new(Code::Usage, message).key("elastic");
             return Err(error.hint("`simulate --elastic` counts what the mixed model holds"));
         }
-        let number = |count: u64| usize::try_from(count).unwrap_or(usize::MAX);
         Ok(CoverageCase {
-            experiments: number(self.runs),
+            experiments: self.runs,
             seed: self.seed,
-            resamples: self.bootstrap.map(number),
+            resamples: self.bootstrap,
             options: self.fit.options(&cell.setup.robot)?,
             world: ErrorModel {
                 common_ratio: cell.noise.common_ratio().sqrt(),

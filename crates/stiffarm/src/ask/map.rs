@@ -35,12 +35,10 @@ pub struct Options {
 }
 
 /// What is asked of a map, or of the best place for a workpiece.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "clap", derive(clap::Args))]
-#[serde(default)]
 pub struct MapOptions {
     /// Where to map, or where the workpiece's origin may lie.
-    #[serde(flatten)]
     #[cfg_attr(feature = "clap", command(flatten))]
     pub region: RegionOptions,
     /// Orientation of the tip frame: turns about the base's x, then y, then z [deg] [default:

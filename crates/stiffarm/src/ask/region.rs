@@ -6,7 +6,6 @@ use crate::error::{Error, Result};
 use crate::model::cell::Cell;
 use crate::model::kinematics::Frames;
 use crate::units::mm_to_m;
-use serde::{Deserialize, Serialize};
 
 /// Nodes along the longest side.
 const LINE: usize = 61;
@@ -18,8 +17,7 @@ const PLANES: usize = 6;
 const ROUND: f64 = 0.1;
 
 /// A plane of the base frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
     /// 0 to 2 for x, y, z.
     pub axis: usize,
@@ -28,9 +26,7 @@ pub struct Plane {
 }
 
 /// Nodes of a region.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(untagged)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Steps {
     /// Along the longest side; the others in proportion.
     Longest(usize),
@@ -39,14 +35,12 @@ pub enum Steps {
 }
 
 /// The part of the workspace that is asked for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(
     feature = "clap",
     derive(clap::Args),
     command(next_help_heading = "Region (base frame)")
 )]
-#[serde(default)]
 pub struct RegionOptions {
     /// Map a plane: its coordinate, for example z=800 [mm]
     #[cfg_attr(feature = "clap", arg(long, value_name = "AXIS=MM", value_parser = plane))]

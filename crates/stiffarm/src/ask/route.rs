@@ -81,7 +81,7 @@ impl Routed {
         if options.equivalents {
             robot.known_controller()?;
         }
-        let step_deg = (options.angle_step_deg > 0.0).then_some(options.angle_step_deg);
+        let step_deg = (options.angle_step_deg != 0.0).then_some(options.angle_step_deg);
         let driving = RouteOptions {
             keep_order: options.keep_order,
             keep_angles: !options.equivalents,

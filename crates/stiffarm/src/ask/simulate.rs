@@ -1,7 +1,7 @@
 //! What is asked of a simulation: levels, runs, and errors of the model.
 
 #[cfg(feature = "clap")]
-use crate::ask::values::{ELASTIC, choice, number, seed, within};
+use crate::ask::values::{ELASTIC, choice, count, number, seed};
 use crate::error::{Code, Error, Result};
 use crate::estimate::elastic::ElasticChoice;
 use crate::estimate::simulate::{ElasticSimulationOptions, ModelErrors, SimulationOptions};
@@ -50,7 +50,7 @@ pub struct ErrorOptions {
 #[cfg_attr(feature = "clap", derive(clap::Args))]
 pub struct SimulateOptions {
     /// Runs per group and noise level [default: 200; 100 where the arm gives way beyond its axes]
-    #[cfg_attr(feature = "clap", arg(long, value_parser = within::<usize>(1..=1_000_000)))]
+    #[cfg_attr(feature = "clap", arg(long, value_parser = count::<usize>()))]
     pub runs: Option<usize>,
     /// Noise levels: factors on the cell's variance [default: 0.5,1,1.5,2,2.5,3; 1 where the arm
     /// gives way beyond its axes]

@@ -10,7 +10,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 
 /// A number of things to make: at least one, and not by a slip a million.
-pub fn count() -> impl Fn(&str) -> Result<u64, String> + Clone {
+pub fn count<T: TryFrom<u64>>() -> impl Fn(&str) -> Result<T, String> + Clone {
     within(1..=1_000_000)
 }
 

@@ -74,8 +74,8 @@ pub struct IdentifiedOptions {
     )]
     pub free: Vec<String>,
     /// Also resample the postures this often for a bootstrap interval
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = count()))]
-    pub bootstrap: Option<u64>,
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", value_parser = count::<usize>()))]
+    pub bootstrap: Option<usize>,
     /// Seed of the resampling and of the search for the next posture
     #[cfg_attr(feature = "clap", arg(long, default_value_t = 1, value_parser = seed()))]
     pub seed: u64,
@@ -142,8 +142,8 @@ impl Reduced {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Identified {
     /// The estimates. `joints` are those of the elastic model that predicts (the axes' own stand in `elastic.axes`), everything
-    /// else is of the joint axes alone; ±,
-    /// intervals and verdicts hold all errors where `systematic_errors` are known, else the scatter of the readings alone.
+    /// else is of the joint axes alone; ±, intervals and verdicts hold all errors where `systematic_errors` are known, else
+    /// the scatter of the readings alone.
     #[serde(flatten)]
     pub identification: Identification,
     /// From raw readings to displacements; `null` for a table of displacements.
@@ -273,7 +273,6 @@ impl Identified {
         };
         let bootstrap = match options.bootstrap {
             Some(resamples) => {
-                let resamples = usize::try_from(resamples).unwrap_or(usize::MAX);
                 let found = bootstrap(fit, resamples, options.seed, fit.options().confidence);
                 let found = found.map_err(|e| e.key("bootstrap"));
                 unless_stopped("bootstrap", &mut left_out, found)?

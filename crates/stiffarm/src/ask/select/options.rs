@@ -168,10 +168,10 @@ pub struct SelectOptions {
     pub add: Option<usize>,
     /// Leave out the K postures least worth their time; --output and --sheet hold those that stay [default: 1]
     #[cfg_attr(feature = "clap", arg(long, value_name = "K", help_heading = EXISTING, requires = "given",
-        num_args = 0..=1, default_missing_value = "1", value_parser = within::<usize>(1..=1_000_000)))]
+        num_args = 0..=1, default_missing_value = "1", value_parser = count::<usize>()))]
     pub drop: Option<usize>,
     /// Exactly N rounds; they give the same result on any number of threads
-    #[cfg_attr(feature = "clap", arg(long, value_name = "N", help_heading = BUDGET, value_parser = count()))]
+    #[cfg_attr(feature = "clap", arg(long, value_name = "N", help_heading = BUDGET, value_parser = count::<u64>()))]
     pub rounds: Option<u64>,
     /// End after the round in which this time is over (with --curve, for each number of postures)
     #[cfg_attr(feature = "clap", arg(long = "time-limit", id = "time_limit", value_name = "SECONDS",

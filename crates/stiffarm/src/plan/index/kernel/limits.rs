@@ -69,26 +69,21 @@ pub(super) fn forward(model: &Model, batch: &mut Batch) {
         let own = model.point_limits.iter();
         for limit in own.filter(|limit| limit.holds_for(is_tool_point)) {
             // As in `Limits::visit`, which shows what this searches by.
-            let (value, across) = match limit.measure {
-                Measure::Axis(axis) => (point[axis], None),
-                Measure::FromAxis1 => {
-                    let offset = sub(point, first_origin);
-                    let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
-                    (dot(&across, &across).sqrt(), Some(across))
-                }
-            };
             let at = Lanes::splat(limit.at);
-            let slope = match limit.side {
+            let mut slope_at = |value: Lanes| match limit.side {
                 Side::AtLeast => penalty.slope(value - at),
                 Side::AtMost => -penalty.slope(at - value),
             };
-            match (limit.measure, across) {
-                (_, Some(across)) => {
-                    let inverse = slope / value.max(Lanes::splat(f64::MIN_POSITIVE));
+            match limit.measure {
+                Measure::Axis(axis) => push[axis] += slope_at(point[axis]),
+                Measure::FromAxis1 => {
+                    let offset = sub(point, first_origin);
+                    let across = sub(offset, scale(first_axis, dot(&first_axis, &offset)));
+                    let distance = dot(&across, &across).sqrt();
+                    let inverse =
+                        slope_at(distance) / distance.max(Lanes::splat(f64::MIN_POSITIVE));
                     push = add(push, scale(across, inverse));
                 }
-                (Measure::Axis(axis), None) => push[axis] += slope,
-                (Measure::FromAxis1, None) => {}
             }
         }
         if is_tool_point {
